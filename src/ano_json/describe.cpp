@@ -54,7 +54,7 @@ Json describe(const Message& row) {
 std::vector<Json> describe_all(const FlexibleLayouts& flexible) {
     std::vector<Json> rows;
     for (const Message& row : messages) {
-        bool is_for_all = false;    // what is configured takes the place of the row
+        bool is_for_all = false;    // a configured layout replaces the row of the table
         for (const FlexibleLayout& layout : flexible.all()) {
             if (layout.id() != row.id) continue;
             Json& json = rows.emplace_back(describe(row));

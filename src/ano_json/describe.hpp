@@ -12,7 +12,7 @@ namespace ano {
 /// One row of the table: `id`, `name`, `title`, `layout` (which DATA selects it), `fields` and more.
 Json describe(const Message& row);
 
-/// Every row, those of flexible messages as `flexible` has them: a row a layout, with `source` where it is for the frames of one only.
+/// All rows. For flexible messages one row for each layout in `flexible`, with `source` if it is for frames of one source only.
 std::vector<Json> describe_all(const FlexibleLayouts& flexible);
 
 }    // namespace ano

@@ -16,10 +16,10 @@ namespace ano {
 /// what is on the wire × scale, default 1) and `unit`. Every fault is reported; a layout with a fault is left out.
 std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts);
 
-/// The same layouts as they were written, behind those that `specs` has.
+/// Appends the same layouts, as they were written, to `specs`.
 std::vector<JsonFault> read_flexible(const nlohmann::json& array, const std::string& pointer, std::vector<FlexibleSpec>& specs);
 
-/// The array again.
+/// Converts them back to the array.
 Json flexible_to_json(const std::vector<FlexibleSpec>& specs);
 
 }    // namespace ano

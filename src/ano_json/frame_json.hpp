@@ -2,8 +2,8 @@
 //
 //   {"from": 220, "to": 254, "id": 3, "name": "euler", "fields": {"rol": 1.23, ...}, "extra": "hex", "data": "hex"}
 //
-// `extra` are the bytes behind the layout. `data` stands alone when the frame has no known layout, and beside `fields`
-// where they can't give the bytes back exactly; when both are given, `data` is encoded, so every frame comes back unchanged.
+// `extra` has the bytes after the layout. `data` is given without `fields` when the frame has no known layout, and in addition to them
+// when they can't restore the bytes exactly. If both are given, `data` is encoded, so that every frame comes back unchanged.
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano/frame.hpp>
@@ -19,32 +19,32 @@
 
 namespace ano {
 
-/// Keys stand in the order of the table.
+/// Keys are in the order of the table.
 using Json = nlohmann::ordered_json;
 
 struct JsonOptions {
     const FlexibleLayouts* flexible = nullptr;    // layouts of flexible messages
     Encoding encoding = Encoding::utf8;           // of text on the wire
-    ValueType7 value_type_7 = ValueType7::f32;    // for the words for the types of a command's values
+    ValueType7 value_type_7 = ValueType7::f32;    // the meaning of value type 7 of commands
 };
 
 /// Never fails, whatever the frame holds; throws std::runtime_error only when the system can't convert `encoding`.
 Json frame_to_json(FrameView frame, const JsonOptions& options = {});
 
-/// The `fields` of that alone; `reading` has some.
+/// Only the `fields` of that; `reading` must have fields.
 Json fields_to_json(const Reading& reading, const JsonOptions& options = {});
 
 /// What is wrong with the JSON of a frame.
 struct JsonFault {
     std::string pointer;    // where: "/fields/rol"
-    std::string what;       // for people, one line; names the field
+    std::string what;       // for the user, one line; names the field
 };
 
 /// The whole frame, HEAD to AC. `from` is 254 and `to` is 255 where not given; `name` or `id` must be. In place of a
 /// number there may be a number as text, written as in C ("0xDC"), or the word for it ("airborne", "flight controller").
 /// `value` of a parameter and `values` of a command may be typed: "f32:1.5", "u16:100,i32:-5". A `value` with fewer bytes
 /// than devices would read is refused; `par_type` beside it tells its type and is not sent. The keys
-/// `time`, `link`, `peer`, `direction` and `cause`, which those who watch are told beside it, are ignored.
+/// `time`, `link`, `peer`, `direction` and `cause`, which the gateway adds to frames that it shows, are ignored.
 std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& json, const JsonOptions& options = {});
 
 /// DATA of message `id` from the object of its fields, in the layout that has all of them (the base layout first).

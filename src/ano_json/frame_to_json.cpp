@@ -92,7 +92,7 @@ private:
         return text;
     }
 
-    // Bytes that are not a whole frame are given beside the frames, as `data`.
+    // Bytes that are not a whole frame are added as `data`, next to the frames.
     void write_frames(Bytes bytes, Json& json) {
         Json frames = Json::array();
         std::string rest;

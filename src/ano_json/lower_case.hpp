@@ -1,11 +1,11 @@
-// Text without capitals.
+// Converts text to lower case.
 #pragma once
 #include <string>
 #include <string_view>
 
 namespace ano {
 
-/// A to Z as small letters, all else as it is: it may be of any encoding.
+/// Changes only A to Z, so `text` may have any encoding.
 inline std::string lower_case(std::string_view text) {
     std::string lower{text};
     for (char& c : lower)

@@ -51,14 +51,14 @@ bool begins_word(std::string_view candidate, std::string_view word) {
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
     if (word.empty() || word.size() > max_word) return {};
     std::string_view best;
-    std::size_t fewest = 1 + word.size() / 4;
+    std::size_t max_edits = 1 + word.size() / 4;
     for (const std::string_view candidate : candidates) {
         if (candidate.size() > max_word) continue;
         const std::size_t count = edits(word, candidate);
-        if (count > fewest || count * 2 > candidate.size()) continue;
-        if (count == fewest && !best.empty() && !is_rather_meant(candidate, best, word)) continue;
+        if (count > max_edits || count * 2 > candidate.size()) continue;
+        if (count == max_edits && !best.empty() && !is_rather_meant(candidate, best, word)) continue;
         best = candidate;
-        fewest = count;
+        max_edits = count;
     }
     if (!best.empty() || word.size() < min_part) return best;
     for (const auto part : {contains_word, begins_word})

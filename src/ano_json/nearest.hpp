@@ -10,7 +10,7 @@ namespace ano {
 /// contains `word`, or that `word` begins with. Empty when none is near.
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
 
-/// " (did you mean 'baud'?)", or nothing.
+/// " (did you mean 'baud'?)", or "".
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);
 
 /// " (did you mean '0xDC'?)" for a number in hex that lacks its 0x: DC, xDC, DCh, $DC, with that many digits. Empty for anything

@@ -14,14 +14,14 @@ constexpr std::string_view space = " \t\r\n";
 
 bool has(std::string_view message, std::string_view part) { return message.find(part) != message.npos; }
 
-/// What stands before the closing bracket that ends `text`.
+/// Whether a comma precedes the closing bracket that ends `text`.
 bool ends_with_comma_and_bracket(std::string_view text) {
     text.remove_suffix(1);
     const std::size_t last = text.find_last_not_of(space);
     return last != text.npos && text[last] == ',';
 }
 
-/// The word of letters that stands at `at`.
+/// The word of letters around `at`.
 std::string word_at(std::string_view text, std::size_t at) {
     const auto is_letter = [&](std::size_t i) { return std::isalpha(static_cast<unsigned char>(text[i])) != 0; };
     std::size_t begin = at, end = at;
@@ -36,7 +36,7 @@ bool is_truth_value(std::string_view word) {
     return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
-/// `text`, up to and including `byte`, was read until something unexpected came.
+/// A hint at the likely mistake. The parser stopped at `byte`, the last byte that it read.
 std::string_view slip(std::string_view text, std::size_t byte, std::string_view message) {
     const std::string_view read = text.substr(0, byte);
     if (text.find_first_not_of(space) == text.npos) return "there is nothing in it";
@@ -54,7 +54,7 @@ std::string_view slip(std::string_view text, std::size_t byte, std::string_view 
     return {};
 }
 
-/// The parser says of a number beyond what a double holds which it is, but not where.
+/// For a number that is too large for a double: the parser tells the number, but not its place.
 std::string too_large(std::string_view text, std::string_view message) {
     const std::size_t quote = message.find('\'');
     const std::string_view number = quote == message.npos ? "" : message.substr(quote + 1, message.rfind('\'') - quote - 1);

@@ -1,4 +1,4 @@
-// Text and numbers between the wire, JSON and people.
+// Converts text and numbers between the wire, JSON and texts for the user.
 #pragma once
 #include <ano/wire.hpp>
 
@@ -20,13 +20,13 @@ enum class Encoding : std::uint8_t {
 /// Valid UTF-8, with U+FFFD for bytes that are not text in `encoding`. Throws std::runtime_error when the system can't convert
 /// it (`automatic` takes it for UTF-8 then).
 std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding);
-/// `text` in `encoding`; nothing when it is not UTF-8 or has characters `encoding` lacks. Throws as to_utf8() does.
+/// `text` in `encoding`; std::nullopt when it is not UTF-8 or has characters that `encoding` lacks. Throws as to_utf8() does.
 std::optional<std::string> from_utf8(std::string_view text, Encoding encoding);
 
 bool is_utf8(std::string_view text) noexcept;
 
-/// A number as it is written in C: -1.5, 1e-7, 0xDC; also nan and inf. A leading 0 is decimal. Nothing for anything
-/// else.
+/// A number as it is written in C: -1.5, 1e-7, 0xDC; also nan and inf. A leading 0 is decimal. std::nullopt for
+/// anything else.
 std::optional<Number> parse_number(std::string_view text);
 /// The shortest text that reads as `value` again.
 std::string number_text(double value);

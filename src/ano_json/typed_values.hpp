@@ -20,7 +20,7 @@ struct TypedValues {
 inline bool is_typed(std::string_view text) noexcept { return text.find(':') != text.npos; }
 
 /// Numbers of the types u8 to f64, packed; `role` is Role::values (up to 8 of them) or Role::value (one, which may also be
-/// "string:TEXT", in `encoding`). Otherwise what is wrong, in a clause.
+/// "string:TEXT", in `encoding`). Otherwise the error, in a clause.
 std::variant<TypedValues, std::string> typed_values(std::string_view text, Role role, Encoding encoding);
 
 }    // namespace ano

@@ -38,8 +38,8 @@ bool is_same_word(std::string_view a, std::string_view b) noexcept {
 std::string carried(const Field& field) {
     std::string text{name_of(field.type)};
     if (!field.scale.is_one()) {
-        const auto [least, most] = limits_of(field);
-        text += ", " + number_text(least) + " to " + number_text(most);
+        const auto [min, max] = limits_of(field);
+        text += ", " + number_text(min) + " to " + number_text(max);
     } else if (is_integer(field.type)) {
         text += with_type(field.type, []<class T>(T) {
             return ", " + std::to_string(std::numeric_limits<T>::min()) + " to " + std::to_string(std::numeric_limits<T>::max());

@@ -1,4 +1,4 @@
-// The words that people see in place of numbers, and back.
+// Converts between numbers and the words that stand for them.
 #pragma once
 #include <ano/schema.hpp>
 #include <ano/values.hpp>

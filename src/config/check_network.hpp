@@ -1,18 +1,18 @@
-// Who in the network may reach what, by a configuration that says nothing wrong otherwise.
+// Checks what the network can reach with a configuration that has no other errors.
 #pragma once
 #include <config/config.hpp>
 #include <gateway/ip.hpp>
 
 namespace anogate {
 
-/// Adds an error when peers in the network may reach programs that listen on loopback by tunnel frames, and `relay` does not
-/// say that they shall.
+/// Adds an error when peers in the network can reach programs on loopback through tunnel frames and `relay` does not allow it
+/// explicitly.
 void check_relay(Draft& draft);
 
-/// The same of the addresses of our interfaces, `own`: they are known only on the machine and come and go, so only a check asks.
+/// The same for the addresses of our interfaces, `own`. They are known only on the machine and may change, so only --check calls this.
 void check_relay(Draft& draft, const std::vector<Network>& own);
 
-/// Adds one line when any number of links are open to all networks of this computer: what that means, and what to do. No fault.
+/// Adds one note to the warnings when links are open to all networks of this computer, however many: what that means, and what to do.
 void note_open_ports(Draft& draft);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// From a JSON file, LINK texts and command-line options to Settings, with every fault on the way; and back to JSON.
+// Reads a JSON file, LINK texts and command-line options into Settings and reports every error; and prints Settings as JSON.
 //
 // Flow: read_config() or read_link() any number of times, options set in draft.settings, then validate(draft):
 // draft.settings is usable when draft.errors is empty.
@@ -14,11 +14,11 @@
 
 namespace anogate {
 
-/// Where something was said, so that a fault found later still names its place.
+/// Where a setting was written, so that an error found later can name the place.
 struct Origin {
     std::string where;
-    bool object = false;    // a JSON object at the pointer `where`; otherwise a whole text that people wrote
-    bool broken = false;    // it had errors: what it would have meant is not known
+    bool object = false;    // `where` points to a JSON object; otherwise it names a whole text, such as a LINK
+    bool broken = false;    // it had errors, so the settings made of it are incomplete
 
     std::string key(std::string_view name) const { return object ? where + "/" + std::string{name} : where; }
 };
@@ -27,17 +27,17 @@ struct Origin {
 struct Draft {
     explicit Draft(LinkKinds there_are) : kinds{there_are} {}
 
-    LinkKinds kinds;    // those that there are
+    LinkKinds kinds;    // all that this program knows
     Settings settings;
-    std::vector<Origin> links, routes, aliases, gpio;    // where each of these in the settings was said
-    Origin unknown;                                      // where settings.gateway.unknown was said
-    Origin tunnel;                                       // where settings.tunnel was said
-    Origin record;                                       // where settings.record was said
-    Origin control, log;                                 // and these
+    std::vector<Origin> links, routes, aliases, gpio;    // one for each entry of the list in `settings`
+    Origin unknown;                                      // of settings.gateway.unknown
+    Origin tunnel;                                       // of settings.tunnel
+    Origin record;                                       // of settings.record
+    Origin control, log;                                 // of settings.control and settings.log
     ConfigErrors errors;
-    ConfigErrors warnings;                         // of what is allowed and may not be meant
-    std::map<std::string, std::string> said_in;    // the file that said a key which only one may: "/gateway/id"
-    bool broken_links = false;                     // not every link is known: what names one can't be judged
+    ConfigErrors warnings;                         // what is allowed but is probably not meant
+    std::map<std::string, std::string> said_in;    // key ("/gateway/id") → file, of keys that only one file may set
+    bool broken_links = false;                     // a link could not be read: whether a name is that of a link can't be checked
 
     void add(LinkSettings link, Origin origin);
     void add(RouteSettings route, Origin origin);
@@ -45,17 +45,17 @@ struct Draft {
     void add(AliasSettings alias, Origin origin);
 };
 
-/// A path that a link names, the key that says it, and where that was said.
+/// A path that a link names, the key that holds it, and where that was written.
 struct NamedPath {
     LinkPath path;
     std::string_view key;
     Origin origin;
 };
-/// Those of every link whose settings are known.
+/// The paths of every link that was read without errors.
 std::vector<NamedPath> paths_of_links(const Draft& draft);
 
-/// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none. To what other files said before,
-/// it adds links, routes, aliases, GPIO lines and flexible messages; any other key may stand in one file alone.
+/// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none. Links, routes, aliases,
+/// GPIO lines and flexible messages of several files are added up; any other key may be set in one file only.
 void read_config(std::string_view json, const std::string& file, Draft& draft);
 
 /// Adds a link: KIND:ADDRESS[,KEY=VALUE...]. `where` is put before the text, "" for none.
@@ -64,15 +64,15 @@ void read_link(std::string_view text, const std::string& where, Draft& draft);
 /// Adds a route: ADDR=LINK. Errors are at `where`.
 void read_route(std::string_view text, const std::string& where, Draft& draft);
 
-/// Names the links that were not given a name, and judges what only the whole can tell: names, ids and ports used
-/// twice, routes to no link.
+/// Names the links without a name, and checks what depends on the whole configuration: names, ids and ports used twice,
+/// routes to no link.
 void validate(Draft& draft);
 
-/// The settings say something of the link `control`, or name it: it is there from the start.
+/// Whether the settings configure the link `control` or refer to it: then it exists from the start.
 bool is_control_configured(const Settings& settings);
 
-/// The settings as a JSON configuration that means the same: read and printed again it is the same text.
-/// They must be without fault. Keys without a value (id, dtr, bind...) are left out.
+/// The settings as a JSON configuration that means the same; reading it and printing it again gives the same text.
+/// `settings` must be valid. Keys without a value (id, dtr, bind...) are left out.
 std::string print_config(const Settings& settings);
 
 /// The JSON Schema (draft 7) of the configuration.

@@ -18,7 +18,7 @@ std::string line_of(const ConfigError& error);
 /// "anogated: WHERE: WHAT", a line each.
 std::string lines(const ConfigErrors& errors);
 
-/// `text` as it can be shown in a line: control characters as \xNN, and so what is no UTF-8; long text is cut.
-std::string printable(const std::string& text, std::size_t most = 200);
+/// `text` on one line: control characters and bytes that are not UTF-8 become \xNN; text longer than `max_bytes` is cut.
+std::string printable(const std::string& text, std::size_t max_bytes = 200);
 
 }    // namespace anogate

@@ -10,7 +10,7 @@ namespace anogate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Values = std::vector<std::pair<std::string, std::string>>;    // of keys, in words
+using Values = std::vector<std::pair<std::string, std::string>>;    // key, value as text
 
 std::string in_words(const Json& value) {
     if (value.is_string()) return value.get<std::string>();
@@ -22,7 +22,7 @@ std::string in_words(const Json& value) {
     return text.empty() ? "none" : text;
 }
 
-/// Every key of `object`: "send.deny".
+/// Adds every key of `object` with its full name: "send.deny".
 void add_values(const Json& object, const std::string& before, Values& values) {
     for (const auto& [name, value] : object.items()) {
         if (value.is_object()) add_values(value, before + name + ".", values);
@@ -47,7 +47,7 @@ std::vector<std::string> differences_of(const Values& before, const Values& afte
     return lines;
 }
 
-/// Entries of a list that has no order.
+/// For a list whose order means nothing.
 std::vector<std::string> differences_of_list(const std::string& name, const Json& before, const Json& after) {
     std::vector<std::string> lines;
     Json rest = after;
@@ -60,7 +60,7 @@ std::vector<std::string> differences_of_list(const std::string& name, const Json
     return lines;
 }
 
-/// One configuration with what is asked of it here.
+/// One configuration, split into the parts that are compared.
 class Document {
 public:
     explicit Document(const Settings& settings) : settings_{settings}, json_(Json::parse(print_config(settings))) {}
@@ -72,7 +72,7 @@ public:
         if (settings_.tunnel) names.emplace_back("tunnel");
         return names;
     }
-    /// All that a link was made by; empty: there is none of this name.
+    /// All settings that a link is made from; empty: there is no link of this name.
     Values link(const std::string& name) const {
         if (name == "tunnel") return tunnel();
         Values values;
@@ -125,7 +125,7 @@ std::vector<LinkDifference> differences_of_links(const Document& before, const D
     return links;
 }
 
-/// Those links that both have stand in another order.
+/// Whether the links that are in both have another order.
 bool are_reordered(const Document& before, const Document& after) {
     std::vector<std::string> were = before.names(), are = after.names();
     const auto only_in_one = [](const std::vector<std::string>& all) {

@@ -1,4 +1,4 @@
-// What differs between two configurations, link by link, in the words of their keys.
+// The differences between two configurations, link by link, as key: before -> after.
 #pragma once
 #include <gateway/settings.hpp>
 
@@ -15,25 +15,25 @@ std::string_view text(Change change) noexcept;
 struct LinkDifference {
     std::string name;
     Change change = Change::same;
-    std::vector<std::string> differences;    // of a changed one: "baud: 500000 -> 115200"
+    std::vector<std::string> differences;    // of a changed link: "baud: 500000 -> 115200"
 };
 
 struct Difference {
-    std::vector<LinkDifference> links;    // those of the new configuration in its order, then those that go; the tunnel is one
-    std::vector<std::string> gateway;     // of all else: takes effect while the gateway runs
-    std::vector<std::string> needs_restart;    // the same: takes effect at the next start
+    std::vector<LinkDifference> links;    // in the order of the new configuration, then the removed ones; includes the tunnel
+    std::vector<std::string> gateway;     // other changes that take effect while the gateway runs
+    std::vector<std::string> needs_restart;    // other changes that take effect at the next start
 
-    /// Nothing is to be done while it runs.
+    /// Whether no change takes effect while the gateway runs.
     bool is_none() const noexcept;
-    /// Of a link that is in neither: Change::same.
+    /// Change::same for a link that is in neither configuration.
     Change of(std::string_view link) const noexcept;
 };
 
-/// Both must be without fault. A link is the one of the same name; what belongs to a link and stands elsewhere (its aliases, the
-/// GPIO line of its transceiver) counts as its own.
+/// Both must be valid. Links are matched by name; what belongs to a link but is configured elsewhere (its aliases, the GPIO line
+/// of its transceiver) counts as part of it.
 Difference difference(const Settings& before, const Settings& after);
 
-/// `after` as far as it takes effect while `running` runs: the control socket and the place of the log stay.
+/// `after`, but with the settings of `running` that only a restart can change: the control socket and the place of the log.
 Settings without_restart(const Settings& running, Settings after);
 
 }    // namespace anogate

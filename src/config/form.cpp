@@ -15,7 +15,7 @@ using nlohmann::json;
 using Json = nlohmann::ordered_json;
 using ano::Duration;
 
-// The words of JSON.
+// FormRow::words.
 
 std::optional<Words> boolean_words(const json& value) {
     return value.is_boolean() ? std::optional{Words{value.dump()}} : std::nullopt;
@@ -39,7 +39,7 @@ std::optional<Words> count_or_text_words(const json& value) {
     return value.is_string() || value.is_number_unsigned() ? integer_or_text_words(value) : std::nullopt;
 }
 
-/// Every entry by itself; nothing when `is_word` refuses one.
+/// The entries of an array; std::nullopt when `is_word` refuses one.
 std::optional<Words> words_of_list(const json& value, bool (*is_word)(const json&)) {
     if (!value.is_array()) return std::nullopt;
     Words words;
@@ -52,7 +52,7 @@ std::optional<Words> words_of_list(const json& value, bool (*is_word)(const json
 
 bool has(const json& text, char c) { return text.get_ref<const std::string&>().find(c) != std::string::npos; }
 
-// One text does not stand for several here, as it does in a LINK text.
+// A single text is one word here; only a LINK text joins several by +.
 std::optional<Words> list_words(const json& value) {
     if (value.is_array() && value.empty()) return std::nullopt;
     return words_of_list(value,
@@ -69,10 +69,10 @@ std::optional<Words> names_words(const json& value) {
 std::optional<Words> joined_names_words(const json& value) {
     return words_of_list(value, [](const json& entry) { return entry.is_string() && !has(entry, '+'); });
 }
-// Each of its entries is read by itself.
+// For Form::limits, whose entries are read one by one.
 std::optional<Words> no_words(const json&) { return std::nullopt; }
 
-// Printing. An empty list or text is what is not set.
+// FormRow::print. printed() takes an empty list or text as not set.
 
 Json print_boolean(const KeyFacts&, const Value& value) { return std::get<bool>(value); }
 Json print_number(const KeyFacts&, const Value& value) { return std::get<std::uint64_t>(value); }
@@ -123,9 +123,9 @@ Json print_limits(const KeyFacts&, const Value& value) {
     return object;
 }
 
-// The schema.
+// FormRow::schema.
 
-Json number_schema(const KeyFacts& key) { return {{"type", "integer"}, {"minimum", key.least}, {"maximum", key.most}}; }
+Json number_schema(const KeyFacts& key) { return {{"type", "integer"}, {"minimum", key.min}, {"maximum", key.max}}; }
 Json pattern(const char* text) { return {{"type", "string"}, {"pattern", text}}; }
 Json any_string(const KeyFacts&) { return {{"type", "string"}}; }
 Json choices_schema(const KeyFacts& key) {
@@ -133,19 +133,19 @@ Json choices_schema(const KeyFacts& key) {
     for (const std::string_view choice : split(key.choices, '|')) list.push_back(choice);
     return {{"enum", list}};
 }
-Json text_schema(const KeyFacts& key) { return {{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}}; }
+Json text_schema(const KeyFacts& key) { return {{"type", "string"}, {"minLength", key.min}, {"maxLength", key.max}}; }
 Json id_schema(const KeyFacts& key) { return {{"anyOf", {number_schema(key), pattern("^(0[xX][0-9A-Fa-f]+|[0-9]+)$")}}}; }
 Json words_schema(const KeyFacts&) {
     return {{"type", "array"}, {"items", {{"type", Json::array({"string", "integer"})}}}, {"minItems", 1}};
 }
 
-// The words of errors and of the help.
+// FormRow::expected and FormRow::placeholder.
 
-std::string between(const std::string& least, const std::string& most) { return " from " + least + " to " + most; }
-std::string numbers_of(const KeyFacts& key) { return between(std::to_string(key.least), std::to_string(key.most)); }
+std::string between(const std::string& min, const std::string& max) { return " from " + min + " to " + max; }
+std::string numbers_of(const KeyFacts& key) { return between(std::to_string(key.min), std::to_string(key.max)); }
 std::string times_of(const KeyFacts& key) {
     const auto time = [](std::uint64_t count) { return duration_text(std::chrono::milliseconds{count}); };
-    return between(time(key.least), time(key.most));
+    return between(time(key.min), time(key.max));
 }
 std::string listed(std::string_view choices) {
     std::string text;
@@ -184,11 +184,11 @@ constexpr FormRow rows[] = {
      .read = read_value::decimal,
      .print = print_decimal,
      .schema = [](Facts key) -> Json {
-         return {{"type", "number"}, {"minimum", key.least / 1000}, {"maximum", key.most / 1000}};
+         return {{"type", "number"}, {"minimum", key.min / 1000}, {"maximum", key.max / 1000}};
      },
      .expected =
          [](Facts key) {
-             return "a number" + between(std::to_string(key.least / 1000), std::to_string(key.most / 1000)) +
+             return "a number" + between(std::to_string(key.min / 1000), std::to_string(key.max / 1000)) +
                     " such as 2 or 0.5, in thousandths at the finest";
          },
      .placeholder = [](Facts) { return std::string{"NUMBER"}; }},
@@ -253,7 +253,7 @@ constexpr FormRow rows[] = {
      .read = read_value::choice_or_link,
      .print = print_text,
      .schema = [](Facts key) -> Json {
-         return {{"anyOf", {choices_schema(key), Json{{"type", "string"}, {"minLength", key.least}}}}};
+         return {{"anyOf", {choices_schema(key), Json{{"type", "string"}, {"minLength", key.min}}}}};
      },
      .expected = [](Facts key) { return "one of " + listed(key.choices) + " or the name of a link"; },
      .placeholder = [](Facts key) { return std::string{key.choices} + "|LINK"; }},
@@ -262,7 +262,7 @@ constexpr FormRow rows[] = {
      .read = read_value::text,
      .print = print_text,
      .schema = text_schema,
-     .expected = [](Facts key) { return "text of " + std::to_string(key.least) + " to " + std::to_string(key.most) + " bytes"; },
+     .expected = [](Facts key) { return "text of " + std::to_string(key.min) + " to " + std::to_string(key.max) + " bytes"; },
      .placeholder = [](Facts) { return std::string{"TEXT"}; }},
     {.form = Form::endpoint,
      .words = text_words,
@@ -379,7 +379,7 @@ constexpr bool are_in_order() {
 }
 static_assert(are_in_order());
 
-/// What must be a list, for one text may be several in a LINK text only.
+/// Whether a single text was given where JSON needs a list: only a LINK text joins several by +.
 bool lacks_brackets(const KeyFacts& key, const json& value) {
     return row_of(key.form).is_joined && !value.is_array() &&
            (key.form != Form::networks || (value.is_string() && value != "any"));

@@ -1,5 +1,5 @@
-// The ways in which values are written, one row each: what it may be in text and in JSON, how it is read and printed, and what
-// schema and help say of it. The table stands in form.cpp.
+// The forms of values, one row each: how a value is written in text and in JSON, how it is read and printed, and how the schema
+// and the help describe it. The table is in form.cpp.
 #pragma once
 #include <config/value.hpp>
 
@@ -20,37 +20,37 @@ enum class Form : std::uint8_t {
     decimal,    // a number in thousandths
     address,    // a hardware id
     can_id,
-    addresses,    // one, or a range of them
+    addresses,    // one hardware id, or a range
     duration,
-    interval,    // a duration, or whether at all
+    interval,    // a duration, or true or false
     size,
     choice,
     choice_or_link,    // one of the choices, or the name of a link
     text,
     endpoint,
     networks,
-    network,    // one of them
+    network,    // a single network
     ip,         // an IPv4 address, or one of the choices
     names,      // of links
-    texts,      // a list of them
-    words,      // the same, which stand for something else than links of ours: in a LINK text joined by +
+    texts,      // a list of texts
+    words,      // a list of texts that are not names of our links; in a LINK text joined by +
     line,       // of a GPIO chip: its number or its name
     silence,    // "silent" and a duration
     frames,     // ids, messages, classes
-    senders,    // addresses and ranges of them
-    limits,     // an object of its own: each of its keys names a message
+    senders,    // addresses and ranges of addresses
+    limits,     // a JSON object: message → frames a second
 };
 
-/// A value as it was given: one word, or several where the form is a list; of a limit the message and the rate.
+/// A value as it was written: one word, or several where the form is a list; for a limit: the message and the rate.
 using Words = std::vector<std::string>;
 
 struct FormRow {
     Form form;
-    bool is_joined = false;       // a list in JSON; in text joined by +
+    bool is_joined = false;       // a list in JSON; its words joined by + in text
     bool may_be_alone = false;    // the key alone means true in a LINK text
-    /// The words of a JSON value; nothing when it is not of the right type.
+    /// The words of a JSON value; std::nullopt when it has the wrong type.
     std::optional<Words> (*words)(const nlohmann::json&);
-    /// What is wrong with the words, or nothing and the value.
+    /// Sets the value and returns "", or returns what is wrong with the words.
     std::string (*read)(const KeyFacts&, const Words&, Value&);
     nlohmann::ordered_json (*print)(const KeyFacts&, const Value&);
     nlohmann::ordered_json (*schema)(const KeyFacts&);
@@ -60,15 +60,15 @@ struct FormRow {
 
 const FormRow& row_of(Form form) noexcept;
 
-/// What is wrong with `text`, or nothing and the value.
+/// Sets `value` and returns "", or returns what is wrong with the text or JSON.
 std::string read_text(const KeyFacts& key, std::string_view text, Value& value);
 std::string read_json(const KeyFacts& key, const nlohmann::json& json, Value& value);
-/// Nothing for a value that is not set, or is empty.
+/// std::nullopt for a value that is not set or is empty.
 std::optional<nlohmann::ordered_json> printed(const KeyFacts& key, const Value& value);
-/// The same as it is written in a LINK text.
+/// The same, as text for a LINK.
 std::optional<std::string> text_of(const KeyFacts& key, const Value& value);
 
-/// For an error: the value, or what it is when it is not a short one.
+/// For an error text: the value, or its type when it is long.
 std::string shown(const nlohmann::json& json);
 
 }    // namespace anogate

@@ -11,7 +11,7 @@
 namespace anogate {
 namespace {
 
-constexpr double slowest = 0.001, fastest = 1'000'000;    // frames a second
+constexpr double min_rate = 0.001, max_rate = 1'000'000;    // frames a second
 
 std::vector<ByteRange> ids_of(ano::TrafficClass traffic) {
     std::vector<ByteRange> ranges;
@@ -50,7 +50,7 @@ std::string meant_addresses(std::string_view text) {
         lacks_0x = lacks_0x || !in_hex.empty();
         meant += meant.empty() ? "" : "-";
         if (!in_hex.empty()) meant += in_hex;
-        else meant.append(number.starts_with("0x") ? "" : "0x").append(number);    // 30 of 30-4F
+        else meant.append(number.starts_with("0x") ? "" : "0x").append(number);    // such as the 30 in 30-4F
     }
     return lacks_0x && parse_addresses(meant) ? " (did you mean '" + meant + "'?)" : "";
 }
@@ -72,7 +72,7 @@ LimitText parse_limit(std::string_view name, std::string_view rate) {
                     (ids ? ", which is several" : meant_frames(name))};
     double value = 0;
     const auto [end, error] = std::from_chars(rate.data(), rate.data() + rate.size(), value);
-    if (error != std::errc{} || end != rate.data() + rate.size() || !(value >= slowest && value <= fastest))
+    if (error != std::errc{} || end != rate.data() + rate.size() || !(value >= min_rate && value <= max_rate))
         return {{},
                 in_quotes(name) + " must be a number of frames a second from 0.001 to 1000000, not " + in_quotes(rate) +
                     (rate == "0" ? "; to let none pass: send.deny=" + std::string{name} : "")};

@@ -1,4 +1,4 @@
-// The words by which rules name frames: ids, messages and classes for what they say, addresses for who says it to whom.
+// The words by which rules name frames: ids, messages and traffic classes; and hardware ids for their source and destination.
 #pragma once
 #include <gateway/filter.hpp>
 
@@ -10,26 +10,26 @@
 namespace anogate {
 
 /// An id (0xF0, 240), a range of them (0x01-0x0F), the name of a message (firmware) or of a traffic class (telemetry).
-/// Nothing when it is none of these.
+/// std::nullopt when it is none of these.
 std::optional<std::vector<ByteRange>> parse_frames(std::string_view text);
 /// All words that parse_frames() knows, for suggestions.
 std::vector<std::string_view> frame_words();
 
-/// " (did you mean '0xDC-0xDE'?)" for addresses or ids in hex that lack their 0x, or nothing.
+/// " (did you mean '0xDC-0xDE'?)" for addresses or ids in hex that lack their 0x, or "".
 std::string meant_addresses(std::string_view text);
-/// The same, or the word that parse_frames() knows and `text` is a slip of.
+/// The same, or a suggestion of a word of parse_frames() that `text` probably misspells.
 std::string meant_frames(std::string_view text);
 
-/// 0x01 or 0xF0-0xF1: in hex.
+/// In hex: 0x01 or 0xF0-0xF1.
 std::string range_text(ByteRange range);
 
-/// The rate of one id or message; what is wrong with it, or nothing.
+/// The rate limit of one id or message, or what is wrong with it.
 struct LimitText {
     std::optional<LimitRule> rule;
     std::string error;
 };
 LimitText parse_limit(std::string_view name, std::string_view rate);
-/// Adds it in the order of the ids; "0x01 has a limit already", or nothing.
+/// Inserts it in the order of the ids and returns "", or returns the error: "0x01 has a limit already".
 std::string add_limit(const LimitRule& rule, std::vector<LimitRule>& limits);
 
 }    // namespace anogate

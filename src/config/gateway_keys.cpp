@@ -1,4 +1,4 @@
-// The keys of the sections that are short.
+// The keys of the short sections: gateway, routes, alias, control, log.
 #include <config/rule_keys.hpp>
 
 namespace anogate {
@@ -40,8 +40,8 @@ constexpr Key<G> gateway_rows[] = {
     Key<G>{{.name = "unknown",
             .form = Form::choice_or_link,
             .help = "frames to an address that nobody has used: flood them, drop them, or the one link they go to",
-            .least = 1,
-            .most = max_name,
+            .min = 1,
+            .max = max_name,
             .choices = "flood|drop",
             .option = "--unknown"},
            get_unknown,
@@ -59,8 +59,8 @@ constexpr Key<R> route_rows[] = {
     Key<R>{{.name = "address",
             .form = Form::addresses,
             .help = "the address or range to pin",
-            .least = first_id,
-            .most = last_id,
+            .min = first_id,
+            .max = last_id,
             .required = true},
            get_addresses,
            put_addresses},
@@ -84,14 +84,14 @@ constexpr Key<C> own_control_rows[] = {
     row<&C::hosts>({.name = "hosts",
                     .form = Form::texts,
                     .help = "names under which it is asked over TCP, beside the host's own name and address",
-                    .least = 1,
-                    .most = max_host}),
+                    .min = 1,
+                    .max = max_host}),
     row<&C::origins>(
         {.name = "origins",
          .form = Form::texts,
          .help = "origins of other pages that may ask it, such as https://app.foxglove.dev or file://; null never may",
-         .least = 1,
-         .most = max_path}),
+         .min = 1,
+         .max = max_path}),
     address<&C::host>("host", first_id, last_id, "the address of the host that asks devices for parameters and all else"),
     boolean<&C::manage>("manage", "who asks by it may change the gateway itself as a device, where it has an id"),
     text<&C::tls, &TlsFiles::certificate>("tls.certificate", 0, max_path, "TCP is encrypted: the certificate, a PEM file") |

@@ -6,7 +6,7 @@ namespace {
 using namespace key_rows;
 using P = GpioSettings;
 
-constexpr std::uint64_t max_line_name = 31;    // the kernel's
+constexpr std::uint64_t max_line_name = 31;    // bytes; limit of the kernel
 
 constexpr Key<P> gpio_rows[] = {
     text<&P::chip>("chip", 1, max_path, "the chip by name, path or label; not needed for a line's name that only one chip has") |
@@ -14,8 +14,8 @@ constexpr Key<P> gpio_rows[] = {
     row<&P::line>({.name = "line",
                    .form = Form::line,
                    .help = "the line by its number on the chip, or by name",
-                   .least = 1,
-                   .most = max_line_name,
+                   .min = 1,
+                   .max = max_line_name,
                    .required = true}),
     choice<&P::use>("use", "link_up|activity|power|reset|inhibit|rs485",
                     "on while the link is up, blinks with its traffic, switches power, pulses a reset, keeps control frames off, "
@@ -25,8 +25,8 @@ constexpr Key<P> gpio_rows[] = {
     row<&P::links>({.name = "links",
                     .form = Form::names,
                     .help = "the links whose control frames are kept off while the line is active",
-                    .least = 1,
-                    .most = max_name,
+                    .min = 1,
+                    .max = max_name,
                     .kinds = "inhibit"}),
     boolean<&P::active_low>("active_low", "the line is active when it is low"),
     choice<&P::bias>("bias", "as_is|disabled|pull_up|pull_down", "the resistor inside the chip"),
@@ -35,8 +35,8 @@ constexpr Key<P> gpio_rows[] = {
     row<&P::silent_for>({.name = "when",
                          .form = Form::silence,
                          .help = "a reset by itself, when the link had no good frame for so long; at most one a minute",
-                         .least = second,
-                         .most = day,
+                         .min = second,
+                         .max = day,
                          .kinds = "reset"}),
 };
 

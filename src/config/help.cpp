@@ -11,7 +11,7 @@ std::string line(std::string_view left, std::string_view right, std::size_t inde
     return text + std::string{right} + "\n";
 }
 
-/// Addresses are in hex.
+/// A default as text; hardware ids in hex.
 std::string usual_text(const KeyFacts& key, const std::string& usual) {
     const auto address = key.form == Form::address ? parse_address(usual) : std::nullopt;
     return address ? address_text(*address) : usual;
@@ -38,7 +38,7 @@ std::string links(LinkKinds kinds) {
         for (const Key<LinkSettings>& key : kind->keys)
             if (key.name != kind->address) text += key_line(key, usual, 4, "=");
         for (const Key<LinkSettings>* key : keys_of(*kind, kinds).keys)
-            if (!key->kinds.empty()) text += key_line(*key, usual, 4, "=");    // of some links, not of this kind alone
+            if (!key->kinds.empty()) text += key_line(*key, usual, 4, "=");    // a common key that only some kinds have
     }
     text += "Keys of every link; a key alone means true; send.deny=... is {\"send\": {\"deny\": [...]}} in the file:\n";
     for (const Key<LinkSettings>& key : common_link_keys())
@@ -46,7 +46,7 @@ std::string links(LinkKinds kinds) {
     return text;
 }
 
-/// How the ADDRESS of each kind is called in the file.
+/// Which key in the file holds the ADDRESS, for each kind.
 std::string link_objects(LinkKinds kinds) {
     std::string text = "  links: a list of LINK texts, or of objects with \"kind\", the keys above, and the address:\n";
     for (const LinkKind* kind : kinds) {

@@ -1,4 +1,4 @@
-// What --help says of links and of the configuration file, made from the tables.
+// The texts of --help about links and the configuration file, made from the tables of keys and kinds.
 #pragma once
 #include <config/link_kind.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace anogate {
 
-/// What a key does, with its `usual` value as text behind it, unless the help speaks of a default itself.
+/// What a key does, followed by its default `usual`, unless the help text names a default itself.
 std::string help_of(const KeyFacts& key, const std::optional<std::string>& usual);
 
 std::string links_and_keys_help(LinkKinds kinds);

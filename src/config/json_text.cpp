@@ -15,14 +15,14 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t deepest = 32;
+constexpr std::size_t max_depth = 32;
 
-/// Follows the parser from event to event.
+/// The parser's callback: finds keys given twice and too deep nesting.
 class Watch {
 public:
     Watch(const std::string& file, ConfigErrors& errors) : file_{file}, errors_{errors} {}
 
-    /// False: what comes is not kept.
+    /// Returns false: the parser drops the value that follows.
     bool operator()(json::parse_event_t event, const json& value) {
         if (too_deep_) return false;
         switch (event) {
@@ -41,7 +41,7 @@ public:
 private:
     struct Place {
         bool array;
-        std::size_t count = 0;    // of an array: the elements begun
+        std::size_t count = 0;    // of an array: elements begun so far
         std::string key{};
         std::set<std::string> keys{};
     };
@@ -52,8 +52,8 @@ private:
 
     void enter(bool array) {
         count();
-        if (places_.size() == deepest) {
-            errors_.push_back({at(file_, pointer()), "nested deeper than " + std::to_string(deepest) + " levels"});
+        if (places_.size() == max_depth) {
+            errors_.push_back({at(file_, pointer()), "nested deeper than " + std::to_string(max_depth) + " levels"});
             too_deep_ = true;
             return;
         }
@@ -82,7 +82,7 @@ private:
 }    // namespace
 
 std::optional<json> parse_json(std::string_view text, const std::string& file, ConfigErrors& errors) {
-    if (const std::size_t nul = text.find('\0'); nul != text.npos) {    // the parser would take it for the end
+    if (const std::size_t nul = text.find('\0'); nul != text.npos) {    // the parser would stop there
         const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n') + 1;
         errors.push_back({file, "line " + std::to_string(line) + ": a byte 0, which no text has"});
         return std::nullopt;

@@ -1,4 +1,4 @@
-// Text to JSON, with what nlohmann-json lets pass refused: keys given twice, nesting without end.
+// Parses JSON and refuses what nlohmann-json accepts: keys given twice, unlimited nesting.
 #pragma once
 #include <config/config_error.hpp>
 
@@ -9,8 +9,8 @@
 
 namespace anogate {
 
-/// Comments are allowed. Errors name `file` and the line, or the pointer. Nothing when it is no JSON; of a key given
-/// twice the last counts, for what else there is to say.
+/// Comments are allowed. Errors name `file` and the line, or the JSON pointer. std::nullopt when it is not JSON; of a
+/// key given twice the last value is returned, so that the rest can be checked as well.
 std::optional<nlohmann::json> parse_json(std::string_view text, const std::string& file, ConfigErrors& errors);
 
 /// "FILE: /links/0": what stands before an error at `pointer`.

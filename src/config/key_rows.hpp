@@ -1,4 +1,4 @@
-// What rows of keys are made with: endpoint<own<UdpSettings>, &UdpSettings::peer>("address", "the peer's IP:PORT") | needed.
+// Functions that make rows of keys: endpoint<own<UdpSettings>, &UdpSettings::peer>("address", "the peer's IP:PORT") | needed.
 #pragma once
 #include <config/keys.hpp>
 
@@ -12,7 +12,7 @@
 
 namespace anogate::key_rows {
 
-/// The first step to a field of what links of one kind have.
+/// The first step to a field in the settings that only one kind of link has.
 template <class Struct>
 struct Own {
     Struct& operator()(LinkSettings& link) const { return link.as<Struct>(); }
@@ -26,7 +26,7 @@ Class section_of(Member Class::*);
 template <class Struct>
 LinkSettings section_of(Own<Struct>);
 
-/// The field that is reached by all steps, one after the other.
+/// The field that the steps lead to, one after the other.
 template <class Object, class Step, class... Steps>
 auto& reach(Object& object, Step step, Steps... steps) {
     const auto next = [&]() -> auto& {
@@ -42,7 +42,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// The value is of the type that the key's form reads, and that fits the field.
+/// `value` must have the type that the key's form reads; it must match the type of the field.
 template <class Field>
 void store(const KeyFacts& key, Value value, Field& field) {
     if constexpr (is_optional<Field>) {
@@ -57,7 +57,7 @@ void store(const KeyFacts& key, Value value, Field& field) {
     }
 }
 
-/// Not set: an empty optional or list, a number or a text below what the key may have.
+/// std::monostate (not set) for an empty optional or list, and for a number or text below the key's `min`.
 template <class Field>
 Value value_of(const KeyFacts& key, const Field& field) {
     if constexpr (is_optional<Field>) {
@@ -67,9 +67,9 @@ Value value_of(const KeyFacts& key, const Field& field) {
     } else if constexpr (std::is_same_v<Field, bool>) {
         return field;
     } else if constexpr (std::is_integral_v<Field>) {
-        return field < key.least ? Value{} : Value{std::uint64_t{field}};
+        return field < key.min ? Value{} : Value{std::uint64_t{field}};
     } else if constexpr (std::is_same_v<Field, std::string>) {
-        return field.size() < key.least ? Value{} : Value{field};
+        return field.size() < key.min ? Value{} : Value{field};
     } else {
         return field;
     }
@@ -92,42 +92,42 @@ constexpr auto boolean(std::string_view name, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::boolean, .help = help});
 }
 template <auto... Path>
-constexpr auto integer(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
-    return row<Path...>({.name = name, .form = Form::integer, .help = help, .least = least, .most = most});
+constexpr auto integer(std::string_view name, std::uint64_t min, std::uint64_t max, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::integer, .help = help, .min = min, .max = max});
 }
-/// The field is in thousandths, and so are `least` and `most`.
+/// The field is in thousandths, and so are `min` and `max`.
 template <auto... Path>
-constexpr auto decimal(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
-    return row<Path...>({.name = name, .form = Form::decimal, .help = help, .least = least, .most = most});
-}
-template <auto... Path>
-constexpr auto words(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
-    return row<Path...>({.name = name, .form = Form::words, .help = help, .least = least, .most = most});
+constexpr auto decimal(std::string_view name, std::uint64_t min, std::uint64_t max, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::decimal, .help = help, .min = min, .max = max});
 }
 template <auto... Path>
-constexpr auto address(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
-    return row<Path...>({.name = name, .form = Form::address, .help = help, .least = least, .most = most});
+constexpr auto words(std::string_view name, std::uint64_t min, std::uint64_t max, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::words, .help = help, .min = min, .max = max});
+}
+template <auto... Path>
+constexpr auto address(std::string_view name, std::uint64_t min, std::uint64_t max, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::address, .help = help, .min = min, .max = max});
 }
 template <auto... Path>
 constexpr auto can_id(std::string_view name, std::string_view help) {
-    return row<Path...>({.name = name, .form = Form::can_id, .help = help, .least = 0, .most = 0x1FFF'FFFF});
+    return row<Path...>({.name = name, .form = Form::can_id, .help = help, .min = 0, .max = 0x1FFF'FFFF});
 }
 template <auto... Path>
-constexpr auto duration(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
-    return row<Path...>({.name = name, .form = Form::duration, .help = help, .least = least, .most = most});
+constexpr auto duration(std::string_view name, std::uint64_t min, std::uint64_t max, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::duration, .help = help, .min = min, .max = max});
 }
 template <auto... Path>
 constexpr auto size(std::string_view name, std::string_view help) {
-    constexpr std::uint64_t most = std::uint64_t{1} << 50;
-    return row<Path...>({.name = name, .form = Form::size, .help = help, .least = 0, .most = most});
+    constexpr std::uint64_t max = std::uint64_t{1} << 50;
+    return row<Path...>({.name = name, .form = Form::size, .help = help, .min = 0, .max = max});
 }
 template <auto... Path>
 constexpr auto choice(std::string_view name, std::string_view choices, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::choice, .help = help, .choices = choices});
 }
 template <auto... Path>
-constexpr auto text(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
-    return row<Path...>({.name = name, .form = Form::text, .help = help, .least = least, .most = most});
+constexpr auto text(std::string_view name, std::uint64_t min, std::uint64_t max, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::text, .help = help, .min = min, .max = max});
 }
 template <auto... Path>
 constexpr auto frames(std::string_view name, std::string_view help) {
@@ -142,7 +142,7 @@ constexpr auto endpoint(std::string_view name, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::endpoint, .help = help});
 }
 
-/// Networks in one field, and in another whether it is any network: both of one struct of a kind of link.
+/// A list of networks in one field and a bool "any network" in another, both in the struct of one kind of link.
 template <class Struct, bool Struct::*any, std::vector<Network> Struct::*list>
 constexpr auto networks(std::string_view name, std::string_view help) {
     return Key<LinkSettings>{{.name = name, .form = Form::networks, .help = help},
@@ -158,7 +158,7 @@ constexpr auto networks(std::string_view name, std::string_view help) {
                              }};
 }
 
-// What is added to a row.
+// Flags that `row | flag` sets.
 
 template <class Section>
 constexpr Key<Section> operator|(Key<Section> key, auto change) {
@@ -177,7 +177,7 @@ constexpr auto as(std::string_view placeholder) {
 constexpr auto needed = [](KeyFacts& key) { key.required = true; };
 constexpr auto local = [](KeyFacts& key) { key.is_local = true; };
 
-inline constexpr std::uint64_t first_id = 1, last_id = 254;    // 0x00 and 0xFF are nobody's
+inline constexpr std::uint64_t first_id = 1, last_id = 254;    // 0x00 and 0xFF are not ids of devices
 inline constexpr std::uint64_t second = 1000, day = 24 * 3600 * second;
 inline constexpr std::uint64_t max_name = 64, max_path = 4095, max_interface = 15;
 

@@ -1,5 +1,5 @@
-// Every key of the configuration is one row, and stands nowhere else: the JSON file, LINK texts, command-line options,
-// --print-config, --help and the JSON Schema are loops over these rows. Those of one kind of link stand with its links.
+// Every key of the configuration is defined once, as a row of a table: the JSON file, LINK texts, command-line options,
+// --print-config, --help and the JSON Schema are loops over these rows. The rows of one kind of link are in the file of that kind.
 #pragma once
 #include <config/key_facts.hpp>
 #include <gateway/settings.hpp>
@@ -19,15 +19,15 @@ struct Key : KeyFacts {
     Value (*get)(const KeyFacts&, const Section&) = nullptr;
     std::string (*put)(const KeyFacts&, Value, Section&) = nullptr;
 
-    /// The value in `section` as text; nothing when it is not set.
+    /// The value in `section` as text; std::nullopt when it is not set.
     std::optional<std::string> text_in(const Section& section) const { return text_of(*this, get(*this, section)); }
-    /// Sets it and returns nothing, or says what is wrong with `text` and changes nothing.
+    /// Sets it and returns "", or returns what is wrong with `text` and changes nothing.
     std::string set(std::string_view text, Section& section) const {
         Value value;
         std::string error = read_text(*this, text, value);
         return error.empty() ? put(*this, std::move(value), section) : error;
     }
-    /// Of Form::limits: adds that of one message, as set() does.
+    /// For Form::limits: adds the limit of one message. Returns the same as set().
     std::string set_limit(std::string_view message, std::string_view rate, Section& section) const {
         Value value;
         std::string error = row_of(form).read(*this, {std::string{message}, std::string{rate}}, value);
@@ -39,21 +39,21 @@ template <class Section>
 using Keys = std::span<const Key<Section>>;
 
 Keys<GatewaySettings> gateway_keys() noexcept;
-/// Those that links of every kind have, but for `rate` and `latency` (of kinds that may be paced), `pack` and `mtu` (of
-/// datagrams). keys_of() in link_kind.hpp has all of one kind.
+/// The keys that links of every kind have, except `rate` and `latency` (kinds that may be paced only), `pack` and `mtu`
+/// (datagrams only). keys_of() in link_kind.hpp returns all keys of one kind.
 Keys<LinkSettings> common_link_keys() noexcept;
 Keys<RouteSettings> route_keys() noexcept;
 Keys<AliasSettings> alias_keys() noexcept;
-/// But for "wrap", a list of objects with the wrap_keys().
+/// Without "wrap", which is a list of objects with the wrap_keys().
 Keys<TunnelSettings> tunnel_keys() noexcept;
 Keys<WrapSettings> wrap_keys() noexcept;
-/// The uses are their kinds.
+/// Their KeyFacts::kinds are uses of a line.
 Keys<GpioSettings> gpio_keys() noexcept;
 Keys<ControlSettings> control_keys() noexcept;
 Keys<RecordSettings> record_keys() noexcept;
 Keys<LogSettings> log_keys() noexcept;
 
-/// The keys that an object may have, and what is said of others.
+/// The keys that an object may have, and the error for other names.
 template <class Section>
 struct KeyList {
     std::vector<const Key<Section>*> keys;

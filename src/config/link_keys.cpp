@@ -23,7 +23,7 @@ std::string put_hello(const KeyFacts&, Value value, LinkSettings& link) {
     return {};
 }
 
-constexpr std::string_view paced = "paced", datagrams = "datagrams";    // the links that have a key
+constexpr std::string_view paced = "paced", datagrams = "datagrams";    // values of KeyFacts::kinds
 
 constexpr Key<L> own_rows[] = {
     text<&L::name>("name", 1, max_name, "what the link is called (default: last part of the path, or kind-port)") | as("NAME"),
@@ -38,8 +38,8 @@ constexpr Key<L> own_rows[] = {
             .form = Form::interval,
             .help = "while nothing comes in, asks who is there (0xE0 0 from 0xFE): first after 1 s, then so often, on is 2s "
                     "(default: off, with profile=vendor on); not on udp-listen",
-            .least = second,
-            .most = day},
+            .min = second,
+            .max = day},
            get_hello,
            put_hello},
     choice<&L::value_type_7>("value_type_7", "f32|u64",
@@ -71,7 +71,7 @@ constexpr Key<L> own_rows[] = {
 
 constexpr auto rows = own_rows + rules_of<L, &L::rules>();
 
-// What concerns frames that leave.
+// Keys about frames that leave: links that only receive do not have them.
 bool is_for_takers(std::string_view key) {
     constexpr std::string_view keys[] = {"id",    "max_data_out", "hello",       "queue",         "flood",   "broadcast",
                                          "group", "present_as",   "age.control", "age.telemetry", "age.rest"};
@@ -84,12 +84,12 @@ bool may_have(const LinkKind& kind, const KeyFacts& common) {
     return common.kinds != datagrams || kind.carries == Carries::datagrams;
 }
 
-/// Wires before networks, and who listens last.
+/// The order in help texts: wires before networks, listening kinds last.
 auto place_of(const LinkKind* kind) {
     return std::tuple{kind->carries == Carries::datagrams, kind->carries != Carries::bytes, kind->listens};
 }
 
-/// The kinds that have a key of this name: in the order of the table where it is one of their own.
+/// The kinds that have a key of this name; in the order of the table when it is a key of its own kind.
 std::vector<std::string_view> owners_of(std::string_view name, LinkKinds kinds) {
     std::vector<std::string_view> owners;
     for (const LinkKind* kind : kinds)

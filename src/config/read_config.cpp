@@ -21,7 +21,7 @@ bool is_object(const json& value, const std::string& where, ConfigErrors& errors
     return value.is_object();
 }
 
-/// " of allow, deny": the keys whose names begin with `inside`, "send.".
+/// " of allow, deny": the keys whose names begin with `inside`, such as "send.".
 template <class Section>
 std::string of_keys(const KeyList<Section>& list, std::string_view inside = {}) {
     std::string names;
@@ -30,7 +30,7 @@ std::string of_keys(const KeyList<Section>& list, std::string_view inside = {}) 
     return names;
 }
 
-/// "send.deny" of a LINK text, as it is in a file.
+/// "send.deny" as it is written in a file: {"send": {"deny": ...}}.
 std::string nested(const std::string& name) {
     const std::size_t dot = name.find('.');
     return printable("\"" + name.substr(0, dot) + "\": {\"" + name.substr(dot + 1) + "\": ...}");
@@ -43,7 +43,7 @@ std::string read_entry(const Key<Section>& key, const std::string& name, const j
     return key.set_limit(name, rate.dump(), section);
 }
 
-/// What is said of a name that is no key here.
+/// The error for a name that is no key here.
 template <class Section>
 std::string unknown_name(const KeyList<Section>& list, const std::string& name, const std::string& full) {
     const std::string object_of = full.substr(0, full.find('.'));
@@ -51,7 +51,7 @@ std::string unknown_name(const KeyList<Section>& list, const std::string& name, 
     return dotted ? "unknown key " + in_quotes(name) + ": in a file it is " + nested(full) : list.unknown(full);
 }
 
-/// Every key of `object` into `section`. `inside` is what comes before their names in the table: "send.".
+/// Reads every key of `object` into `section`. `inside` is the prefix of the names in the table: "send.".
 template <class Section>
 void read_keys(const json& object, const Origin& origin, const KeyList<Section>& list, Section& section, ConfigErrors& errors,
                std::string_view but = {}, const std::string& inside = {}) {
@@ -96,7 +96,7 @@ public:
                                               "gpio",    "flexible", "control", "record", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, ano::pointer_step(name));
-            if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
+            if (name == "$schema") continue;    // for editors: where config/anogate.schema.json is
             if (!is_first(name, value, pointer)) continue;
             if (name == "gateway") gateway(value, pointer);
             else if (name == "links" && !value.is_array()) no_links(value, pointer);
@@ -131,7 +131,7 @@ private:
         return "unknown key " + in_quotes(name) + ano::did_you_mean(name, names);
     }
 
-    /// False: another file has said `tunnel`, or `record`.
+    /// False: another file has set `tunnel` or `record` already.
     bool is_first(const std::string& name, const json& value, const std::string& pointer) {
         if (name == "tunnel" || name == "record") return is_first("/" + name, pointer, name);
         if (value.is_object() && (name == "gateway" || name == "control" || name == "log"))
@@ -146,7 +146,7 @@ private:
         return is_new;
     }
 
-    /// What is found wrong later is told where `key` stands, whichever file has it.
+    /// Errors found later name the file that has `key`, or else the first file with this section.
     static void note(Origin& origin, const json& value, std::string_view key, Origin here) {
         if (origin.where.empty() || (value.is_object() && value.contains(key))) origin = std::move(here);
     }
@@ -228,7 +228,7 @@ private:
         });
     }
 
-    // Which keys it may have depends on its use.
+    // Which keys a line may have depends on its use.
     void gpio(const json& value, const std::string& pointer) {
         const std::size_t before = draft_.errors.size();
         GpioSettings line;

@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-std::string read_file(const std::string& path, std::size_t most, std::error_code& error) {
+std::string read_file(const std::string& path, std::size_t max_bytes, std::error_code& error) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file{std::fopen(path.c_str(), "re"), std::fclose};
     if (!file) {
         error.assign(errno, std::system_category());
@@ -16,7 +16,7 @@ std::string read_file(const std::string& path, std::size_t most, std::error_code
     char piece[16 * 1024];
     while (const std::size_t count = std::fread(piece, 1, sizeof piece, file.get())) {
         text.append(piece, count);
-        if (text.size() > most) {
+        if (text.size() > max_bytes) {
             error = make_error_code(std::errc::file_too_large);
             return {};
         }

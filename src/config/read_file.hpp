@@ -6,10 +6,10 @@
 
 namespace anogate {
 
-/// No configuration is near it; a device or a log may be.
+/// Bytes. Configurations are far smaller; a file above this is probably a device or a log.
 inline constexpr std::size_t max_config_size = 1 << 20;
 
-/// The whole file; `error` is set when it can't be read, file_too_large when it has more than `most` bytes.
-std::string read_file(const std::string& path, std::size_t most, std::error_code& error);
+/// The whole file; `error` is set when it can't be read, file_too_large when it has more than `max_bytes`.
+std::string read_file(const std::string& path, std::size_t max_bytes, std::error_code& error);
 
 }    // namespace anogate

@@ -18,7 +18,7 @@ bool read_into(std::vector<ConfigText>& files, const std::string& file, ConfigEr
     return false;
 }
 
-/// What an editor keeps beside a file does not end in .json, or begins with a dot.
+/// Excludes backup and temporary files of editors: they do not end in .json, or begin with a dot.
 bool is_part(const fs::path& file) { return file.extension() == ".json" && !file.filename().string().starts_with('.'); }
 
 std::vector<std::string> parts_in(const fs::path& folder, ConfigErrors& errors) {

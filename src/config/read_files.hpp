@@ -1,4 +1,4 @@
-// The files of a configuration: the one that is named, and those in conf.d beside it.
+// The files of a configuration: the named file, and those in conf.d beside it.
 #pragma once
 #include <config/config.hpp>
 
@@ -13,7 +13,7 @@ struct ConfigText {
     bool operator==(const ConfigText&) const = default;
 };
 
-/// `file`, then conf.d/*.json in its folder, by name. What can't be read is an error that names it. May block, as any disk.
+/// `file`, then conf.d/*.json in its folder, sorted by name. A file that can't be read is an error. May block on the disk.
 std::vector<ConfigText> read_config_files(const std::string& file, ConfigErrors& errors);
 
 /// Adds all of them to the draft.

@@ -12,7 +12,7 @@
 namespace anogate {
 namespace {
 
-/// A text that is no KIND:ADDRESS at all.
+/// The error for a text that is not KIND:ADDRESS.
 std::string no_kind(LinkKinds kinds, std::string_view text) {
     if (const LinkKind* kind = find_link_kind(kinds, text.substr(0, text.find(','))))
         return "no address, for example " + std::string{kind->name} + ":" + std::string{kind->example};
@@ -22,14 +22,14 @@ std::string no_kind(LinkKinds kinds, std::string_view text) {
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }
 
-/// What an input method for Chinese puts in the place of a separator; empty: nothing of that.
+/// The hint for a full-width separator, as an input method for Chinese writes it; empty: there is none.
 std::string full_width(std::string_view text) {
     for (const auto& [wide, narrow] : {std::pair{"\uFF0C", ","}, {"\uFF1A", ":"}, {"\uFF1D", "="}})
         if (text.find(wide) != text.npos) return std::string{"full-width '"} + wide + "': write '" + narrow + "'";
     return {};
 }
 
-/// A key and its value, where a LINK should stand: behind a space, not a comma. Empty: it is none.
+/// The hint for a KEY=VALUE in the place of a LINK, set apart by a space instead of a comma; empty: it is not one.
 std::string key_apart(LinkKinds kinds, std::string_view text) {
     const std::size_t equals = text.find('=');
     const std::string_view name = text.substr(0, equals);
@@ -146,8 +146,8 @@ std::string unknown_kind(LinkKinds kinds, std::string_view kind) {
 }
 
 void read_link(std::string_view text, const std::string& where, Draft& draft) {
-    constexpr std::size_t longest = 900;    // every fault repeats it
-    const std::string link = "LINK '" + (text.size() <= longest ? std::string{text} : printable(std::string{text}, longest)) +
+    constexpr std::size_t max_shown = 900;    // bytes; every error repeats the text
+    const std::string link = "LINK '" + (text.size() <= max_shown ? std::string{text} : printable(std::string{text}, max_shown)) +
                              "'";
     LinkText{where.empty() ? link : where + ": " + link, draft}.read(text);
 }

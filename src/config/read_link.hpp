@@ -1,4 +1,4 @@
-// What both ways of writing a link share.
+// Shared by the two ways of writing a link: LINK text and JSON object.
 #pragma once
 #include <config/link_kind.hpp>
 

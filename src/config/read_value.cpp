@@ -20,7 +20,7 @@ bool has_control(std::string_view text) {
 }
 bool is_beyond_hex(char c) { return (c >= 'g' && c <= 'z') || (c >= 'G' && c <= 'Z'); }
 
-/// The bytes, baud or frames that a number with a unit or a multiple means: 500k, 64KiB, 115200bps.
+/// The number that is meant by one with a unit or multiple: 500k, 64KiB, 115200bps; for a suggestion.
 std::optional<std::uint64_t> without_unit(std::string_view text) {
     const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
     if (digits == 0 || digits == text.size() || text.size() > digits + 4) return std::nullopt;
@@ -32,14 +32,14 @@ std::optional<std::uint64_t> without_unit(std::string_view text) {
                : std::nullopt;
 }
 
-/// "12333", ":12333" and "*:12333": every interface is meant, or was forgotten to be named.
+/// The port of "12333", ":12333" or "*:12333", where the address is missing.
 std::string_view port_alone(std::string_view text) {
     if (text.starts_with('*')) text.remove_prefix(1);
     if (text.starts_with(':')) text.remove_prefix(1);
     return parse_number(text).value_or(UINT64_MAX) <= UINT16_MAX ? text : std::string_view{};
 }
 
-/// The half that people get wrong, where it can be told.
+/// Names the half that is wrong, address or port, where it can be told.
 std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     const std::string shown = printable(std::string{text});
     if (const auto address = IpAddress::parse(text)) {
@@ -67,9 +67,9 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     return must_be(key, in_quotes(text));
 }
 
-/// `parsed` when it is from least to most.
+/// Sets `value` to `parsed` when it is from key.min to key.max.
 std::string in_range(const KeyFacts& key, const std::string& word, std::optional<std::uint64_t> parsed, Value& value) {
-    if (!parsed || *parsed < key.least || *parsed > key.most) return must_be(key, in_quotes(word));
+    if (!parsed || *parsed < key.min || *parsed > key.max) return must_be(key, in_quotes(word));
     value = *parsed;
     return {};
 }
@@ -80,7 +80,7 @@ std::string fault_of_text(const KeyFacts& key, const std::string& text) {
     return {};
 }
 
-/// nullopt where it is not one.
+/// std::nullopt when it is not a network, or not one that `key` allows.
 std::optional<Network> parse_network(const KeyFacts& key, const std::string& word) {
     const auto network = Network::parse(word);
     return network && !(key.is_v4 && network->address.v6) ? network : std::nullopt;
@@ -99,7 +99,7 @@ std::string integer(const KeyFacts& key, const Words& words, Value& value) {
     std::string fault = in_range(key, words[0], parse_number(words[0]), value);
     if (fault.empty()) return fault;
     const auto meant = without_unit(words[0]);
-    const bool fits = meant && *meant >= key.least && *meant <= key.most;
+    const bool fits = meant && *meant >= key.min && *meant <= key.max;
     return fits ? fault + " (did you mean '" + std::to_string(*meant) + "'?)" : fault;
 }
 
@@ -124,15 +124,14 @@ std::string size(const KeyFacts& key, const Words& words, Value& value) {
 std::string addresses(const KeyFacts& key, const Words& words, Value& value) {
     const auto range = parse_addresses(words[0]);
     if (!range) return must_be(key, in_quotes(words[0])) + meant_addresses(words[0]);
-    if (range->first < key.least || range->last > key.most) return must_be(key, in_quotes(words[0]));
+    if (range->first < key.min || range->last > key.max) return must_be(key, in_quotes(words[0]));
     value = *range;
     return {};
 }
 
 std::string duration(const KeyFacts& key, const Words& words, Value& value) {
     const auto parsed = parse_duration(words[0]);
-    if (!parsed || *parsed < Milliseconds{key.least} || *parsed > Milliseconds{key.most})
-        return must_be(key, in_quotes(words[0]));
+    if (!parsed || *parsed < Milliseconds{key.min} || *parsed > Milliseconds{key.max}) return must_be(key, in_quotes(words[0]));
     value = *parsed;
     return {};
 }
@@ -165,7 +164,7 @@ std::string choice_or_link(const KeyFacts& key, const Words& words, Value& value
 
 std::string text(const KeyFacts& key, const Words& words, Value& value) {
     if (std::string fault = fault_of_text(key, words[0]); !fault.empty()) return fault;
-    if (words[0].size() < key.least || words[0].size() > key.most) return must_be(key, in_quotes(words[0]));
+    if (words[0].size() < key.min || words[0].size() > key.max) return must_be(key, in_quotes(words[0]));
     value = words[0];
     return {};
 }

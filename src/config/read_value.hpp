@@ -1,4 +1,4 @@
-// How the words of each form become a value. For the table of forms alone.
+// Converts the words of each form into a value. Used only by the table in form.cpp.
 #pragma once
 #include <config/key_facts.hpp>
 
@@ -6,7 +6,7 @@
 
 namespace anogate::read_value {
 
-/// Each returns what is wrong with the words, or nothing and the value.
+/// Each sets `value` and returns "", or returns what is wrong with the words.
 std::string boolean(const KeyFacts& key, const Words& words, Value& value);
 std::string integer(const KeyFacts& key, const Words& words, Value& value);
 std::string address(const KeyFacts& key, const Words& words, Value& value);

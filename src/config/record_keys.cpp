@@ -1,4 +1,4 @@
-// The keys of what the gateway records.
+// The keys of "record".
 #include <ano_json/nearest.hpp>
 #include <config/config_error.hpp>
 #include <config/frame_words.hpp>
@@ -38,14 +38,14 @@ std::string put_limit(const KeyFacts&, Value value, RecordSettings& record) {
     return {};
 }
 
-// A few bytes are a number whose unit was forgotten, and with that limit nearly all recordings would be deleted.
-template <auto Field, std::uint64_t least>
+// A limit of a few bytes is a number without its unit: nearly all recordings would be deleted.
+template <auto Field, std::uint64_t min_bytes>
 constexpr Key<Rec> size_from(std::string_view name, std::string_view help) {
     Key<Rec> key = size<Field>(name, help);
     key.put = [](const KeyFacts& facts, Value value, RecordSettings& record) -> std::string {
         const std::uint64_t bytes = std::get<std::uint64_t>(value);
-        if (bytes != 0 && bytes < least)
-            return in_quotes(facts.name) + " must be 0 or at least " + size_text(least) + ", not " + std::to_string(bytes) +
+        if (bytes != 0 && bytes < min_bytes)
+            return in_quotes(facts.name) + " must be 0 or at least " + size_text(min_bytes) + ", not " + std::to_string(bytes) +
                    " bytes: give it a unit, such as 20GB";
         store(facts, std::move(value), record.*Field);
         return {};
@@ -67,15 +67,15 @@ constexpr Key<Rec> record_rows[] = {
     Key<Rec>{{.name = "direction",
               .form = Form::texts,
               .help = "what is recorded: in, out, dropped (default: in)",
-              .least = 1,
-              .most = max_name,
+              .min = 1,
+              .max = max_name,
               .stands_for = "[in|out|dropped...]"},
              get_direction,
              put_direction},
     frames<&Rec::ids>("id", "only these frames are recorded"),
     senders<&Rec::from>("from", "only from these addresses"),
     senders<&Rec::to>("to", "only to these addresses"),
-    row<&Rec::links>({.name = "link", .form = Form::names, .help = "only by these links", .least = 1, .most = max_name}),
+    row<&Rec::links>({.name = "link", .form = Form::names, .help = "only by these links", .min = 1, .max = max_name}),
     Key<Rec>{{.name = "limit", .form = Form::limits, .help = "frames a second of an id or message that are recorded at most"},
              get_limit,
              put_limit},

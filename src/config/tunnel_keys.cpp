@@ -24,7 +24,7 @@ std::string put_allow(const KeyFacts&, Value value, TunnelSettings& tunnel) {
     return {};
 }
 
-constexpr std::uint8_t first_tunnel_id = 0xB1;    // the choices name the ids from here on
+constexpr std::uint8_t first_tunnel_id = 0xB1;    // the choices of the key are the ids from here on
 
 Value get_as(const KeyFacts& key, const WrapSettings& rule) {
     return std::string{split(key.choices, '|')[static_cast<std::size_t>(rule.id - first_tunnel_id)]};
@@ -41,8 +41,8 @@ constexpr Key<T> own_tunnel_rows[] = {
     row<&T::links>({.name = "links",
                     .form = Form::names,
                     .help = "the links whose tunnel frames (0xB1, 0xB2) are carried over IP",
-                    .least = 1,
-                    .most = max_name}),
+                    .min = 1,
+                    .max = max_name}),
     address<&T::address>("address", first_id, last_id,
                          "tunnel frames to this address, to the gateway's id and to 0xFF are carried"),
     row<&T::bind>({.name = "bind", .form = Form::ip, .help = "the local address of the tunnel port"}),

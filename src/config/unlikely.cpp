@@ -7,7 +7,7 @@ namespace {
 
 bool is_pattern(const std::string& name) { return name.find_first_of("*?[") != name.npos; }
 
-/// Where a port of this name is: names of /dev/serial/by-id begin with their bus.
+/// The probable full path of a port: names in /dev/serial/by-id begin with the bus.
 std::string path_of(const std::string& name) {
     if (name.starts_with("dev/")) return "/" + name;
     return (name.starts_with("usb-") ? "/dev/serial/by-id/" : "/dev/") + name;

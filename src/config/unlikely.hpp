@@ -1,11 +1,11 @@
-// What a person wrote where a device is named, and which can't be one.
+// Finds texts that can't be the name of a device.
 #pragma once
 #include <string>
 
 namespace anogate {
 
-/// Why no serial port is called `device`, with what was meant; empty: one may be. Looks at the text only: a port that is
-/// absent is waited for.
+/// Why `device` can't be a serial port, with a suggestion; empty: it can. Looks at the text only, because an absent port is
+/// no error: the link waits for it.
 std::string fault_of_device(const std::string& device);
 
 /// The same for a CAN interface.

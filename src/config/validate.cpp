@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t slow_frame = 100;    // ms
 
-// Words that mean something else where a link is named, and the links that the gateway has of itself.
+// Words with a special meaning where a link is named, and the gateway's built-in links.
 constexpr std::string_view reserved_names[] = {"flood", "drop", "none", "tunnel", "control"};
 
 bool is_reserved(std::string_view name) {
@@ -24,11 +24,11 @@ bool is_reserved(std::string_view name) {
 
 bool is_number(const std::string& line) { return parse_number(line).has_value(); }
 
-/// Before it is made unique.
+/// The default name, not yet made unique.
 std::string usual_name(const LinkSettings& link) {
-    constexpr std::size_t longest = 60;    // leaves room for "-64" in what a name may have
+    constexpr std::size_t max_length = 60;    // leaves room for the suffix "-64" in max_name
     const std::string name = link.kind->usual_name ? link.kind->usual_name(link) : "";
-    return name.empty() || name.size() > longest ? std::string{link.kind->name} : name;
+    return name.empty() || name.size() > max_length ? std::string{link.kind->name} : name;
 }
 
 void name_links(std::vector<LinkSettings>& links) {
@@ -43,7 +43,7 @@ void name_links(std::vector<LinkSettings>& links) {
     }
 }
 
-/// 32 KiB, or two frames where one would hardly fit.
+/// 32 KiB, or room for two frames when frames are so large that one would hardly fit.
 std::uint32_t default_queue(std::size_t max_data) {
     const std::uint32_t usual = LinkSettings{}.queue;
     return std::max(usual, static_cast<std::uint32_t>(2 * (ano::overhead + max_data)));
@@ -53,11 +53,11 @@ bool collide(const BoundPort& one, const BoundPort& other) {
     const EndpointSpec &a = one.local, &b = other.local;
     if (a.port == 0 || a.port != b.port) return false;
     if (!one.interface.empty() && !other.interface.empty() && one.interface != other.interface) return false;
-    if (a.address.v6 != b.address.v6) return (a.address.v6 ? a : b).address.is_any();    // [::] takes IPv4 too
+    if (a.address.v6 != b.address.v6) return (a.address.v6 ? a : b).address.is_any();    // [::] receives IPv4 too
     return a == b || a.address.is_any() || b.address.is_any();
 }
 
-/// Adds them to the draft.
+/// Adds errors and warnings of one link to the draft.
 class Faults final : public LinkFaults {
 public:
     Faults(Draft& draft, const Origin& origin) : draft_{draft}, origin_{origin} {}
@@ -101,17 +101,17 @@ private:
     void warning(std::string where, const std::string& what) {
         draft_.warnings.push_back({std::move(where), "warning: " + what});
     }
-    /// How a link is named to people: by name, and where it was said.
+    /// The link in an error text: its name, and where it was written.
     std::string who(std::size_t i) const { return in_quotes(links_[i].name) + " (" + draft_.links[i].where + ")"; }
 
     void link(std::size_t i) {
         const LinkSettings& link = links_[i];
-        const std::size_t least = ano::overhead + link.effective_max_data_out();
+        const std::size_t min_queue = ano::overhead + link.effective_max_data_out();
         if (is_reserved(link.name))
             error(draft_.links[i], "name", "'name' can't be " + in_quotes(link.name) + ", the word is taken");
-        if (link.queue < least)
+        if (link.queue < min_queue)
             error(draft_.links[i], "queue",
-                  "'queue' must be at least max_data_out + 8, here " + std::to_string(least) + ", to hold one frame, not " +
+                  "'queue' must be at least max_data_out + 8, here " + std::to_string(min_queue) + ", to hold one frame, not " +
                       std::to_string(link.queue));
         if (link.id != 0 && link.id == draft_.settings.gateway.id)
             error(draft_.links[i], "id", "'id' " + std::to_string(link.id) + " is the gateway's own id");
@@ -120,7 +120,7 @@ private:
         slow_line(i);
     }
 
-    // What the addresses that `link` speaks of have to do with the port id of `other`.
+    // Checks the addresses in the settings of `link` against the port id of `other`.
     void ids_of(std::size_t link, std::size_t other) {
         const std::uint8_t id = links_[other].id;
         if (id == 0) return;
@@ -142,7 +142,7 @@ private:
                     "'hello' is a frame to everybody (0xFF), which broadcast=no keeps off this link: it is never said");
     }
 
-    // While a frame is on its way, nothing overtakes it.
+    // A frame that is being sent delays every urgent frame behind it.
     void slow_line(std::size_t i) {
         const LinkSettings& link = links_[i];
         std::uint32_t rate = link.rate;
@@ -186,7 +186,7 @@ private:
                           in_quotes(key) + " must be the same on all links of a group, and is not on " + who(k));
                 };
                 if (links_[k].present_as != links_[i].present_as) differs("present_as");
-                if (links_[k].manage != links_[i].manage) differs("manage");    // else the copy that comes first decides
+                if (links_[k].manage != links_[i].manage) differs("manage");    // otherwise the first copy would decide
             }
             const std::string& group = links_[i].group;
             const auto in_group = [&](const LinkSettings& link) { return link.group == group; };
@@ -323,7 +323,7 @@ private:
             missing("'link' is missing: the name of the link it is for");
     }
 
-    // The transceiver's direction hangs on RTS where the driver can do it.
+    // The driver may control the transceiver by RTS: then the RTS line must be free.
     void rs485(const GpioSettings& line, const Origin& origin) {
         const auto link = std::find_if(links_.begin(), links_.end(), [&](const LinkSettings& l) { return l.name == line.link; });
         if (link == links_.end() && line.link != "tunnel" && line.link != "control") return;
@@ -333,7 +333,7 @@ private:
             error(origin, "link", "'link' " + in_quotes(line.link) + " " + fault);
     }
 
-    /// `words` may stand there too.
+    /// `words`: values that are allowed beside names of links.
     void must_exist(const std::string& name, const Origin& origin, std::string_view key,
                     std::initializer_list<std::string_view> words = {}, bool or_tunnel = true) {
         if (or_tunnel && ((draft_.settings.tunnel && name == "tunnel") || name == "control")) return;
@@ -403,11 +403,12 @@ void Draft::add(AliasSettings alias, Origin origin) {
 
 void validate(Draft& draft) {
     std::vector<LinkSettings>& links = draft.settings.links;
-    const std::size_t most = max_links - (draft.settings.tunnel ? 1 : 0) - (is_control_configured(draft.settings) ? 1 : 0);
-    if (links.size() > most) {
-        const Origin& first_above = draft.links[most];
-        draft.errors.push_back(
-            {first_above.where, std::to_string(links.size()) + " links, at most " + std::to_string(most) + " are possible"});
+    const std::size_t max_configured = max_links - (draft.settings.tunnel ? 1 : 0) -
+                                       (is_control_configured(draft.settings) ? 1 : 0);
+    if (links.size() > max_configured) {
+        const Origin& first_above = draft.links[max_configured];
+        draft.errors.push_back({first_above.where, std::to_string(links.size()) + " links, at most " +
+                                                       std::to_string(max_configured) + " are possible"});
         return;
     }
     name_links(links);

@@ -1,4 +1,4 @@
-// A value of the configuration between what was written, JSON or text, and the field of the settings that it fills.
+// A value of the configuration: between JSON or text and the field of the settings.
 #pragma once
 #include <gateway/filter.hpp>
 #include <gateway/ip.hpp>
@@ -13,7 +13,7 @@
 namespace anogate {
 
 struct NetworkList {
-    bool any = false;    // of whatever network; the list is empty then
+    bool any = false;    // every network; `networks` is empty then
     std::vector<Network> networks;
 };
 

@@ -16,14 +16,14 @@ constexpr Unit time_units[] = {{"h", 3'600'000}, {"m", 60'000}, {"s", 1000}, {"m
 constexpr Unit size_units[] = {{"GB", 1'000'000'000}, {"MB", 1'000'000},   {"kB", 1000},  {"KB", 1000},
                                {"GiB", 1ULL << 30},   {"MiB", 1ULL << 20}, {"KiB", 1024}, {"", 1}};
 
-/// A whole number and one of `units`; at most `most` of the smallest.
+/// A whole number and one of `units`; at most `max`, in the smallest unit.
 template <std::size_t N>
-std::optional<std::uint64_t> parse_with_unit(std::string_view text, const Unit (&units)[N], std::uint64_t most) {
+std::optional<std::uint64_t> parse_with_unit(std::string_view text, const Unit (&units)[N], std::uint64_t max) {
     const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
     const auto count = parse_number(text.substr(0, digits));
     if (!count) return std::nullopt;
     for (const Unit& unit : units)
-        if (text.substr(digits) == unit.name && *count <= most / unit.worth) return *count * unit.worth;
+        if (text.substr(digits) == unit.name && *count <= max / unit.worth) return *count * unit.worth;
     return std::nullopt;
 }
 
@@ -52,10 +52,10 @@ std::optional<bool> parse_boolean(std::string_view text) {
 std::optional<std::uint64_t> parse_number(std::string_view text) { return parse_digits(text, 10); }
 
 std::optional<std::uint64_t> parse_thousandths(std::string_view text) {
-    constexpr std::uint64_t most = 1'000'000'000;
+    constexpr std::uint64_t max_whole = 1'000'000'000;
     const std::size_t point = text.find('.');
     const auto whole = parse_number(text.substr(0, point));
-    if (!whole || *whole > most) return std::nullopt;
+    if (!whole || *whole > max_whole) return std::nullopt;
     std::string places{point == text.npos ? "0" : text.substr(point + 1)};
     while (places.size() > 3 && places.ends_with('0')) places.pop_back();
     const auto behind = places.size() <= 3 ? parse_number(places) : std::nullopt;
@@ -98,8 +98,8 @@ std::string addresses_text(ByteRange range) {
 std::string address_text(std::uint8_t address) { return ano::hex_byte(address); }
 
 std::optional<ano::Duration> parse_duration(std::string_view text) {
-    constexpr std::uint64_t most = 1'000'000'000'000;    // 31 years; far from what Duration can't hold
-    const auto ms = parse_with_unit(text, time_units, most);
+    constexpr std::uint64_t max_ms = 1'000'000'000'000;    // 31 years; Duration holds far more
+    const auto ms = parse_with_unit(text, time_units, max_ms);
     if (!ms) return std::nullopt;
     return std::chrono::milliseconds{*ms};
 }

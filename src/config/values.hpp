@@ -1,4 +1,4 @@
-// Single values as people write them, and back. Nothing when the text is not one.
+// Converts single values from text and back. parse_…() returns std::nullopt when the text is not such a value.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/filter.hpp>
@@ -22,7 +22,7 @@ std::optional<std::uint8_t> parse_address(std::string_view text);
 std::optional<std::uint64_t> parse_can_id(std::string_view text);
 std::string can_id_text(std::uint64_t id);
 
-/// 0xDC, 220, 30-40 or 0x1E-0x28; the first not above the last.
+/// 0xDC, 220, 30-40 or 0x1E-0x28; first ≤ last.
 std::optional<ByteRange> parse_addresses(std::string_view text);
 /// 0xDC, or 30-40.
 std::string addresses_text(ByteRange range);
@@ -30,7 +30,7 @@ std::string address_text(std::uint8_t address);    // 0xDC
 
 /// A whole number of ms, s, m or h.
 std::optional<ano::Duration> parse_duration(std::string_view text);
-/// In the largest unit that says it exactly; whole milliseconds.
+/// In the largest unit without a fraction; `duration` must be whole milliseconds.
 std::string duration_text(ano::Duration duration);
 
 /// Bytes, or a whole number of kB, MB, GB (1000), KiB, MiB, GiB (1024).

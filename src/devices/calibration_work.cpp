@@ -73,7 +73,7 @@ std::optional<ano::host::AnyValue> value_of_hex(const Json& json) {
     return bytes && bytes->size() == sizeof(float) ? ano::host::value_of(*bytes, ano::Type::f32) : std::nullopt;
 }
 
-// As value_json() tells it.
+// Reads the form of value_json().
 std::optional<ano::host::AnyValue> value_told(const Json& json) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (json == "nan") return std::numeric_limits<double>::quiet_NaN();
@@ -83,7 +83,7 @@ std::optional<ano::host::AnyValue> value_told(const Json& json) {
     return double{json.get<float>()};
 }
 
-// What a note has; nothing where it is damaged. Older ones have no "bytes".
+// The values in a note; std::nullopt: it is damaged. Notes of older versions have no "bytes".
 std::optional<ano::host::CalibrationValues> values_in_note(const std::string& text, Sensor sensor) {
     const Json note = Json::parse(text, nullptr, false);
     const bool has_bytes = note.is_object() && note.contains("bytes");
@@ -99,7 +99,7 @@ std::optional<ano::host::CalibrationValues> values_in_note(const std::string& te
     return values;
 }
 
-// Whether the device at the address is the one that the note is of.
+// Whether the note belongs to the device `info`.
 bool is_of(const std::string& text, const std::optional<ano::host::DeviceInfo>& info) {
     const Json note = Json::parse(text, nullptr, false);
     const Json of = note.is_object() ? note.value("device", Json{}) : Json{};
@@ -204,7 +204,7 @@ private:
         calibration_->cancel(now);
         finish(work_fault(503, "the old values could not be kept, so nothing was changed: " + kept_->fault));
     }
-    // Whoever waits has the device.
+    // A limit for the waiting, because the job blocks the device meanwhile.
     void look_at_clock(TimePoint now) {
         if (!waits_since_) waits_since_ = now;
         if (now - *waits_since_ < Calibration::time_to_turn) return;
@@ -212,7 +212,7 @@ private:
         forget();
         finish(work_fault(504, "nobody said go on within 10 minutes; nothing was changed"));
     }
-    // Those of a calibration that never ended are the old values, not what it left in the device.
+    // The old values are those kept by an unfinished calibration, not what it left in the device.
     bool uses_kept() {
         const std::string name = keep_name(place().device.address(), sensor_);
         const std::string* text = place().notes.find(name);
@@ -246,7 +246,7 @@ private:
                 .dump();
         finish(std::move(end));
     }
-    // The old values are in the device, unless it is said that they could not be written back: then they stay where they are kept.
+    // Deletes the kept values if they are in the device again; otherwise they stay.
     void failed(const Task& task, TimePoint) override {
         if (calibration_->has_old_values()) forget();
         finish(end_of(*task.end()));

@@ -1,4 +1,4 @@
-// Work that calibrates a sensor of a device.
+// Calibrates a sensor of a device.
 #pragma once
 #include <devices/work.hpp>
 #include <host/calibration.hpp>
@@ -13,20 +13,20 @@
 
 namespace anogate {
 
-/// It waits once, when the old values are kept: the device is not changed before somebody says go on. The old values are kept under the
-/// name that keep_name() tells until they are in the device again, or the new ones are.
+/// Waits for go_on() once, when the old values are saved: the device is not changed before. The old values are kept under keep_name()
+/// until either they or the new ones are in the device.
 std::unique_ptr<Work> calibrate(const WorkPlace& place, ano::host::Sensor sensor);
-/// Writes back what was kept under `name` by a calibration that never ended, and forgets it when it is in the device again.
+/// Writes the values that an unfinished calibration kept under `name` back to the device, and deletes them when they are there.
 std::unique_ptr<Work> write_old_values_back(const WorkPlace& place, const std::string& name);
-/// `values` were written to the device, {NAME: value}: kept ones that are among them are kept no longer.
+/// `values` ({NAME: value}) were written to the device: kept old values of these parameters are deleted.
 void forget_written(const WorkPlace& place, const nlohmann::ordered_json& values);
 
-/// What `text` tells can be written back: whose the values are, and all of them.
+/// Whether `text` is complete, so that it can be written back: the device and all values.
 bool is_whole_backup(const std::string& text, ano::host::Sensor sensor);
 
 /// "calibration-0xDC-compass.json": what `anoctl param import` takes.
 std::string keep_name(std::uint8_t address, ano::host::Sensor sensor);
-/// Nothing: it is no such name.
+/// std::nullopt: `name` is not such a name.
 std::optional<ano::host::Sensor> sensor_of_note(std::string_view name);
 std::optional<std::uint8_t> address_of_note(std::string_view name);
 

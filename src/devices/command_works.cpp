@@ -53,7 +53,7 @@ public:
     std::optional<TimePoint> due() const override { return text_ ? std::optional{TimePoint{}} : std::nullopt; }
 
 private:
-    // A few rows at a time: the task has ended, so this is called until the work has.
+    // Adds a few rows at a time: it is called again until the work has ended.
     void done(const Task& task, TimePoint) override {
         const auto& all = commands().descriptions();
         const auto& device = place().device;

@@ -1,4 +1,4 @@
-// Works that ask for the commands of a device, and call them.
+// Reads the commands of a device, and calls them.
 #pragma once
 #include <devices/work.hpp>
 
@@ -10,7 +10,7 @@
 namespace anogate {
 
 std::unique_ptr<Work> read_commands(const WorkPlace& place);
-/// The one that is called so, or has this number. `values`: a JSON array; `repeat`: it may be carried out twice.
+/// `name`: the name or the number of the command; `values`: a JSON array; `repeat`: it may be repeated, and so carried out twice.
 std::unique_ptr<Work> call_command(const WorkPlace& place, std::string name, const nlohmann::ordered_json& values, bool repeat);
 
 }    // namespace anogate

@@ -81,7 +81,7 @@ std::optional<AnyValue> value_in(const Json& json, std::optional<ano::Type> type
     const auto number = ano::parse_number(text);
     const auto* const real = number ? std::get_if<double>(&*number) : nullptr;
     if (!number || (real != nullptr && !std::isfinite(*real)))
-        return AnyValue{std::move(text)};    // so that what is wrong is said by who knows the type
+        return AnyValue{std::move(text)};    // the caller, which knows the type, reports the error
     return std::visit([](auto plain) { return AnyValue{plain}; }, *number);
 }
 

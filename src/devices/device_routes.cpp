@@ -48,20 +48,20 @@ Json devices_list(DeviceService& service) {
     return {{"devices", std::move(devices)}};
 }
 
-/// What a client wants of one device.
+/// A client's request to one device.
 struct Wish {
     JobKind kind;
     Deed deed;
     MakeWork work;
-    bool at_once = false;    // answered by the job, not by what came of it
+    bool at_once = false;    // answered at once with the job, not later with its result
     std::string shared_as{};
 };
 
 std::string client_of(const Request& request) {
     const std::string name{request.query_value("client").value_or(request.header("User-Agent"))};
-    constexpr std::size_t longest = 64;
+    constexpr std::size_t max_bytes = 64;
     std::string clean;
-    for (std::size_t i = 0; i < name.size() && clean.size() < longest; ++i)
+    for (std::size_t i = 0; i < name.size() && clean.size() < max_bytes; ++i)
         if (ano::control_size(name, i) == 0) clean += name[i];
     return clean;
 }
@@ -95,7 +95,7 @@ Response scan_answer(DeviceService& service, const Request& request) {
     return answer_of(service, std::get<std::shared_ptr<Job>>(begun), request);
 }
 
-/// The body as an object; or what is wrong with it.
+/// The body as a JSON object, or the error.
 std::variant<Json, std::string> object_in(const Request& request) {
     Json json = request.body.empty() ? Json::object() : Json::parse(request.body, nullptr, false);
     if (json.is_discarded()) return std::string{"the body is no JSON"};
@@ -103,7 +103,7 @@ std::variant<Json, std::string> object_in(const Request& request) {
     return json;
 }
 
-/// What is not among `known` is refused: who mistyped "rollback" must not be left without.
+/// The error for a key that is not in `known`: a mistyped "rollback" must not be ignored.
 std::string stranger_in(const Json& object, std::initializer_list<std::string_view> known) {
     for (const auto& [key, value] : object.items())
         if (std::find(known.begin(), known.end(), key) == known.end())
@@ -111,7 +111,7 @@ std::string stranger_in(const Json& object, std::initializer_list<std::string_vi
     return {};
 }
 
-/// False where it is not there; nothing: it is no boolean.
+/// False if it is missing; std::nullopt: not a boolean.
 std::optional<bool> flag_in(const Json& object, const char* key) {
     if (!object.contains(key)) return false;
     return object[key].is_boolean() ? std::optional{object[key].get<bool>()} : std::nullopt;
@@ -133,7 +133,7 @@ Response put_parameter(DeviceService& service, const Request& request) {
                   }});
 }
 
-// The short form has the names themselves; an object under "parameters" tells the long one.
+// The short form is {NAME: value, …}; the long form has an object "parameters".
 Response apply(DeviceService& service, const Request& request) {
     const auto body = object_in(request);
     if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
@@ -197,7 +197,7 @@ void add_job_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"POST", "/jobs/{job}/next", Access::control, "the job that waits goes on",
                 with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
                     if (const auto refused = service.go_on(*job, service.net().now())) return answer_of(*refused);
-                    return json_response(job_json(*job));    // it runs: there is no result
+                    return json_response(job_json(*job));    // it is running, so there is no result
                 })});
 }
 
@@ -308,7 +308,7 @@ void add_waypoint_routes(http::Routes& routes, DeviceService& service) {
                 [&service](const Request& request) { return put_waypoints(service, request); }});
 }
 
-// Of its body, which is in memory only where it is small.
+// The bytes of the body, which may be in memory or stored.
 ano::host::FirmwareBytes bytes_of(const Request& request) {
     if (request.stored)
         return {request.stored->size(),

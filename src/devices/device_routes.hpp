@@ -1,4 +1,4 @@
-// What clients may ask of devices, by HTTP or in the same process.
+// The requests about devices, by HTTP or in the same process.
 #pragma once
 
 namespace anogate {
@@ -8,10 +8,11 @@ namespace http {
 class Routes;
 }
 
-/// /devices… and /jobs…; every row says what it answers. `service` outlives the routes, and what was answered by them.
+/// Adds /devices… and /jobs…; every row documents its answer. `service` must outlive the routes and their answers.
 ///
-/// What asks a device is a job. It is answered when the job has ended, or, where Accept is application/x-ndjson, by a line for each
-/// change of the job; an upgrade or a calibration at once, by 202 and the job. With ?while_connected the job is cancelled when its client goes.
+/// A request that asks a device becomes a job. It is answered when the job has ended; with Accept: application/x-ndjson by a line for each
+/// change of the job; an upgrade or a calibration at once with 202 and the job. With ?while_connected the job is cancelled when its
+/// client disconnects.
 void add_device_routes(http::Routes& routes, DeviceService& service);
 
 }    // namespace anogate

@@ -20,7 +20,7 @@ using ano::host::Deed;
 using ano::host::Refusal;
 
 constexpr Duration rate_over = std::chrono::seconds{2};
-constexpr Duration until_heard = std::chrono::seconds{2};    // is looked again whether a device is there
+constexpr Duration until_heard = std::chrono::seconds{2};    // interval of looking whether a device is present
 
 NotBegun not_begun(unsigned status, std::string error) {
     return {status, std::move(error), std::string{http::what_of(status)}, nullptr};
@@ -61,7 +61,7 @@ bool is_act(ano::FrameView frame) {
            frame.id() == ano::id_of<"command"> || frame.id() == ano::id_of<"waypoint"> || frame.id() == ano::id_of<"firmware">;
 }
 
-// While it is upgraded, a device answers nothing else.
+// During an upgrade a device answers nothing else.
 bool has_it_alone(JobKind kind) { return kind == JobKind::firmware; }
 
 }    // namespace
@@ -88,7 +88,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
         using ano::host::Taken;
         bool is_news = false, is_answer = false;
         if (const auto said = ano::as<"device_info">(frame)) {
-            is_answer = frame.destination() == own_;    // of a scan, who asks everybody
+            is_answer = frame.destination() == own_;    // of a scan, which asks all devices
             known->info = {said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
                            said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
         }
@@ -99,7 +99,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
             is_answer = is_answer || taken == Taken::ended || taken == Taken::doubled || taken == Taken::late;
             return taken == Taken::ended;
         };
-        // One answer is to one question: what was asked at its own address goes first.
+        // An answer belongs to one question only; one sent to the device's own address goes first.
         const bool is_over = is_taken_by(known);
         for (std::uint32_t ports = asked_ports_; ports != 0 && !is_over; ports &= ports - 1)
             if (const auto port = static_cast<std::uint8_t>(std::countr_zero(ports)); answers_at_port(frame.source(), port))
@@ -112,7 +112,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
         }
         if (is_news) net_.wake(now);
         return is_answer;
-    } catch (const std::bad_alloc&) {    // it was not heard
+    } catch (const std::bad_alloc&) {    // ignores the frame
         return false;
     }
 }
@@ -160,7 +160,7 @@ std::shared_ptr<Job> DeviceService::holder(std::uint8_t address) const {
     return found != jobs_.end() ? *found : nullptr;
 }
 
-// What began before the device was changed may have read the old values.
+// Never a job that began before the device was changed: it may have read old values.
 std::shared_ptr<Job> DeviceService::shared(const JobOrder& order) const {
     if (order.shared_as.empty() || !order.address) return nullptr;
     const unsigned from = known_[*order.address] ? known_[*order.address]->acted_before : 0;
@@ -193,7 +193,7 @@ std::size_t DeviceService::upgrades() const {
         jobs_.begin(), jobs_.end(), [](const auto& job) { return !job->is_over() && job->order.kind == JobKind::firmware; }));
 }
 
-// Those that ended are forgotten, the oldest first.
+// Removes ended jobs that are old, and if needed the oldest ended one. False: all jobs are running.
 bool DeviceService::make_room(TimePoint now) {
     const auto is_old = [&](const auto& job) { return job->is_over() && now - job->ended_at >= kept_for; };
     jobs_.erase(std::remove_if(jobs_.begin(), jobs_.end(), is_old), jobs_.end());
@@ -278,7 +278,7 @@ void DeviceService::cut_off(Job& job, TimePoint now) {
     finish(job, {503, std::move(result), "the gateway ends: " + words, "refused", evidence, true}, now);
 }
 
-// A job that ends may be answered at once, and its client may ask for the next: so all is looked at until nothing changes.
+// A client may begin the next job from within the answer to an ended one, so this repeats until nothing changes.
 void DeviceService::run(TimePoint now) {
     if (stopped_ || std::exchange(runs_, true)) return;
     if (write_back_at_ && now >= *write_back_at_) write_back(now);
@@ -334,8 +334,8 @@ bool DeviceService::remember(std::string name, std::string text) {
     return true;
 }
 
-// By jobs like others: who flies, or is busy, has them later. Each note has a time of its own, or one that can't be used would keep the
-// others back.
+// By ordinary jobs, so a device that flies or is busy gets its values later. Each note has its own time, so that one that can't be written
+// does not delay the others.
 void DeviceService::write_back(TimePoint now) {
     write_back_at_.reset();
     const auto all = notes_.all();
@@ -353,8 +353,8 @@ void DeviceService::write_back(TimePoint now) {
     }
 }
 
-// What one frame meets, all of its kind meet; what changes the device is of the one job that may. The work puts back what it can, and says
-// what it could not: it ends in its own time.
+// A refusal of one frame applies to all of its kind; a frame that changes the device belongs to the one job that may do so. The job is not
+// ended at once: its work restores what it can and reports what it could not.
 void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, TimePoint now) {
     const auto all = jobs_;
     for (const auto& job : all) {
@@ -382,7 +382,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     if (!end.result.empty() && !end.is_exact) end.result = exact_json(end.result);
     if (!end.result.empty()) job.result = std::make_shared<const std::string>(std::move(end.result.append("\n")));
     end.result.clear();
-    // In its loader it would have no parameters and no commands.
+    // A device that answered this is not in its loader any more, which has neither parameters nor commands.
     if (end.status < 300 && job.order.address && job.order.kind != JobKind::firmware &&
         notes_.find(loader_note(*job.order.address)) != nullptr)
         notes_.forget(loader_note(*job.order.address));
@@ -398,7 +398,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     forget_results();
 }
 
-// Who waits for one of them has it all the same.
+// A client that waits for one of them keeps its result.
 void DeviceService::forget_results() {
     std::size_t kept = 0;
     for (const auto& job : jobs_) kept += job->result ? job->result->size() : 0;
@@ -415,7 +415,7 @@ void DeviceService::changed(Job& job) {
     for (const auto* told : watchers) (*told)();
 }
 
-// What is to be told of a job that runs.
+// Reports changes of a running job.
 void DeviceService::look(Job& job, TimePoint now) {
     if (!job.work) return;
     const JobState state = job.work->is_waiting() ? JobState::waiting : JobState::running;
@@ -454,7 +454,7 @@ void DeviceService::await(TimePoint now) {
     if (!listens_since_) return;
     if (now - used_at_ < idle_after) return net_.wake(used_at_ + idle_after);
     listens_since_.reset();
-    guard_ = {};    // who flew then may have landed unheard: before what is for the ground, it listens anew
+    guard_ = {};    // devices may land unheard meanwhile: listens again before ground work
     net_.listen(false);
 }
 
@@ -462,7 +462,7 @@ std::optional<ano::host::DeviceInfo> DeviceService::info(std::uint8_t address) c
     return known_[address] ? known_[address]->info : std::nullopt;
 }
 
-// An address is one whatever a device calls itself.
+// An address goes before a device with that name.
 std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view word, TimePoint now) {
     const auto called = ano::address_called(word);
     if (const auto* address = std::get_if<std::uint8_t>(&called)) return *address;
@@ -477,7 +477,7 @@ std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view 
     return not_begun(404, "no device is called " + ano::in_quotes(word) + ", and it is no address");
 }
 
-// What the net knows, and what passed here: the way to a pinned address is known without it being heard.
+// The addresses known to `net_`, and those heard here: `net_` does not learn an address that is pinned to a link.
 std::vector<HeardAddress> DeviceService::heard(TimePoint now) {
     std::vector<HeardAddress> all = net_.heard(now);
     for (unsigned a = 1; a < ano::address::broadcast; ++a) {

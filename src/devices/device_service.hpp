@@ -1,7 +1,7 @@
-// The host engine for all devices and all clients: who is there, who is asked what, and who has which device.
+// The host engine for all devices and all clients: known devices, jobs, and which job uses which device.
 //
 // Flow:    DeviceService service{net};
-//          add_device_routes(routes, service);      // what clients say
+//          add_device_routes(routes, service);      // requests of clients
 //          service.hear(frame, now);                // every frame that passes, while net was told to listen
 //          service.run(now);                        // when net was told to wake it
 #pragma once
@@ -28,12 +28,12 @@
 
 namespace anogate {
 
-/// Why something can't begin, as the answer to who asked for it.
+/// Why a job can't begin, as the answer to the client.
 struct NotBegun {
     unsigned status = 400;
     std::string error;
     std::string what;
-    std::shared_ptr<const Job> has_it{};    // the job that has the device
+    std::shared_ptr<const Job> has_it{};    // the job that is using the device
 };
 
 /// What is known of one device.
@@ -42,65 +42,65 @@ struct DeviceReport {
     std::optional<ano::host::DeviceInfo> info;
     std::optional<double> rate;    // frames a second
     std::optional<std::uint16_t> parameters;
-    std::optional<unsigned> job;       // that has it
-    std::vector<std::string> notes;    // what is kept of it that was not ended: the names
+    std::optional<unsigned> job;       // the one that is using it
+    std::vector<std::string> notes;    // names of notes about unfinished work
 };
 
-/// It listens from the first question on until nobody asked for `idle_after`. What may not be done in the air waits until it has listened
-/// for AirGuard::busy_for; a write of another host before it listened is not known.
+/// Listens from the first request on until there was none for `idle_after`. Work that is not allowed in flight waits until the service has
+/// listened for AirGuard::busy_for. Writes of other hosts before it listened are not known.
 class DeviceService {
 public:
-    static constexpr std::size_t max_jobs = 64;    // that run and that ended
+    static constexpr std::size_t max_jobs = 64;    // running and ended ones
     static constexpr std::size_t max_running = 32;
-    static constexpr std::size_t max_upgrades = 2;    // that run
-    static constexpr long max_waiting = 16;           // clients who wait for jobs: half of the door's places are for all else
-    static constexpr std::size_t max_results = std::size_t{8} << 20;    // bytes of those that ended: the oldest go first
+    static constexpr std::size_t max_upgrades = 2;    // at the same time
+    static constexpr long max_waiting = 16;    // clients waiting for jobs: half of the server's places stay for other requests
+    static constexpr std::size_t max_results = std::size_t{8} << 20;    // bytes of ended jobs; the oldest are dropped first
     static constexpr ano::Duration kept_for = std::chrono::minutes{10};
-    static constexpr ano::Duration between_write_backs = std::chrono::minutes{1};    // tried again while values are kept
+    static constexpr ano::Duration between_write_backs = std::chrono::minutes{1};    // interval of tries while values are kept
     static constexpr ano::Duration idle_after = std::chrono::minutes{1};
-    /// Progress is told so often at most.
+    /// Minimum time between two reports of progress.
     static constexpr ano::Duration between_progress = std::chrono::milliseconds{100};
 
-    /// `net` outlives it; `own` is the address of the host.
+    /// `net` must outlive the service; `own`: the address of this host.
     explicit DeviceService(DeviceNet& net, std::uint8_t own = ano::address::host) : net_{net}, own_{own} {}
     ~DeviceService();
     DeviceService(const DeviceService&) = delete;
     DeviceService& operator=(const DeviceService&) = delete;
 
-    /// A frame that passes and that is not of this host. Sends nothing. True: it answers this host, be it late or once more.
+    /// To be called for each passing frame that is not from this host. Sends nothing. True: it answers this host, even if late or repeated.
     bool hear(ano::FrameView frame, ano::TimePoint now);
     void run(ano::TimePoint now);
-    /// The end is near: nothing is sent any more, and every job ends with what is half done.
+    /// The gateway is stopping: sends nothing any more; every job ends and reports what is half done.
     void stop(ano::TimePoint now);
 
-    /// A new one, or one that runs and reads the same.
+    /// A new job, or a running one that reads the same.
     std::variant<std::shared_ptr<Job>, NotBegun> begin(JobOrder order, ano::TimePoint now);
-    /// It ends soon. False: it was over.
+    /// The job ends soon. False: it was over already.
     bool cancel(Job& job, ano::TimePoint now);
-    /// The same for who asked for it and leaves, where it ends then.
+    /// A client with ?while_connected has disconnected: cancels the job if nobody else needs it.
     void left(Job& job);
-    /// POST /jobs/J/next. Why it does not go on: it does not wait, or may not be done now. Nothing: it goes on.
+    /// POST /jobs/J/next. Returns why it can't go on: it is not waiting, or is not allowed now. std::nullopt: it goes on.
     std::optional<NotBegun> go_on(Job& job, ano::TimePoint now);
 
-    /// One client waits for a job as long as this is kept.
+    /// To be held by each client that waits for a job.
     std::shared_ptr<void> waiting_client() const { return waiting_clients_; }
     bool has_room_for_a_client() const noexcept { return waiting_clients_.use_count() <= max_waiting; }
 
     std::shared_ptr<Job> job(unsigned id) const;
-    /// The one that began last is last.
+    /// In the order of their beginning.
     const std::vector<std::shared_ptr<Job>>& jobs() const noexcept { return jobs_; }
 
-    /// The device that `word` stands for: an address, a name for one, or what it calls itself.
+    /// The device that `word` means: an address, a name of an address, or the name that a device reports.
     std::variant<std::uint8_t, NotBegun> address_of(std::string_view word, ano::TimePoint now);
     std::vector<DeviceReport> devices(ano::TimePoint now);
-    /// Nothing is known of it: empty.
+    /// std::nullopt: nothing is known about it.
     std::optional<ano::host::DeviceInfo> info(std::uint8_t address) const;
 
-    /// What a run before this kept (DeviceNet::keep()). Old values of a calibration are written back as soon as that may be. False:
-    /// it is damaged, and stays where it is.
+    /// A note kept by an earlier run (DeviceNet::keep()). Old values of a calibration are written back as soon as that is allowed. False:
+    /// the note is damaged and stays where it is.
     bool remember(std::string name, std::string text);
 
-    /// `call` is called with each job that has ended, before those who wait for it.
+    /// `call` is called for each job that has ended, before its waiting clients.
     void on_end(std::function<void(const Job&)> call) { tells_end_ = std::move(call); }
 
     DeviceNet& net() noexcept { return net_; }
@@ -108,13 +108,13 @@ public:
 
 private:
     struct Known {
-        std::optional<ano::host::DeviceInfo> info;    // as last told, though it may be away
-        std::unique_ptr<ano::host::Device> device;    // null: nothing was asked yet
+        std::optional<ano::host::DeviceInfo> info;    // the last known; the device may be absent
+        std::unique_ptr<ano::host::Device> device;    // nullptr: not asked yet
         std::uint32_t frames = 0;                     // since `counted_since`
         ano::TimePoint counted_since{};
         std::optional<double> rate;
         std::optional<ano::TimePoint> heard_at{};
-        unsigned acted_before = 0;    // jobs from this number on began behind the last frame that changes it
+        unsigned acted_before = 0;    // jobs with a lower id began before the last frame that changed the device
     };
 
     void use(ano::TimePoint now);
@@ -148,15 +148,15 @@ private:
     std::uint32_t asked_ports_ = 0;    // a bit for each port id that has a device in known_
     ano::host::DescriptionCache cache_;
     ano::host::AirGuard guard_;
-    std::unique_ptr<ano::host::Device> everybody_;    // of a scan
+    std::unique_ptr<ano::host::Device> everybody_;    // for scans
     std::vector<std::shared_ptr<Job>> jobs_;
     std::size_t at_work_ = 0;    // jobs that have begun and not ended
     unsigned next_id_ = 1;
     std::optional<ano::TimePoint> listens_since_;
     ano::TimePoint used_at_{};
-    std::shared_ptr<int> waiting_clients_ = std::make_shared<int>();    // one more owner for each
-    std::map<std::string, ano::TimePoint> write_back_due_;              // of each note, when it was tried
-    std::optional<ano::TimePoint> write_back_at_;                       // nothing: there is nothing to write back
+    std::shared_ptr<int> waiting_clients_ = std::make_shared<int>();    // its use count - 1 is the number of waiting clients
+    std::map<std::string, ano::TimePoint> write_back_due_;              // by note: when to try
+    std::optional<ano::TimePoint> write_back_at_;                       // std::nullopt: nothing to write back
     std::function<void(const Job&)> tells_end_;
     bool runs_ = false;
     bool stopped_ = false;

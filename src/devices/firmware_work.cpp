@@ -19,7 +19,7 @@ using ano::TimePoint;
 using ano::host::Firmware;
 using ano::host::Task;
 
-constexpr std::size_t usual_frame = 195;    // bytes of the image; DATA has three more
+constexpr std::size_t usual_frame = 195;    // bytes of the image in a frame; DATA has three more
 
 // "12.3 KB/s, 40 s left"
 std::string speed_in_words(double bytes_a_second, std::optional<ano::Duration> left) {
@@ -33,7 +33,7 @@ class Upgrade final : public TaskWork {
 public:
     Upgrade(const WorkPlace& place, UpgradeOrder order) : TaskWork{place}, order_{std::move(order)} {}
 
-    // The file may be large: its check is not to keep the loop, and is not begun where it can't pass.
+    // Checks the file outside the loop, because it may be large; and only if the frames fit the link.
     void start(TimePoint) override {
         const std::size_t room = place().net.manners(place().device.address()).max_data;
         frame_len_ = std::min(usual_frame, room > 3 ? room - 3 : usual_frame);
@@ -73,14 +73,14 @@ private:
         firmware_ = task.get();
         next(std::move(task)).start(now);
     }
-    // One that was left in its loader may not say who it is.
+    // A device in its loader may not report its identity: takes it from the note.
     void recall() {
         const std::string* text = place().notes.find(loader_note(place().device.address()));
         if (text == nullptr || order_.known_as) return;
         const Json note = Json::parse(*text, nullptr, false);
         if (note.is_object()) order_.known_as = identity_in(note.value("device", Json{}));
     }
-    // Who it was is known as long as it answers.
+    // Keeps the identity while the device still answers.
     void note() {
         const std::uint8_t address = place().device.address();
         const auto& info = place().device.info() ? place().device.info() : order_.known_as;
@@ -88,7 +88,7 @@ private:
         place().notes.keep(loader_note(address), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
                            [](const std::string&) {});
     }
-    // The speed once a second.
+    // Updates the message once a second.
     void say(TimePoint now) {
         if (end() || (firmware_->step() == step_ && now - said_at_ < std::chrono::seconds{1})) return;
         said_at_ = now;

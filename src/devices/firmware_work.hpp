@@ -1,4 +1,4 @@
-// Work that upgrades the firmware of a device.
+// Upgrades the firmware of a device.
 #pragma once
 #include <ano/crc16.hpp>
 #include <devices/work.hpp>
@@ -12,8 +12,8 @@ namespace anogate {
 struct UpgradeOrder {
     ano::host::FirmwareBytes file;
     ano::Crc16 crc = ano::usual_crc16;
-    bool force = false;                                 // not checked against the device's hardware
-    std::optional<ano::host::DeviceInfo> known_as{};    // of before, for a device that is left in its loader
+    bool force = false;                                 // without the check against the device's hardware
+    std::optional<ano::host::DeviceInfo> known_as{};    // its earlier identity, if it is in its loader
 };
 std::unique_ptr<Work> upgrade(const WorkPlace& place, UpgradeOrder order);
 

@@ -45,7 +45,7 @@ Json evidence_json(const ano::host::Evidence& of) {
     return evidence;
 }
 
-// A result may be large, and is put in as the text that it is.
+// Inserts the result as text, without parsing it, because it may be large.
 std::string with_result_of(const Job& job, const Json& json) {
     std::string line = ano::json_line(json);
     if (!job.end || (!job.result && job.end->status >= 300)) return line;

@@ -1,4 +1,4 @@
-// One thing that is asked of a device, from its beginning to what came of it.
+// One request to a device, from its beginning to its result.
 #pragma once
 #include <ano/time.hpp>
 #include <devices/work.hpp>
@@ -32,40 +32,40 @@ enum class JobKind : std::uint8_t {
 
 enum class JobState : std::uint8_t { running, waiting, done, failed, cancelled };
 
-/// What is to be done to whom, and who asked.
+/// What to do with which device, and for which client.
 struct JobOrder {
     JobKind kind{};
     ano::host::Deed deed = ano::host::Deed::read;
-    std::optional<std::uint8_t> address;    // nothing: everybody
-    bool force = false;                     // although it flies
-    std::string client;                     // who asked, as he calls himself
+    std::optional<std::uint8_t> address;    // std::nullopt: all devices
+    bool force = false;                     // even in flight
+    std::string client;                     // the name that the client gives
     std::function<std::unique_ptr<Work>(const WorkPlace& place)> work;
-    std::function<std::string()> result{};    // JSON, of a work that has none of its own
-    std::string shared_as{};                  // one that reads: who asks for the same meanwhile gets what this gets; empty: alone
+    std::function<std::string()> result{};    // JSON; for works without a result of their own
+    std::string shared_as{};                  // of a reading job: equal requests share its result; empty: not shared
 };
 
 struct Job {
     unsigned id = 0;
     JobOrder order;
     JobState state = JobState::running;
-    std::unique_ptr<Work> work;                         // null when it has ended, and until it begins
-    std::optional<WorkEnd> end;                         // its result is in the next
-    std::shared_ptr<const std::string> result{};        // a line; null: there is none
-    mutable std::weak_ptr<const std::string> line{};    // of job_line(), as long as somebody has it
+    std::unique_ptr<Work> work;                         // nullptr before it begins and after it has ended
+    std::optional<WorkEnd> end;                         // without its result, which is in `result`
+    std::shared_ptr<const std::string> result{};        // one line; nullptr: there is none
+    mutable std::weak_ptr<const std::string> line{};    // of job_line(), shared while in use
     std::string message;
-    bool has_acted = false;       // something that changes the device left
-    bool is_cancelled = false;    // somebody wants its end, which may take a while
-    std::string refused;          // why its frames may not leave: it ends
+    bool has_acted = false;       // a frame that changes the device was sent
+    bool is_cancelled = false;    // cancelled, but it may take a while to end
+    std::string refused;          // why its frames can't be sent: it is ending
     std::string step;             // JSON
     ano::host::Progress progress{};
-    ano::TimePoint begins_at{};    // not before: until then it is listened whether it may
+    ano::TimePoint begins_at{};    // earliest time; until then the service listens whether it is allowed
     ano::TimePoint ended_at{};
-    std::uint64_t version = 0;    // grows whenever there is something to tell
-    ano::TimePoint told_at{};     // of progress
-    std::size_t needed_by = 0;    // clients who want it to end when they go
-    bool goes_on = false;         // another waits for it who does not
+    std::uint64_t version = 0;    // increased with every change to report
+    ano::TimePoint told_at{};     // last report of progress
+    std::size_t needed_by = 0;    // clients that cancel it when they disconnect
+    bool goes_on = false;         // another client waits that does not cancel it
     std::vector<std::function<void(const Job&)>> on_end;
-    std::vector<std::function<void()>*> on_change;    // of those who watch
+    std::vector<std::function<void()>*> on_change;    // of clients that watch it
 
     bool is_over() const noexcept { return end.has_value(); }
     bool is_writing() const noexcept { return order.deed != ano::host::Deed::read; }
@@ -73,18 +73,18 @@ struct Job {
 
 std::string_view name_of(JobKind kind) noexcept;
 std::string_view name_of(JobState state) noexcept;
-/// What the progress of a kind counts in: "bytes".
+/// The unit of the progress of a kind: "bytes".
 std::string_view unit_of(JobKind kind) noexcept;
-/// Jobs of this kind ask by frames of this id.
+/// Whether jobs of this kind send questions with this id.
 bool asks_by(JobKind kind, std::uint8_t id) noexcept;
 
-/// The object that is told of it, without its result.
+/// The job as a JSON object, without its result.
 nlohmann::ordered_json job_json(const Job& job);
-/// The same with its result, as a line. Of a job that is over all who have it have the same text: a result may be large.
+/// The same with its result, as a line. For an ended job all callers share one text, because a result may be large.
 std::shared_ptr<const std::string> job_line(const Job& job);
-/// What came of a job, without the job, as a line; the same.
+/// Only the result of the job, as a line; shared likewise.
 std::shared_ptr<const std::string> end_line(const Job& job);
-/// JSON that every program reads without loss (json_line.hpp).
+/// `text` (JSON) in the form that every program reads without loss (json_line.hpp).
 std::string exact_json(const std::string& text);
 /// "job 7 (firmware, of anoctl)"
 std::string words_of(const Job& job);

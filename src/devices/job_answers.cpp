@@ -30,7 +30,7 @@ http::Response line_answer(unsigned status, std::shared_ptr<const std::string> l
 
 http::Response end_answer(const Job& job) { return line_answer(job.end->status, end_line(job)); }
 
-/// Who waits for a job; he may want it to end when he goes.
+/// A client that waits for a job; it may want the job cancelled when it disconnects.
 class WaitingClient {
 public:
     WaitingClient(DeviceService& service, std::shared_ptr<Job> job, bool ends_with_him)
@@ -55,7 +55,7 @@ std::shared_ptr<WaitingClient> waiting_client(DeviceService& service, const std:
     return std::make_shared<WaitingClient>(service, job, request.query_value("while_connected").has_value());
 }
 
-// A line for each change; what changed while its client took nothing is one.
+// A line for each change; changes while the client took nothing are combined into one.
 class JobLines final : public http::Producer {
 public:
     JobLines(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client) : job_{std::move(job)}, client_{std::move(client)} {
@@ -87,12 +87,12 @@ private:
 
     std::shared_ptr<WaitingClient> client_;
     std::optional<std::uint64_t> told_;
-    std::shared_ptr<const std::string> line_;    // that is being told
-    std::size_t at_ = 0;                         // so much of it was
+    std::shared_ptr<const std::string> line_;    // being sent
+    std::size_t at_ = 0;                         // bytes of it already sent
     std::function<void()> wake_ = [] {};
 };
 
-// The same as messages; behind the last it closes.
+// The same as messages; closes after the last.
 class JobMessages final : public http::WebSocketUser {
 public:
     JobMessages(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client)
@@ -110,7 +110,7 @@ public:
         socket_ = &socket;
         tell();
     }
-    void heard(std::string_view, http::WebSocket::Kind) override {}    // he only listens
+    void heard(std::string_view, http::WebSocket::Kind) override {}    // the client only receives
     void sent_all() override { tell(); }
     bool has_last_words() const override { return true; }
 

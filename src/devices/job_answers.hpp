@@ -1,4 +1,4 @@
-// How a job is answered.
+// The HTTP answers of jobs.
 #pragma once
 #include <devices/device_service.hpp>
 #include <http/request.hpp>
@@ -8,11 +8,11 @@
 
 namespace anogate {
 
-/// When it has ended, or by lines where the request accepts these.
+/// Answers when the job has ended, or by lines if the request accepts them.
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request);
-/// By lines where the request accepts these, by messages where it wants to become a WebSocket, or as it is now.
+/// Answers by lines if the request accepts them, by messages for a WebSocket, otherwise with the present state.
 http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request, unsigned status);
-/// When it has ended, as it is then.
+/// Answers when the job has ended, with its state.
 http::Response job_at_its_end(const std::shared_ptr<Job>& job);
 http::Response answer_of(const NotBegun& refused);
 

@@ -28,7 +28,7 @@ WorkEnd with_result(WorkEnd end, const Json& result) {
     return end;
 }
 
-// Reads what is known of all parameters, then goes on.
+// Reads the descriptions of all parameters, then goes on.
 class ParameterWork : public TaskWork {
 public:
     using TaskWork::TaskWork;
@@ -43,7 +43,7 @@ protected:
         parameters_->read_named(std::move(names), now);
     }
     const Parameters& parameters() const { return *parameters_; }
-    /// Null, and it has ended, when there is none.
+    /// nullptr, and the work has ended, if there is no such parameter.
     const ano::host::ParameterInfo* parameter(const std::string& word) {
         const ano::host::Found found = parameter_called(*parameters_, word);
         if (found.several) finish(ambiguous(word));
@@ -77,14 +77,14 @@ public:
 
 private:
     void done(const Task& task, TimePoint) override { tell(end_of(*task.end())); }
-    // What came is of use, though some did not.
+    // Returns the parameters that came even if some did not.
     void failed(const Task& task, TimePoint) override {
         WorkEnd end = end_of(*task.end());
         if (task.end()->ending != Ending::incomplete) return finish(std::move(end));
         end.status = 200;
         tell(std::move(end));
     }
-    // A few rows at a time: the task has ended, so this is called until the work has.
+    // Adds a few rows at a time: it is called again until the work has ended.
     void tell(WorkEnd end) {
         const auto& all = parameters().descriptions();
         const auto& device = place().device;
@@ -107,7 +107,7 @@ private:
     bool is_wanted(const std::string& name) const {
         return !names_ || std::find(names_->begin(), names_->end(), name) != names_->end();
     }
-    // Behind the last that came there is nothing to say of each: a device may claim thousands.
+    // Ends with the last parameter that came: a device may claim thousands that never do.
     std::size_t rows_that_came() const {
         const auto& all = parameters().descriptions();
         const auto came = [&](std::size_t i) {
@@ -121,7 +121,7 @@ private:
     std::optional<RowsText> text_;
     std::size_t told_ = 0, end_of_rows_ = 0;
     bool values_ = false;
-    std::optional<std::vector<std::string>> names_;    // of those that are wanted; nothing: all
+    std::optional<std::vector<std::string>> names_;    // of the wanted parameters; std::nullopt: all
 };
 
 class ReadOne final : public ParameterWork {
@@ -226,14 +226,14 @@ private:
         apply_ = &next(std::make_unique<ParameterApply>(place().device, &place().cache, values, options));
         apply_->start(now);
     }
-    // What is half done is told as well.
+    // Reports what is half done as well.
     void failed(const Task& task, TimePoint) override {
         WorkEnd end = end_of(*task.end());
         if (apply_ == nullptr) return finish(std::move(end));
         forget_kept();
         finish(with_result(std::move(end), rows()));
     }
-    // Old values that a calibration kept need not be kept any more where the device has them.
+    // Old values kept by a calibration are no longer needed if the device has them.
     void forget_kept() {
         using State = ParameterApply::State;
         if (order_.dry_run) return;

@@ -1,4 +1,4 @@
-// Works that read and write parameters.
+// Reads and writes parameters.
 #pragma once
 #include <devices/work.hpp>
 #include <host/parameter_write.hpp>
@@ -11,13 +11,13 @@
 
 namespace anogate {
 
-/// All of them; with their values or without.
+/// All parameters, with or without their values.
 std::unique_ptr<Work> read_parameters(const WorkPlace& place, bool values);
-/// Those of these names, with their values; names that none is called by are passed over.
+/// The parameters with these names and their values; unknown names are ignored.
 std::unique_ptr<Work> read_parameters(const WorkPlace& place, std::vector<std::string> names);
-/// The one that is called so, or has this number.
+/// The parameter with this name or number.
 std::unique_ptr<Work> read_parameter(const WorkPlace& place, std::string name);
-/// `value` is JSON; `longer`: a text may be longer than the one that it replaces.
+/// `longer`: a text may be longer than the one it replaces.
 std::unique_ptr<Work> write_parameter(const WorkPlace& place, std::string name, const nlohmann::ordered_json& value, bool longer);
 
 struct ApplyOrder {
@@ -25,7 +25,7 @@ struct ApplyOrder {
     bool dry_run = false;
     bool longer = false;
 };
-/// `values`: names and values, a JSON object.
+/// `values`: a JSON object of names and values.
 std::unique_ptr<Work> apply_parameters(const WorkPlace& place, const nlohmann::ordered_json& values, ApplyOrder order);
 /// save or restore_defaults.
 std::unique_ptr<Work> act(const WorkPlace& place, ano::host::Action action, std::string name);

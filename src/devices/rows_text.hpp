@@ -1,4 +1,4 @@
-// A JSON object with a long list, made a few rows at a time so that the loop goes on meanwhile.
+// Builds a JSON object with a long list a few rows at a time, so as not to hold up the loop.
 #pragma once
 #include <devices/work.hpp>
 
@@ -13,16 +13,16 @@ namespace anogate {
 /// {"device": {…}, "parameters": [row, …], "incomplete": "…"}, exact (json_line.hpp) and without spaces.
 class RowsText {
 public:
-    /// Rows of one turn of the loop.
+    /// Rows added in one turn of the loop.
     static constexpr std::size_t rows_a_turn = 64;
-    /// A device that describes more bytes than this is no use to anybody.
+    /// Limit of the text; no real device needs more.
     static constexpr std::size_t max_bytes = std::size_t{32} << 20;
 
-    /// `head` has something in it.
+    /// `head` must not be empty.
     RowsText(const nlohmann::ordered_json& head, std::string_view list);
     void add(const nlohmann::ordered_json& row);
     std::size_t size() const noexcept { return text_.size(); }
-    /// With what stands behind the list; `end` has the whole as its result.
+    /// Appends `tail` after the list and returns `end` with the complete text as its result.
     WorkEnd ended(WorkEnd end, const nlohmann::ordered_json& tail);
 
 private:
@@ -30,7 +30,7 @@ private:
     bool is_empty_ = true;
 };
 
-/// The end of a work whose list has become too large.
+/// The end of a work whose list is larger than max_bytes.
 WorkEnd too_many_bytes(std::uint8_t address);
 
 }    // namespace anogate

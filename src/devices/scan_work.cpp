@@ -15,7 +15,7 @@ using ano::TimePoint;
 
 constexpr unsigned sends = 3;
 constexpr Duration between_sends = std::chrono::milliseconds{300};
-constexpr Duration for_answers = std::chrono::milliseconds{800};    // behind the last: with all sends less than 1.5 s
+constexpr Duration for_answers = std::chrono::milliseconds{800};    // after the last send; together less than 1.5 s
 
 class Scan final : public Work {
 public:

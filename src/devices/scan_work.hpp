@@ -1,4 +1,4 @@
-// Work that asks everybody who is there.
+// Asks all devices whether they are present.
 #pragma once
 #include <devices/work.hpp>
 
@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-/// 0xE0 0 to 0xFF, three times; what came is known to the service, and its list is the answer.
+/// Sends 0xE0 0 to address 0xFF three times. The answers are collected by the service, whose list is the result.
 std::unique_ptr<Work> scan(const WorkPlace& place);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Waypoints as JSON, in the forms that programs know.
+// Waypoints as JSON, in the formats of several programs.
 #pragma once
 #include <host/waypoints.hpp>
 
@@ -15,14 +15,14 @@ namespace anogate {
 
 enum class WaypointForm : std::uint8_t {
     plain,      // {"waypoints": [{"num", "lng", "lat" in degrees, "alt" in cm, "spd" in cm/s, "yaw", "fun", "cmd"}]}
-    geojson,    // a FeatureCollection of points with the same beside; the third coordinate is metres
-    qgc,        // a plan of QGroundControl: waypoints, changes of speed, and the home position, which is number 0
+    geojson,    // a FeatureCollection of points with the same properties; the third coordinate is in metres
+    qgc,        // a plan of QGroundControl: waypoints, speed changes, and the home position as number 0
 };
-/// Nothing for a name that none has; an empty one is plain.
+/// An empty name means plain; std::nullopt: unknown name.
 std::optional<WaypointForm> waypoint_form(std::string_view name);
 
 nlohmann::ordered_json waypoints_json(std::span<const ano::host::Waypoint> waypoints, WaypointForm form);
-/// What is wrong with it is a text.
+/// The waypoints, or the error as text.
 std::variant<std::vector<ano::host::Waypoint>, std::string> waypoints_in(const nlohmann::ordered_json& json, WaypointForm form);
 
 }    // namespace anogate

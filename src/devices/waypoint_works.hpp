@@ -1,4 +1,4 @@
-// Works that read and write the waypoints of a device.
+// Reads and writes the waypoints of a device.
 #pragma once
 #include <devices/waypoint_forms.hpp>
 #include <devices/work.hpp>

@@ -13,7 +13,7 @@ struct Meaning {
     const char* what;
 };
 
-// In the order of the endings.
+// Indexed by Ending.
 constexpr Meaning meanings[] = {
     {200, ""},               // done
     {504, "timeout"},        // timeout

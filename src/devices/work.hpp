@@ -1,4 +1,4 @@
-// What a job does, step by step.
+// The work of a job, step by step.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -16,56 +16,56 @@
 
 namespace anogate {
 
-/// How a job ended, as the answer to who asked for it.
+/// How a job ended, as the answer to the client.
 struct WorkEnd {
     unsigned status = 200;
-    std::string result{};    // JSON; of 200, else of what is half done
-    std::string error;       // a clause for people; of 200 it may say what is to be known all the same
-    std::string what;        // a word for programs; of 200 empty
+    std::string result{};    // JSON; the result for 200, otherwise what is half done
+    std::string error;       // a clause for the user; for 200 a remark, or empty
+    std::string what;        // a word for programs; empty for 200
     ano::host::Evidence evidence{};
     bool is_cancelled = false;
-    bool is_exact = false;    // the result is as exact_json() makes it
+    bool is_exact = false;    // `result` is in the form of exact_json()
 };
 
-/// As `end` is told: done has a status of 200 and no result yet.
+/// Converts `end`; a task that is done gives status 200 without a result.
 WorkEnd end_of(const ano::host::End& end);
-/// `what` of the status.
+/// With the `what` of the status.
 WorkEnd work_fault(unsigned status, std::string error);
 
-/// What works of all kinds use.
+/// What all works use.
 struct WorkPlace {
     ano::host::Device& device;
     ano::host::DescriptionCache& cache;
     DeviceNet& net;
     Notes& notes;
-    /// Why the device may not be changed just now, in words; empty: it may.
+    /// Why the device may not be changed now, as text; empty: it may.
     std::function<std::string()> refusal{};
 };
 
-/// It is driven by its job: start() once, then run() whenever a request of its device may have ended, until end(). No function of it is
-/// called from within one of its tasks.
+/// Driven by its job: start() once, then run() whenever a request to the device may have ended, until end() is set. No function is called
+/// from within one of its tasks.
 class Work {
 public:
     virtual ~Work() = default;
     virtual void start(ano::TimePoint now) = 0;
     virtual void run(ano::TimePoint now) = 0;
-    /// Ends it, soon: what has to be put back is put back first.
+    /// Ends the work soon, after restoring what has to be restored.
     virtual void cancel(ano::TimePoint now) = 0;
     const std::optional<WorkEnd>& end() const noexcept { return end_; }
 
     virtual ano::host::Progress progress() const { return {}; }
-    /// In words, what it does now.
+    /// What it does now, as text for the user.
     virtual std::string message() const { return {}; }
-    /// Every frame that passes, beside the device's own take(). It sends nothing.
+    /// Called for every passing frame, in addition to Device::take(). Must not send.
     virtual void hear(ano::FrameView /*frame*/, ano::TimePoint /*now*/) {}
-    /// What is half done when it is left as it is now, where cancel() did not end it at once.
+    /// What is half done if it stops now, when cancel() did not end it at once.
     virtual std::string half_done() const { return "it is left as it is"; }
-    /// When run() has to be called, beside Device::due().
+    /// When run() has to be called, in addition to Device::due().
     virtual std::optional<ano::TimePoint> due() const { return std::nullopt; }
-    /// It waits until somebody says go on; false: it does not.
+    /// Whether it waits for go_on(), which returns false if it does not.
     virtual bool is_waiting() const { return false; }
     virtual bool go_on(ano::TimePoint /*now*/) { return false; }
-    /// What is shown beside, as JSON; empty: nothing.
+    /// Further data of the present step, as JSON; empty: none.
     virtual std::string step() const { return {}; }
 
 protected:
@@ -89,7 +89,7 @@ public:
 protected:
     WorkPlace& place() noexcept { return place_; }
     const WorkPlace& place() const noexcept { return place_; }
-    /// `task` is the one that is waited for: the caller starts it.
+    /// `task` becomes the current task; the caller starts it.
     template <class T>
     T& next(std::unique_ptr<T> task) {
         T& now_running = *task;
@@ -98,10 +98,10 @@ protected:
         return now_running;
     }
     const ano::host::Task* task() const noexcept { return task_.get(); }
-    /// The task ended as is told. A task that ended otherwise than done ends the work as it did, unless this says otherwise.
+    /// Called when the task has ended: done() on success, otherwise failed(), which by default ends the work in the same way.
     virtual void done(const ano::host::Task& task, ano::TimePoint now) = 0;
     virtual void failed(const ano::host::Task& task, ano::TimePoint /*now*/) { finish(end_of(*task.end())); }
-    /// Behind every run().
+    /// Called after every run().
     virtual void look(ano::TimePoint /*now*/) {}
 
 private:

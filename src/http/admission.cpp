@@ -7,7 +7,7 @@
 namespace anogate::http {
 namespace {
 
-/// Takes as long whatever is different.
+/// Takes the same time wherever the texts differ.
 bool is_same_token(std::string_view known, std::string_view given) {
     unsigned different = known.size() == given.size() ? 0u : 1u;
     for (std::size_t i = 0; i < given.size(); ++i)
@@ -17,8 +17,8 @@ bool is_same_token(std::string_view known, std::string_view given) {
 }
 
 struct Authority {
-    std::string host;         // in lower case, without brackets and the dot of a whole name
-    std::string_view port;    // empty: that of the scheme
+    std::string host;         // in lower case, without brackets and final dot
+    std::string_view port;    // empty: the default of the scheme
 };
 
 Authority authority_of(std::string_view text) {
@@ -42,7 +42,7 @@ bool is_passed_on(const Request& request) {
 
 std::string cookie_name(const Door& door) { return "anogate-" + std::to_string(door.port); }
 
-/// Of a header "a=1; b=2".
+/// Our cookie in a header "a=1; b=2".
 std::string_view cookie_of(const Request& request) {
     const std::string name = cookie_name(request.door) + "=";
     for (const Field& field : request.headers) {
@@ -74,7 +74,7 @@ std::string query_token_of(const Request& request) {
     return given == query->end() ? std::string{} : given->value;
 }
 
-/// What no page of others can make a browser send without asking first.
+/// Whether a page of another origin can't send this type without a preflight request (CORS).
 bool is_plain_data(std::string_view type) {
     std::string_view kind = type.substr(0, type.find(';'));
     kind = kind.substr(0, kind.find_last_not_of(' ') + 1);
@@ -92,7 +92,7 @@ bool Admission::is_own_name(std::string_view host, const Door& door) const {
                        [&](const std::string& name) { return host == ano::lower_case(name); });
 }
 
-// Where it goes, or one that the configuration names. A page at another port of ours is another's page.
+// Our own origin, or a configured one. A page at another port of this host is another origin.
 bool Admission::may_ask(std::string_view origin, std::string_view host, bool is_encrypted) const {
     for (const std::string& allowed : rules_.origins)
         if (ano::lower_case(origin) == ano::lower_case(allowed)) return true;
@@ -111,7 +111,7 @@ bool Admission::may_have_it_in_query(const Request& request) const {
            is_web_socket(request) && !offered_subprotocol(request, rules_.subprotocols).empty();
 }
 
-// Empty: none was given. What is said for this request counts before what a browser adds by itself.
+// Empty: there is none. A header set for this request goes before the cookie, which a browser adds by itself.
 std::string Admission::token_of(const Request& request) const {
     if (const auto bearer = bearer_of(request)) return std::string{*bearer};
     if (may_have_it_in_query(request))
@@ -156,7 +156,7 @@ tl::expected<Access, Response> Admission::access_of(std::string_view token, cons
         return tl::unexpected{std::move(response)};
     }
     std::optional<Access> access;
-    for (const Token& known : rules_.tokens)    // all of them: the time tells nothing
+    for (const Token& known : rules_.tokens)    // compares all of them, so that the time tells nothing
         if (is_same_token(known.text, token)) access = std::max(access.value_or(Access::open), known.access);
     if (access) return *access;
     attempts_.failed(door.peer, now);

@@ -1,4 +1,4 @@
-// What a request may. It decides by the request, the door it came by, and the tokens; it does no I/O.
+// Decides what a request may do, from the request, its door and the tokens. No I/O.
 #pragma once
 #include <ano/time.hpp>
 #include <http/attempts.hpp>
@@ -21,11 +21,11 @@ struct Token {
 
 struct AdmissionRules {
     std::vector<Token> tokens;
-    std::string host_name;               // ours: it and HOST.local are names of ours
-    std::vector<std::string> hosts;      // more of them: "vehicle.lan"
-    std::vector<std::string> origins;    // pages of others that may ask: "https://ground.example:8443"
-    /// A WebSocket at one of these paths that offers one of these may have its token in the query, ?token=: its clients have no other
-    /// place for it.
+    std::string host_name;               // our host name: it and HOST.local are our names
+    std::vector<std::string> hosts;      // further names of ours: "vehicle.lan"
+    std::vector<std::string> origins;    // other pages that may send requests: "https://ground.example:8443"
+    /// A WebSocket at one of these paths that offers one of these subprotocols may have its token in the query (?token=), because its
+    /// clients can't send it otherwise.
     std::vector<std::string_view> paths{}, subprotocols{};
 };
 
@@ -33,18 +33,18 @@ class Admission {
 public:
     void set(AdmissionRules rules) { rules_ = std::move(rules); }
 
-    /// What it may, or the answer that refuses it. At a network door: a Host that is not a name of ours, for a name of others may
-    /// be made to lead to us (DNS rebinding); an Origin that is not where the request goes; a body that a form of any page could
-    /// send; a wrong token. A token that was judged at the head of the request (Request::judged) is not looked at again. A request
-    /// that a proxy passed on needs a token wherever it came in.
+    /// What the request may do, or the answer that refuses it. At a network door it refuses: a Host that is not one of our names,
+    /// since any other name may be made to resolve to us (DNS rebinding); an Origin other than our own; a body that a form of any page
+    /// could send; a wrong token. A token that was checked with the head of the request (Request::judged) is not checked again. A
+    /// request passed on by a proxy needs a token at every door.
     tl::expected<Access, Response> judge(const Request& request, ano::TimePoint now);
 
-    /// Takes a token that was judged out of the target: what is said of the request from here on can't have it.
+    /// Removes a checked token from the target, so that it can't appear in anything written about the request.
     void forget_token(Request& request) const;
 
-    /// What a token allows that was given by other means than a header: 401, or 429 for who fails often.
+    /// What a token that did not come in a header allows; otherwise 401, or 429 after too many failures.
     tl::expected<Access, Response> access_of(std::string_view token, const Door& door, ano::TimePoint now);
-    /// The header of an answer that makes a browser give this token from now on: Set-Cookie.
+    /// The header Set-Cookie, by which a browser sends this token from now on.
     static Field cookie(std::string_view token, const Door& door);
 
 private:

@@ -1,4 +1,4 @@
-// What a gateway answers, as its client has it.
+// The answer of a gateway, at its client.
 #pragma once
 #include <http/request.hpp>
 
@@ -9,17 +9,17 @@
 namespace anogate::http {
 
 struct Answer {
-    unsigned status = 0;    // 0: there is none
+    unsigned status = 0;    // 0: no answer
     std::vector<Field> headers;
     std::string body;
 
-    /// Whatever the case of its name; empty: it is not there.
+    /// `name` in any case; empty: there is no such header.
     std::string_view header(std::string_view name) const noexcept { return field_value(headers, name); }
 };
 
 /// How an exchange ended.
 struct Outcome {
-    std::string fault;    // why nothing more comes, in one clause for the user; empty: all came
+    std::string fault;    // why the answer is incomplete, in one clause for the user; empty: it is complete
     Answer answer;
 };
 

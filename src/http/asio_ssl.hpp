@@ -1,4 +1,4 @@
-// Asio with OpenSSL, which one source alone needs.
+// Asio with OpenSSL, included by one source only.
 #pragma once
 #include <http/asio.hpp>
 

@@ -1,4 +1,4 @@
-// Who gave wrong tokens too often.
+// Bars clients that sent wrong tokens too often.
 #pragma once
 #include <ano/time.hpp>
 
@@ -8,11 +8,11 @@
 
 namespace anogate::http {
 
-/// Ten wrong tokens of a client (client_network) within a minute bar it until the first of them is a minute old. Bounded: of many clients
-/// the one that failed longest ago is forgotten.
+/// Ten wrong tokens of a client (client_network) within a minute bar it until the first of them is a minute old. Of more than max_peers
+/// clients the one whose last failure is oldest is forgotten.
 class Attempts {
 public:
-    /// How long nothing of `peer` is looked at any more; zero: it is.
+    /// How long requests of `peer` are still refused; zero: they are not.
     ano::Duration barred_for(const std::string& peer, ano::TimePoint now) const;
     void failed(const std::string& peer, ano::TimePoint now);
 
@@ -20,7 +20,7 @@ public:
     static constexpr ano::Duration window = std::chrono::minutes{1};
 
 private:
-    std::map<std::string, std::deque<ano::TimePoint>> failures_;    // of each, the newest max_failures
+    std::map<std::string, std::deque<ano::TimePoint>> failures_;    // by peer: its newest max_failures
 };
 
 }    // namespace anogate::http

@@ -1,4 +1,4 @@
-// A certificate of our own, for TLS without an authority: browsers ask once whether it is to be trusted.
+// Makes a self-signed certificate for TLS: browsers ask once whether to trust it.
 #pragma once
 #include <link/expected.hpp>
 
@@ -12,11 +12,11 @@ struct CertificateNames {
     std::vector<std::string> addresses;    // "192.168.1.5"
 };
 
-/// Writes a new key (P-256, readable for us alone) and a certificate for it that it signed itself, valid from yesterday, since clocks
-/// differ, for 824 days: more is not trusted by some browsers. Files that exist are never written over.
+/// Writes a new key (P-256, readable by our user only) and its self-signed certificate, valid for 824 days (some browsers do not accept
+/// more) from yesterday (clocks differ). Existing files are never overwritten.
 Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key);
 
-/// Of the first certificate in a PEM file, SHA-256 as browsers show it: "AB:CD:…", 32 bytes.
+/// The SHA-256 of the first certificate in a PEM file, as browsers show it: "AB:CD:…", 32 bytes.
 Expected<std::string> fingerprint(const std::string& certificate);
 
 }    // namespace anogate::http

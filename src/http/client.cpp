@@ -21,7 +21,7 @@ using ano::Clock;
 
 constexpr ano::Duration knock_again = std::chrono::milliseconds{20};
 
-// A request that is the only one of its connection.
+// The request as text; the only one of its connection.
 std::string request_text(const Request& request) {
     std::string text = request.method + " " + request.target + " HTTP/1.1\r\nHost: anogate\r\nConnection: close\r\n";
     for (const Field& field : request.headers) text += field.name + ": " + field.value + "\r\n";
@@ -31,7 +31,7 @@ std::string request_text(const Request& request) {
     return text + "\r\n" + request.body;
 }
 
-/// In how many seconds a gateway without a place may be asked again; 0: not at all.
+/// The time after which a gateway without a free place may be asked again; 0: not at all.
 ano::Duration retry_after(const Answer& answer) {
     unsigned wait = 0;
     const std::string_view said = answer.header("Retry-After");
@@ -81,7 +81,7 @@ private:
         UniqueFd fd{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
         if (!fd || ::connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
             const int error = errno;
-            // Many others knock: the system holds no more of them for it.
+            // The backlog of the gateway's socket is full.
             if (error == EAGAIN) return later(knock_again, &Exchange::connect);
             return fail(connect_fault(path_, error, look_at_socket(path_)));
         }
@@ -99,7 +99,7 @@ private:
                                       [self = shared_from_this()](Outcome outcome) { self->finish(std::move(outcome)); });
     }
 
-    // Who refuses what we say may end the connection before it was read: then the answer is still there.
+    // A gateway that refuses a request may close before it has read all of it; its answer can still be read.
     void write() {
         if (output_.empty()) return;
         stream_->write_some({asio::buffer(output_) + written_}, [self = shared_from_this()](error_code ec, std::size_t size) {
@@ -148,7 +148,7 @@ private:
         return false;
     }
 
-    // False: a call has ended us, or a line did.
+    // False: the exchange was ended, by a callback or by a line that is too long.
     bool hear_lines() {
         lines_ += reader_.take_body();
         std::size_t begin = 0;
@@ -203,7 +203,7 @@ private:
     const std::string path_;
     const ClientLimits limits_;
     const Request request_;
-    Done done_;    // empty: it has ended
+    Done done_;    // empty: the exchange has ended
     asio::steady_timer deadline_, pause_;
     ano::TimePoint give_up_at_{};
     std::unique_ptr<Stream> stream_;
@@ -211,11 +211,11 @@ private:
     std::string output_;
     std::size_t written_ = 0;
     std::array<char, 16 * 1024> room_;
-    std::string input_;    // what came and is not read yet
+    std::string input_;    // received but not parsed yet
     ResponseReader reader_;
     bool has_head_ = false;
     Answer answer_;
-    std::string lines_;    // the rest of a stream that is no line yet
+    std::string lines_;    // the last, incomplete line of a stream
 };
 
 Client::Client(asio::io_context& io, std::string path, const ClientLimits& limits)

@@ -1,11 +1,11 @@
-// Whom the clients of a network count as.
+// Which addresses count as one client.
 #pragma once
 #include <string>
 
 namespace anogate::http {
 
-/// Clients of which this is the same count as one: an IPv4 address is one client; of IPv6 the first 64 bits are, for a client has as
-/// many addresses below them as it likes.
+/// Addresses with the same result count as one client: each IPv4 address; the first 64 bits of an IPv6 address, because a client can
+/// use any number of addresses below them.
 std::string client_network(const std::string& peer);
 
 }    // namespace anogate::http

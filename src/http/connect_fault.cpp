@@ -32,7 +32,7 @@ std::string no_permission(const std::string& path, const SocketFile& file) {
     return belongs + "; sudo usermod -aG " + file.group + " $USER, then log in again";
 }
 
-// As socket_to_ask() looks for one.
+// The same search as socket_to_ask().
 void note_where_it_was_sought(const std::string& path, SocketFile& file) {
     const Runner runner = this_runner();
     if (path != control_socket({}, runner)) return;

@@ -1,21 +1,21 @@
-// Why nobody answers at a control socket, in words for who asked.
+// Explains to the user why a control socket can't be connected to.
 #pragma once
 #include <string>
 
 namespace anogate::http {
 
-/// What can be seen of a path that we could not connect to.
+/// What can be found out about a path that we could not connect to.
 struct SocketFile {
     bool is_there = false;
     bool is_socket = false;
-    bool can_be_seen = true;        // false: a folder on its way lets us not in
-    std::string owner, group;       // their names, or numbers where they have none
+    bool can_be_seen = true;        // false: we may not enter a folder of the path
+    std::string owner, group;       // names, or numbers where there is no name
     bool is_for_group = false;      // members of the group may use it
-    bool lists_us = false;          // the group, for those who log in from now on
-    std::string nor{};              // another socket that was looked for first; empty: none
-    bool no_runtime_dir = false;    // where a gateway of this user would be can't be known
+    bool lists_us = false;          // the group has us as a member, from the next login on
+    std::string nor{};              // another socket that was tried first; empty: none
+    bool no_runtime_dir = false;    // the path of a gateway of this user is unknown
 };
-/// A path that is the usual one counts as looked for.
+/// The default path counts as found by searching: `nor` and `no_runtime_dir` are set.
 SocketFile look_at_socket(const std::string& path);
 
 /// "no gateway is running at PATH: …" and the like; `error` is the errno of connect().

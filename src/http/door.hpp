@@ -1,4 +1,4 @@
-// Where a connection came in.
+// How a connection reached us.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace anogate::http {
 
-/// What a client may, and what a path asks of him.
+/// What a client may do, and what a path requires.
 enum class Access : std::uint8_t {
-    open,       // what nobody needs a token for: the page's own files, and to give a token
-    view,       // look
+    open,       // without a token: the files of the page, and sending a token
+    view,       // read only
     control,    // everything
 };
 
@@ -17,10 +17,10 @@ enum class Access : std::uint8_t {
 std::string_view text(Access access) noexcept;
 
 struct Door {
-    bool is_network = false;    // TCP: a browser that another page misuses may be behind it
+    bool is_network = false;    // TCP: the client may be a browser that another page misuses
     bool is_encrypted = false;
-    bool needs_token = false;    // else its clients may everything
-    std::string local;           // the address of ours that was connected to, "192.168.1.5" or "fe80::1"
+    bool needs_token = false;    // false: all its clients may do everything
+    std::string local;           // our address that the client connected to, "192.168.1.5" or "fe80::1"
     std::uint16_t port = 0;
     std::string peer;    // the client's address
 };

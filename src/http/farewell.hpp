@@ -1,4 +1,4 @@
-// The end of a connection whose client is told why.
+// Ends a connection with a last answer that tells the client why.
 #pragma once
 #include <ano/time.hpp>
 #include <http/stream.hpp>
@@ -8,8 +8,8 @@
 
 namespace anogate::http {
 
-/// Says its last words. What the client still says is read for a moment and forgotten: were the connection closed before that is read,
-/// the client would learn of its end alone. It lives as long as that takes.
+/// Sends the last answer, then reads and discards what the client still sends for a moment: if the connection were closed with unread
+/// data, the client would get a reset instead of the answer. Lives as long as that takes.
 class Farewell : public std::enable_shared_from_this<Farewell> {
 public:
     Farewell(asio::io_context& io, std::unique_ptr<Stream> stream, std::string words)
@@ -24,7 +24,7 @@ private:
     void read();
     void heard(error_code ec, std::size_t size);
 
-    std::unique_ptr<Stream> stream_;    // none: closed
+    std::unique_ptr<Stream> stream_;    // nullptr: closed
     std::string words_;
     asio::steady_timer timer_;
     std::size_t said_ = 0;

@@ -1,4 +1,4 @@
-// A body of Beast that grows as it comes. Beast itself is known where this is used.
+// A body for Beast that grows as data arrive. The user of this header includes Beast.
 #pragma once
 #include <http/asio.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace anogate::http {
 
-/// Beast's own makes room for a body before it comes, however long it is said to be.
+/// Beast's own body reserves the announced length at once, however large.
 struct GrowingBody {
     using value_type = std::string;
 

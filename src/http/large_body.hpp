@@ -1,4 +1,4 @@
-// A body that is too large for memory.
+// Request bodies that are too large for memory.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -8,23 +8,23 @@
 
 namespace anogate::http {
 
-/// The whole of one, kept as long as this lives.
+/// A complete body, kept as long as this object lives.
 class StoredBody {
 public:
     virtual ~StoredBody() = default;
     virtual std::uint64_t size() const = 0;
-    /// Fills `into` with what is from `at` on; false: it can't be read, or ends before. From any thread.
+    /// Fills `into` with the bytes from offset `at`; false: they can't be read, or the body ends before. May be called from any thread.
     virtual bool read(std::uint64_t at, std::span<std::uint8_t> into) const = 0;
 };
 
-/// Keeps one while it comes. What it does that may take long is done beside the loop.
+/// Stores a body while it arrives. Slow work is done outside the loop.
 class BodyKeeper {
 public:
     virtual ~BodyKeeper() = default;
-    /// The next part, of which there is one at a time. `done` is called from the loop, never at once, with why it can't be kept or with
-    /// nothing; no more when the keeper is gone.
+    /// Stores the next part; the next call must wait for `done`. That is called from the loop, never from within put(), with the reason
+    /// of a failure or ""; not after the keeper is destroyed.
     virtual void put(std::string part, std::function<void(std::string fault)> done) = 0;
-    /// When all parts were put.
+    /// To be called when all parts are stored.
     virtual std::shared_ptr<const StoredBody> whole() const = 0;
 };
 

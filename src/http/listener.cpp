@@ -14,13 +14,13 @@ struct Listener::State : std::enable_shared_from_this<State> {
             if (ec) return self->wait();
             try {
                 self->admit(std::move(socket));
-            } catch (const std::bad_alloc&) {    // who came is cut off
+            } catch (const std::bad_alloc&) {    // the connection is closed
             }
             if (self->acceptor.is_open()) self->accept();
         });
     }
 
-    // Out of descriptors, mostly: some may come free.
+    // Usually there are no more descriptors: waits until some may be free.
     void wait() {
         pause.expires_after(std::chrono::seconds{1});
         pause.async_wait([self = shared_from_this()](error_code stopped) {

@@ -1,4 +1,4 @@
-// Connections by one listening socket.
+// Accepts connections of one listening socket.
 #pragma once
 #include <http/asio.hpp>
 #include <http/stream.hpp>
@@ -9,12 +9,12 @@
 
 namespace anogate::http {
 
-/// Lets in who comes, until it goes.
+/// Accepts connections until it is destroyed.
 class Listener {
 public:
     using Admit = std::function<void(Socket socket)>;
 
-    /// `fd` listens, and is of `family` (AF_UNIX, AF_INET, AF_INET6). `admit` may throw std::bad_alloc: who came is cut off then.
+    /// `fd` must listen; `family`: AF_UNIX, AF_INET or AF_INET6. `admit` may throw std::bad_alloc: the connection is closed then.
     Listener(asio::io_context& io, UniqueFd fd, int family, Admit admit);
     ~Listener();
     Listener(const Listener&) = delete;

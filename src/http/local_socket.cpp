@@ -13,7 +13,7 @@
 namespace anogate::http {
 namespace {
 
-constexpr int backlog = 128;    // clients that come while the loop is at other work
+constexpr int backlog = 128;    // clients that connect while the loop is busy
 constexpr char another_path[] = " (give another path by --control, or --control none)";
 constexpr char in_use[] = ": another program is using it (give this one another by --control)";
 
@@ -24,10 +24,10 @@ sockaddr_un address_of(const std::string& path) {
     return address;
 }
 
-// A path of what a descriptor holds, wherever that is now.
+// A path of the file that `held` refers to, even if it was moved.
 std::string path_of(const UniqueFd& held) { return "/proc/self/fd/" + std::to_string(held.get()); }
 
-// To whoever listens at what is held; errno says why not.
+// Connects to the socket file that `held` refers to; on failure see errno.
 UniqueFd connect_to(const UniqueFd& held) {
     UniqueFd fd{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
     const sockaddr_un address = address_of(path_of(held));
@@ -39,11 +39,11 @@ UniqueFd connect_to(const UniqueFd& held) {
     return fd;
 }
 
-// It is not ours to replace, unless it is known that nobody listens there: a refusal for any other reason (of another type, no
-// permission, out of descriptors) says nothing about that.
+// Only ECONNREFUSED means that nothing listens there. With any other error (other socket type, no permission, no more descriptors) the
+// file must not be replaced.
 bool is_alive(const UniqueFd& held) { return connect_to(held) || errno != ECONNREFUSED; }
 
-// Who listens is told by the kernel; a name in a folder of another user means nothing.
+// Asks the kernel who listens; the name of a file in another user's folder proves nothing.
 bool is_our_own(const UniqueFd& held) {
     const UniqueFd fd = connect_to(held);
     ucred who{};
@@ -55,7 +55,7 @@ bool is_same(const struct stat& one, const struct stat& other) {
     return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
 }
 
-// In a folder of his own, as $XDG_RUNTIME_DIR is, nobody else was to come in.
+// In a private folder such as $XDG_RUNTIME_DIR no other user is meant to have access.
 bool is_private(const std::filesystem::path& folder) {
     struct stat info {};
     return ::stat(folder.c_str(), &info) == 0 && (info.st_mode & 0011) == 0;
@@ -93,7 +93,7 @@ LocalSocket::Outcome LocalSocket::listen(const std::string& path) {
     return outcome;
 }
 
-// What a dead process of ours left goes, or of anybody in a folder of ours.
+// Removes a socket left by a dead process of our user, or of any user in a folder of ours.
 LocalSocket::Outcome LocalSocket::make_room(const std::string& path) {
     auto folder = HeldFolder::of(folder_of(path));
     name_ = std::filesystem::path{path}.filename().string();
@@ -113,7 +113,7 @@ LocalSocket::Outcome LocalSocket::make_room(const std::string& path) {
 }
 
 LocalSocket::Outcome LocalSocket::make(int socket, const std::string& path) {
-    // bind() gives the file this mode: nobody gets in before let_in(). The umask would be that of every thread.
+    // bind() gives the file the mode of the socket: no other user can connect before let_in(). The umask would affect all threads.
     const sockaddr_un address = address_of(folder_.is_fixed() ? path : folder_.at(name_));
     if (::fchmod(socket, 0600) != 0 || ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
         ::listen(socket, backlog) != 0)
@@ -125,7 +125,7 @@ LocalSocket::Outcome LocalSocket::make(int socket, const std::string& path) {
     return failed(path + ": what was made there is not there: somebody changes this folder" + another_path);
 }
 
-// False: it may not, for we are not in it, or it is not ours to let in.
+// False: we are not a member of the group, or may not change the file.
 bool LocalSocket::let_in(gid_t group) {
     const bool given = ::fchownat(made_.get(), "", uid_t(-1), group, AT_EMPTY_PATH) == 0;
     return given && ::chmod(path_of(made_).c_str(), 0660) == 0;

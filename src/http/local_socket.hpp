@@ -1,4 +1,4 @@
-// A listening Unix socket and its file: made where no other user's thing is touched, removed only while it is our own.
+// A listening Unix socket and its file. Never touches files of other users; removes the file only while it is ours.
 #pragma once
 #include <link/descriptor.hpp>
 #include <link/held_folder.hpp>
@@ -15,13 +15,13 @@ public:
     struct Outcome {
         std::string error;      // empty: it listens
         bool in_use = false;    // another program has the path: it may be free later
-        std::string notice;     // it listens, but not for all whom one might expect
-        UniqueFd fd;            // what listens
+        std::string notice;     // it listens, but some users that might be expected can't connect
+        UniqueFd fd;            // the listening socket
     };
-    /// Listens at `path` for our own user, and for the group `anogate` when there is one that we are in. A folder of our own is made
-    /// when missing, a socket that a dead process left is replaced. After an error it may be tried again.
+    /// Listens at `path` for our user, and for the group `anogate` if it exists and we are a member. Makes a missing folder that is
+    /// is_own_folder(); replaces a socket left by a dead process. After an error it may be called again.
     Outcome listen(const std::string& path);
-    /// Removes the file while it is ours. Before what listens is closed: who finds the file must find somebody.
+    /// Removes the file if it is still ours. To be called before the listening socket is closed, so that the file never leads nowhere.
     void remove() noexcept;
 
 private:
@@ -32,7 +32,7 @@ private:
     PathClaim claim_;
     HeldFolder folder_;
     std::string name_;
-    UniqueFd made_;    // what listen() made at the path
+    UniqueFd made_;    // the file that listen() made
 };
 
 }    // namespace anogate::http

@@ -9,7 +9,7 @@
 namespace anogate::http {
 namespace {
 
-constexpr std::size_t one_is_kept_in = 8;    // places, for who controls
+constexpr std::size_t one_is_kept_in = 8;    // of the places, for clients that may control
 
 using Visitors = std::span<const Visitor>;
 
@@ -21,7 +21,7 @@ std::optional<std::size_t> longest(Visitors visitors, Among among) {
     return found;
 }
 
-/// Who of them gives way first of those whose request is not here in full.
+/// The first to give way among those without a complete request.
 template <class Among>
 std::optional<std::size_t> easiest(Visitors visitors, Among among) {
     const auto all = [&](Asking asking) { return [&among, asking](const Visitor& v) { return among(v) && v.asking == asking; }; };
@@ -30,26 +30,26 @@ std::optional<std::size_t> easiest(Visitors visitors, Among among) {
     return longest(visitors, all(half > nothing ? Asking::half : nothing > 0 ? Asking::nothing : Asking::unheard));
 }
 
-using Held = std::map<std::uint64_t, std::size_t>;    // places of each
+using Held = std::map<std::uint64_t, std::size_t>;    // party or client → its number of places
 
 auto most_of(const Held& held) {
     return std::max_element(held.begin(), held.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
 }
 
-/// Of each, of all the places that are held.
+/// The share of each in all places that are held.
 std::size_t share_of(const Held& held) {
     std::size_t places = 0;
     for (const auto& [who, has] : held) places += has;
     return std::max<std::size_t>(places / held.size(), 1);
 }
 
-/// Who has to give, and what.
+/// The party that must give up a place.
 struct Giver {
     std::uint64_t who = 0;
-    bool whole = false;    // requests too
+    bool whole = false;    // complete requests may be given up too
 };
 
-/// `held` are the places of each, also of `newcomer`, who may have none. Nothing: there are more of them than places.
+/// `held` includes `newcomer`, perhaps with 0 places. std::nullopt: nobody is above the share.
 std::optional<Giver> giver_among(const Held& held, std::uint64_t newcomer) {
     const std::size_t share = share_of(held);
     if (held.at(newcomer) >= share) return Giver{newcomer, false};
@@ -76,7 +76,7 @@ Held held_by_clients(Visitors visitors, Among among) {
     return held;
 }
 
-/// Of the network's clients with the most of what is among `among`, in the order of gives_way.
+/// Of the network's clients with most visitors that fulfil `among`: the first to give way, in the order of gives_way().
 template <class Among>
 std::optional<std::size_t> of_crowd(Visitors visitors, Among among, bool whole) {
     const Held held = held_by_clients(visitors, among);
@@ -87,7 +87,7 @@ std::optional<std::size_t> of_crowd(Visitors visitors, Among among, bool whole) 
     return given_by(visitors, of_those, whole);
 }
 
-/// Of those whose request is not here in full; who may control is the last of them.
+/// A client of the network without a complete request; clients that may control come last.
 std::optional<std::size_t> easy_client(Visitors visitors) {
     const auto easy = of_crowd(
         visitors, [](const Visitor& v) { return !is_whole(v) && !controls(v); }, false);
@@ -98,7 +98,7 @@ std::optional<std::size_t> easy_client(Visitors visitors) {
 
 bool looks(const Visitor& visitor) { return is_whole(visitor) && !controls(visitor); }
 
-/// One of the network's places, for a client of it. A whole request of who controls gives way to none.
+/// One of the network's places for another of its clients. A complete request of a client that controls is never given up.
 std::optional<std::size_t> for_client(Visitors visitors, std::uint64_t newcomer) {
     if (const auto easy = easy_client(visitors)) return easy;
     const auto is_his = [newcomer](const Visitor& v) { return is_of_network(v) && v.party.client == newcomer; };
@@ -112,7 +112,7 @@ std::optional<std::size_t> for_client(Visitors visitors, std::uint64_t newcomer)
     return takes ? of_crowd(visitors, looks, true) : std::nullopt;
 }
 
-/// One of the network's places, for a user of this machine.
+/// One of the network's places for a user of this machine.
 std::optional<std::size_t> for_user(Visitors visitors) {
     if (const auto easy = easy_client(visitors)) return easy;
     const auto looker = of_crowd(visitors, looks, true);

@@ -1,4 +1,4 @@
-// Who gives way when all places at the server are taken.
+// Which connection is closed for a new one when the server has no free place.
 #pragma once
 #include <ano/time.hpp>
 #include <http/door.hpp>
@@ -10,19 +10,19 @@
 
 namespace anogate::http {
 
-/// What was heard of a client.
+/// How much of a request a client has sent.
 enum class Asking : std::uint8_t {
-    nothing,    // for a while: it asks when it likes
-    half,       // the beginning of a request
-    unheard,    // it has just come: its request may be on the way
-    whole,      // a request, of which the answer waits, or is on its way
+    nothing,    // idle: the next request may come at any time
+    half,       // the beginning of a request only
+    unheard,    // just connected: its request may be on the way
+    whole,      // a complete request, which is being answered
 };
 
-/// Whose places are counted together: a user of this machine, and beside them, as one, all who come by the network. What they have is
-/// shared in turn by their clients.
+/// The connections of a party are counted together: each user of this machine is a party, and all clients from the network together
+/// are one. Within that one, places are shared among its clients.
 struct Party {
-    std::uint32_t user = 0;      // unknown_user: of the network
-    std::uint64_t client = 0;    // there: which one
+    std::uint32_t user = 0;      // unknown_user: the network
+    std::uint64_t client = 0;    // of the network: which client
 };
 Party party_of(std::uint32_t user, const Door& door);
 
@@ -30,29 +30,31 @@ Party party_of(std::uint32_t user, const Door& door);
 struct Visitor {
     Party party{};
     Asking asking = Asking::nothing;
-    ano::TimePoint since{};         // it came, or came on
-    std::optional<Access> may{};    // what its last request might; nothing: none was judged yet
+    ano::TimePoint since{};         // when it connected or last made progress
+    std::optional<Access> may{};    // what its last request was allowed; std::nullopt: none was judged yet
 };
 
-/// All places are taken by `visitors`, and one of `party` wants one: whose place it gets, by number; nothing: it is refused.
+/// All places are taken by `visitors`, and a client of `party` connects. Returns the index of the visitor whose place it gets;
+/// std::nullopt: it is refused.
 ///
-/// Each party that is there has the same share. Who has his share gets a place of his own alone; who has less gets one of who has
-/// most beyond it. First gives way who asks nothing or asked half a request: of these two sorts the one that has more, so that a
-/// crowd of the one costs none of the other. Then who was not heard yet. Of a sort, the one that has said nothing for longest. A
-/// whole request gives way to a party that has less than its share, never to one of the same party. `first` (root and our own user)
-/// gets a place also where there are more parties than places.
+/// Each party has the same share. A party with its full share gets a place only from itself; one with less gets a place of the party
+/// that is furthest above its share. The order of giving way: first idle clients and those with half a request, of these two sorts
+/// the one with more clients, so that a crowd of one sort does not displace the other; then clients not heard yet. Within a sort, the
+/// one that was silent longest. A complete request gives way to a party below its share, never to its own party. `first` (root and
+/// our own user) gets a place even if there are more parties than places.
 ///
-/// Clients of the network: whose request is not here in full gives way to each, of the client first that has most such. A whole
-/// request gives way to a client that has less than its share, and to one that has shown that it may control; of who may control it
-/// gives way to none.
+/// Among clients of the network: a client without a complete request gives way to any other; first one of the client with most of
+/// them. A complete request gives way to a client below its share and to one that has shown that it may control; the complete request
+/// of a client that may control gives way to no client of the network.
 std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, const Party& party, bool first);
 
-/// Whether the request of one of the visitors, who are counted with it, may take its place for as long as it is answered: of `places`
-/// one in eight is kept from those who may not control, so that who controls a vehicle finds one however many look at it. Until a
-/// request was judged it has a place of any sort, for which one more is kept free.
+/// Whether the request of one of `visitors` with `access` may keep its place while it is answered. One place in eight is reserved for
+/// clients that may control, so that they find a place however many clients only view. One more place is kept free for requests that
+/// are not judged yet.
 bool has_place(std::span<const Visitor> visitors, std::size_t places, Access access);
 
-/// Who controls has taken the last place: which of those who look leaves, so that the next can be heard. Nothing: none has to.
+/// A client that controls has taken the last place: which viewing client must leave, so that the next one can connect. std::nullopt:
+/// none.
 std::optional<std::size_t> leaves_room(std::span<const Visitor> visitors, std::size_t places);
 
 }    // namespace anogate::http

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view unit = "bytes=";
 
-// A number that does not fit is beyond every file.
+// A number that does not fit into 64 bits counts as beyond the end.
 std::optional<std::uint64_t> number_of(std::string_view text) {
     std::uint64_t number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);

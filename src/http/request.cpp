@@ -22,7 +22,7 @@ std::string_view trimmed(std::string_view word) {
     return word.substr(begin, word.find_last_not_of(" \t") - begin + 1);
 }
 
-/// Calls `visit` with each word of the headers of this name, which list words, until it says true.
+/// Calls `visit` with each word of the headers `name`, which are lists of words, until it returns true.
 template <class Visit>
 bool any_word(const std::vector<Field>& headers, std::string_view name, Visit visit) {
     for (const Field& field : headers) {
@@ -68,7 +68,7 @@ bool is_web_socket(const Request& request) noexcept {
 std::string_view offered_subprotocol(const Request& request, std::span<const std::string_view> known) noexcept {
     std::string_view chosen;
     any_word(request.headers, "Sec-WebSocket-Protocol", [&](std::string_view one) {
-        const auto same = std::find(known.begin(), known.end(), one);    // their case counts
+        const auto same = std::find(known.begin(), known.end(), one);    // case-sensitive
         if (same != known.end()) chosen = *same;
         return !chosen.empty();
     });

@@ -1,4 +1,4 @@
-// One request, read whole.
+// A complete HTTP request.
 #pragma once
 #include <ano/time.hpp>
 #include <http/door.hpp>
@@ -14,19 +14,19 @@
 
 namespace anogate::http {
 
-/// A header field, a parameter of the path, a word of the query.
+/// A header field, a parameter of the path, or a parameter of the query.
 struct Field {
     std::string name, value;
     bool operator==(const Field&) const = default;
 };
 
-/// Of the first field of this name, whatever the case of that; empty: it is not there.
+/// The value of the first field `name`, in any case; empty: there is none.
 std::string_view field_value(const std::vector<Field>& fields, std::string_view name) noexcept;
 
-/// Request::body_to_come where that is not told: it comes in chunks.
+/// The value of Request::body_to_come for a chunked body, whose size is not known.
 inline constexpr std::uint64_t in_chunks = 0xFFFF'FFFF'FFFF'FFFF;
 
-/// Of a client whom the system does not name.
+/// The user of a client that is not known: of the network.
 inline constexpr std::uint32_t unknown_user = 0xFFFFFFFF;
 
 struct Request {
@@ -34,34 +34,34 @@ struct Request {
     std::string target;    // "/links/fc?n=1", as it came
     std::vector<Field> headers;
     std::string body;
-    std::shared_ptr<const StoredBody> stored{};    // in the place of `body`, where that is large
+    std::shared_ptr<const StoredBody> stored{};    // instead of `body`, if that is large
     unsigned version = 11;                         // 10 for HTTP/1.0
     bool keep_alive = true;
-    std::uint32_t user = unknown_user;    // who asks by a Unix socket
+    std::uint32_t user = unknown_user;    // the client's user at a Unix socket
     Door door;
-    Access access = Access::control;    // what it may
-    std::optional<Access> judged{};     // the same, where that was asked when only its head was here
-    std::uint64_t body_to_come = 0;     // of a head alone, in bytes
-    ano::TimePoint came_at{};           // when the whole of it was read
+    Access access = Access::control;    // what it may do
+    std::optional<Access> judged{};     // the same, if it was judged before the body came
+    std::uint64_t body_to_come = 0;     // bytes, while only the head is here
+    ano::TimePoint came_at{};           // when it was read completely
 
-    /// Of the path, in the order of the pattern, decoded: any bytes, '/' among them. Filled by Routes, like `query`.
+    /// Of the path, in the order of the pattern; decoded, so they may hold any byte, even '/'. Set by Routes, like `query`.
     std::vector<Field> parameters;
     std::vector<Field> query;
 
-    /// Empty: there is none of this name.
+    /// Empty: there is none of that name.
     std::string_view parameter(std::string_view name) const noexcept;
-    /// The first of this name; nothing: it is not there. "?dry_run" is there and empty.
+    /// The first value of that name; std::nullopt: there is none. "?dry_run" is present with an empty value.
     std::optional<std::string_view> query_value(std::string_view name) const noexcept;
-    /// Whatever the case of its name; empty: it is not there.
+    /// `name` in any case; empty: there is no such header.
     std::string_view header(std::string_view name) const noexcept;
-    /// One of the words of a header that lists words, such as Connection, is `word`.
+    /// Whether a header that is a list of words, such as Connection, has `word`.
     bool header_has(std::string_view name, std::string_view word) const noexcept;
 };
 
-/// The request wants to become a WebSocket.
+/// Whether the request asks for a WebSocket.
 bool is_web_socket(const Request& request) noexcept;
 
-/// Of the subprotocols that it offers for that, the first that is among `known`; empty: none is.
+/// The first subprotocol offered by the request that is in `known`; empty: none is.
 std::string_view offered_subprotocol(const Request& request, std::span<const std::string_view> known) noexcept;
 
 }    // namespace anogate::http

@@ -34,31 +34,31 @@ RequestReader::Fault fault_of_chunk(const RequestLimits& limits) {
 
 }    // namespace
 
-// Fields after a chunked body are passed over: Beast 1.74 fails an assertion at some that are not fields. So the parser is stopped
-// at the last chunk, which it takes when all to its end is there.
+// Trailer fields after a chunked body are ignored, because Beast 1.74 fails an assertion at some malformed ones. So the parser is
+// stopped at the last chunk, and takes that when everything up to its end is here.
 struct RequestReader::Parser : beast::request_parser<GrowingBody> {
     Parser() { on_chunk_header(stop_at_the_last); }
 
     std::function<void(std::uint64_t, boost::beast::string_view, error_code&)> stop_at_the_last =
         [this](std::uint64_t size, boost::beast::string_view, error_code& ec) {
-            if (size > most || most - size < in_chunks) ec = beast::error::body_limit;
+            if (size > max_body || max_body - size < in_chunks) ec = beast::error::body_limit;
             in_chunks += size;
             if (size > 0 || ec) return;
             at_the_last = true;
             ec = beast::error::end_of_stream;
         };
     bool at_the_last = false;
-    std::uint64_t most = 0;         // bytes of the body
+    std::uint64_t max_body = 0;     // bytes
     std::uint64_t in_chunks = 0;    // so far
 
-    /// Where the body ends is not said: it must not be taken for the next request (RFC 9112, 6.3).
+    /// Whether the end of the body is unknown: it must not be mistaken for the next request (RFC 9112, 6.3).
     bool length_is_unknown() {
         const auto& message = get();
         return message.count(beast::field::transfer_encoding) > 0 && (!chunked() || message.version() == 10);
     }
 };
 
-// What a body may have is known behind the header, and Beast must be told before.
+// The limit of the body is known after the header only, but Beast must be given one before: none.
 RequestReader::RequestReader(const RequestLimits& limits, BodyLimit body_limit)
     : limits_{limits}, body_limit_{std::move(body_limit)}, parser_{std::make_unique<Parser>()} {
     parser_->header_limit(limits.header);
@@ -80,14 +80,14 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
     if (body_limit_) {
         Request known = head();
         known.body_to_come = parser_->chunked() ? in_chunks : parser_->content_length().value_or(0);
-        const auto most = body_limit_(known);
-        if (!most) {
+        const auto max_body = body_limit_(known);
+        if (!max_body) {
             fault_ = {403, "this body is not taken"};
             return used;
         }
-        limits_.body = *most;
+        limits_.body = *max_body;
     }
-    parser_->most = limits_.body;
+    parser_->max_body = limits_.body;
     if (parser_->content_length().value_or(0) > limits_.body) fault_ = fault_of(beast::error::body_limit, limits_);
     parser_->eager(true);
     return used;
@@ -99,7 +99,7 @@ std::size_t RequestReader::put(std::string_view bytes) {
         const bool goes_on = !fault_ && parser_->is_header_done() && !parser_->is_done() && used < bytes.size();
         return goes_on ? used + put(bytes.substr(used)) : used;
     }
-    // Another assertion of Beast 1.74: it holds four bytes of an only chunk to be impossible.
+    // Another assertion of Beast 1.74: it fails if only four bytes of a body with just the last chunk are here.
     if (parser_->chunked() && bytes.starts_with('0') && bytes.size() < min_chunks.size()) return 0;
     error_code ec;
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);

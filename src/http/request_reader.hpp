@@ -1,4 +1,4 @@
-// Requests out of bytes as they come.
+// Parses HTTP requests from bytes as they arrive.
 #pragma once
 #include <http/request.hpp>
 
@@ -11,15 +11,15 @@
 namespace anogate::http {
 
 struct RequestLimits {
-    std::uint32_t header = 8 * 1024;    // bytes, with the request line
+    std::uint32_t header = 8 * 1024;    // bytes, including the request line
     std::uint64_t body = 64 * 1024;
 };
 
-/// One request. Flow: put() what came, again with what it left and more, until is_done() or fault().
+/// One request. Flow: put() the received bytes, then again what it did not take together with more, until is_done() or fault().
 class RequestReader {
 public:
-    /// How large the body may be of a request of which all but that is known; in the place of RequestLimits::body. Nothing: none of it is
-    /// taken, for a reason that who says so tells.
+    /// Called with the head of a request: the maximum size of its body, instead of RequestLimits::body. std::nullopt: the body is not
+    /// read; the caller must answer with the reason.
     using BodyLimit = std::function<std::optional<std::uint64_t>(const Request& head)>;
 
     explicit RequestReader(const RequestLimits& limits, BodyLimit body_limit = {});
@@ -27,21 +27,21 @@ public:
     RequestReader& operator=(RequestReader&&) noexcept;
     ~RequestReader();
 
-    /// Takes what it can from the front of `bytes`, and says how much that was: what it left comes again.
+    /// Takes what it can from the front of `bytes` and returns how much; the caller passes the rest again.
     std::size_t put(std::string_view bytes);
     bool is_done() const;
-    /// Of its body, what has come and was not taken: a large one is taken in parts.
+    /// Bytes of the body that have come and were not taken yet; a large body is taken in parts.
     std::size_t body_size() const;
     std::string take_body();
 
-    /// Why it will not become a request.
+    /// Why this is not a valid request.
     struct Fault {
         unsigned status;
         std::string words;
     };
     const std::optional<Fault>& fault() const noexcept { return fault_; }
 
-    /// Once it is done; with what is left of its body.
+    /// The request, once is_done(), with the part of its body that was not taken.
     Request take();
 
 private:

@@ -44,7 +44,7 @@ std::string_view reason(unsigned status) {
     return "Unknown Status";
 }
 
-// What the words quote may hold anything.
+// Escapes: the words may quote any bytes.
 std::string json_text(std::string_view words) {
     std::string text = "\"";
     for (const char c : words) {

@@ -1,4 +1,4 @@
-// What a request is answered with: a text, a stream of parts, or a WebSocket.
+// The answer to a request: a text, a stream of parts, or a WebSocket.
 #pragma once
 #include <http/producer.hpp>
 #include <http/request.hpp>
@@ -16,29 +16,29 @@ namespace anogate::http {
 
 struct Response;
 
-/// Is given a function that it calls once, from the loop, with the response; who has gone meanwhile is not told. It must not say `later`
-/// or `patient` again.
+/// Gets a function `say`, to be called once from the loop with the response. Harmless if the client is gone by then. That response must
+/// not have `later` or `patient` again.
 using Later = std::function<void(std::function<void(Response)> say)>;
 
 struct Response {
     unsigned status = 200;
     std::string body;
-    std::shared_ptr<const std::string> shared{};    // behind `body`: a text that may be the answer to many, not copied for each
+    std::shared_ptr<const std::string> shared{};    // sent after `body`: a text shared by several answers, not copied
     std::string type = "application/json";
-    std::vector<Field> headers;                   // more of them
-    std::unique_ptr<Producer> producer;           // makes the body, in place of `body`
-    std::optional<std::uint64_t> length{};        // of what the producer makes, bytes; one that ends before ends the connection
+    std::vector<Field> headers;                   // in addition to the standard ones
+    std::unique_ptr<Producer> producer;           // makes the body, instead of `body`
+    std::optional<std::uint64_t> length{};        // bytes that `producer` makes; if it makes fewer, the connection is closed
     std::unique_ptr<WebSocketUser> web_socket;    // the connection becomes a WebSocket; for requests that is_web_socket() only
-    Later later;                                  // it comes later, in the place of all this; within SessionLimits::patience
-    bool patient = false;                         // `later` may take as long as it takes
-    std::shared_ptr<void> needed{};               // of a patient one: destroyed when it is answered, or its client is gone
+    Later later;                       // instead of everything else: the answer comes later, within SessionLimits::patience
+    bool patient = false;              // `later` has no time limit
+    std::shared_ptr<void> needed{};    // with `patient`: destroyed when it is answered, or the client is gone
 
     std::size_t size() const noexcept { return body.size() + (shared ? shared->size() : 0); }
-    /// All of its body; `body` is empty behind it.
+    /// The complete body; `body` is empty afterwards.
     std::string take_text();
 };
 
-/// In a word for programs, what an answer of this status says: "invalid", "refused", "unknown", "busy", "timeout" or "unsupported".
+/// The meaning of a status as a word for programs: "invalid", "refused", "unknown", "busy", "timeout" or "unsupported".
 std::string_view what_of(unsigned status) noexcept;
 
 /// {"error": words, "what": what_of(status)}
@@ -47,31 +47,31 @@ Response error(unsigned status, std::string_view words);
 /// 401: a token is needed, or another one.
 Response needs_token(std::string_view words);
 
-/// 503: it may be asked again in a second.
+/// 503: the client may ask again in a second.
 Response try_again(std::string_view words);
-/// The header that says so.
+/// The header Retry-After for that.
 Field retry_after();
 
-/// Why a WebSocket can't be made of this request, as the answer to it; its status is 200 when it can.
+/// The answer to a request that can't become a WebSocket; status 200 if it can.
 Response web_socket_fault(const Request& request);
 
-/// One that is not known yet.
+/// A Response with `later`.
 Response later(Later promise);
 
 /// How a response is sent.
 struct Sending {
     unsigned version = 11;
     bool keep_alive = true;
-    bool chunked = false;    // else its length is told, or, with a producer, its end is that of the connection
+    bool chunked = false;    // false: sent with its length, or with a producer until the connection ends
 };
 
 /// The status line and the header, with the empty line.
 std::string head_of(const Response& response, const Sending& sending);
 
-/// The whole of a response that is the last one of its connection.
+/// The complete text of the last response of a connection.
 std::string last_words(const Response& response);
 
-/// A part of a chunked body; not empty.
+/// `part`, which must not be empty, as a chunk of a chunked body.
 std::string chunk(std::string_view part);
 inline constexpr std::string_view last_chunk = "0\r\n\r\n";
 

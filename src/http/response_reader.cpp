@@ -19,7 +19,7 @@ constexpr std::size_t min_last_chunk = 5;    // "0\r\n\r\n"
 
 }    // namespace
 
-// Fields behind the last chunk are not looked at: Beast 1.74 fails an assertion at some that are not fields.
+// Trailer fields after the last chunk are ignored: Beast 1.74 fails an assertion at some malformed ones.
 struct ResponseReader::Parser : beast_http::response_parser<GrowingBody> {
     Parser() { on_chunk_header(stop_at_the_last); }
 
@@ -34,7 +34,7 @@ struct ResponseReader::Parser : beast_http::response_parser<GrowingBody> {
 
 ResponseReader::ResponseReader(std::uint32_t max_header) : max_header_{max_header}, parser_{std::make_unique<Parser>()} {
     parser_->header_limit(max_header);
-    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());    // Beast 1.74 refuses any length when there is none
+    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());    // without a limit Beast 1.74 refuses any length
     parser_->eager(true);
 }
 ResponseReader::ResponseReader(ResponseReader&&) noexcept = default;
@@ -43,7 +43,7 @@ ResponseReader::~ResponseReader() = default;
 
 std::size_t ResponseReader::put(std::string_view bytes) {
     if (is_done() || !fault_.empty()) return 0;
-    // An assertion of Beast 1.74 holds four bytes of an only chunk to be impossible.
+    // Beast 1.74 fails an assertion if only four bytes of a body with just the last chunk are here.
     if (parser_->is_header_done() && parser_->chunked() && bytes.starts_with('0') && bytes.size() < min_last_chunk) return 0;
     error_code ec;
     const std::size_t used = parser_->put(asio::buffer(bytes.data(), bytes.size()), ec);

@@ -1,4 +1,4 @@
-// A response out of bytes as they come.
+// Parses an HTTP response from bytes as they arrive.
 #pragma once
 #include <http/request.hpp>
 
@@ -9,30 +9,30 @@
 
 namespace anogate::http {
 
-/// One response. Flow: put() what came, again with what it left and more, and end() when nothing more comes, until is_done() or
-/// fault(). The body is taken in parts, as it comes: its size is bounded by who takes it.
+/// One response. Flow: put() the received bytes, then again what it did not take together with more, and end() at the end of the
+/// connection, until is_done() or fault(). The body is taken in parts as it comes; the caller limits its size.
 class ResponseReader {
 public:
-    /// `max_header` in bytes, with the status line. It also bounds what stands between two parts of a body.
+    /// `max_header`: bytes, including the status line. It also limits the bytes between two chunks of a body.
     explicit ResponseReader(std::uint32_t max_header = 16 * 1024);
     ResponseReader(ResponseReader&&) noexcept;
     ResponseReader& operator=(ResponseReader&&) noexcept;
     ~ResponseReader();
 
-    /// Takes what it can from the front of `bytes`, and says how much that was: what it left comes again.
+    /// Takes what it can from the front of `bytes` and returns how much; the caller passes the rest again.
     std::size_t put(std::string_view bytes);
-    /// The connection has ended: so does a body whose length was not told.
+    /// The connection has ended, and with it a body without a length.
     void end();
 
     bool has_head() const;
     bool is_done() const;
-    /// Why it will not become a response; empty: it may.
+    /// Why this is not a valid response; empty: no error.
     const std::string& fault() const noexcept { return fault_; }
 
-    /// Once has_head().
+    /// Valid once has_head().
     unsigned status() const;
     std::vector<Field> headers() const;
-    /// What came of the body since the last call.
+    /// The part of the body that came since the last call.
     std::string take_body();
 
 private:

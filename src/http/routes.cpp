@@ -11,7 +11,7 @@
 namespace anogate::http {
 namespace {
 
-/// The segment at the front of `path`, behind its '/', which is taken off.
+/// Removes the first segment with its '/' from `path` and returns it without the '/'.
 std::string_view take_segment(std::string_view& path) {
     path.remove_prefix(1);
     const std::string_view segment = path.substr(0, path.find('/'));
@@ -21,7 +21,7 @@ std::string_view take_segment(std::string_view& path) {
 
 bool is_parameter(std::string_view segment) { return segment.starts_with('{') && segment.ends_with('}'); }
 
-/// Calls `visit` with each pair of segments while it says true; false: it said false, or one path has more of them.
+/// Calls `visit` with each pair of segments while it returns true. False: it returned false, or the number of segments differs.
 template <class Visit>
 bool side_by_side(std::string_view pattern, std::string_view path, Visit visit) {
     while (pattern.starts_with('/') && path.starts_with('/')) {
@@ -37,7 +37,7 @@ bool fits(std::string_view pattern, std::string_view path) {
     });
 }
 
-/// False: one of them has a bad encoding.
+/// False: a parameter has a bad encoding.
 bool read_parameters(std::string_view pattern, std::string_view path, std::vector<Field>& parameters) {
     return side_by_side(pattern, path, [&](std::string_view wanted, std::string_view given) {
         if (!is_parameter(wanted)) return true;
@@ -48,7 +48,7 @@ bool read_parameters(std::string_view pattern, std::string_view path, std::vecto
     });
 }
 
-/// The pattern with what was asked for in the place of its parameters, so that they count as right.
+/// The pattern with the segments of `path` in place of its parameters, so that these count as equal in a comparison.
 std::string filled(std::string_view pattern, std::string_view path) {
     std::string all;
     const std::string_view whole = pattern;

@@ -1,4 +1,4 @@
-// The table of what the server answers.
+// The table of paths that the server answers.
 #pragma once
 #include <http/request.hpp>
 #include <http/response.hpp>
@@ -12,34 +12,33 @@
 
 namespace anogate::http {
 
-/// 401 or 403 for a client who may `given` where `needed` is asked.
+/// 401 or 403 for a client with the access `given` where `needed` is required.
 Response not_permitted(Access given, Access needed);
 
-/// Rows of method, pattern and function, and what there is to say of them. A pattern is a path such as /links/{name}, where {name}
-/// stands for any one segment that is not empty. Where several patterns fit, the one that was added first counts. Who answers GET
-/// answers HEAD as well.
+/// Rows of method, pattern and function, with their documentation. A pattern is a path such as /links/{name}, where {name} stands for
+/// any non-empty segment. If several patterns fit, the one added first counts. A row for GET answers HEAD as well.
 class Routes {
 public:
     using Function = std::function<Response(const Request& request)>;
     struct Row {
         std::string method, pattern;
-        Access access = Access::control;    // what a client must be allowed
-        std::string answers;                // with what, in a clause for people
+        Access access = Access::control;    // the access that a client needs
+        std::string answers;                // what it answers, in a clause for the documentation
         Function function;
-        std::uint64_t body = 0;    // bytes that the body of a request may have; 0: as usual
+        std::uint64_t body = 0;    // maximum bytes of a request's body; 0: the default
     };
 
     void add(Row row) { rows_.push_back(std::move(row)); }
-    /// One that nothing is told of, for those who may do everything.
+    /// A row without documentation, for clients that may do everything.
     void add(std::string method, std::string pattern, Function function) {
         rows_.push_back({std::move(method), std::move(pattern), Access::control, {}, std::move(function), 0});
     }
     const std::vector<Row>& rows() const noexcept { return rows_; }
 
-    /// What the function of the row that fits says, or, in words: 400 for a path or query with a bad encoding, 404 with the nearest
-    /// pattern, 405 with what the path does answer, 401 or 403 for a client who may not ask this.
+    /// The answer of the matching row's function, or an error: 400 for a bad encoding in path or query, 404 with the nearest pattern,
+    /// 405 with the methods of the path, 401 or 403 for a client without the needed access.
     Response answer(Request request) const;
-    /// The one that answers it; nullptr: none does.
+    /// The row that answers it; nullptr: none does.
     const Row* row_for(const Request& request) const;
 
 private:

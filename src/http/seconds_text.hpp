@@ -1,4 +1,4 @@
-// Durations for people.
+// Durations as text for the user.
 #pragma once
 #include <ano/time.hpp>
 

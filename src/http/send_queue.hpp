@@ -1,4 +1,4 @@
-// What waits to be sent to one client.
+// The messages that wait to be sent to one client.
 #pragma once
 #include <http/web_socket.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace anogate::http {
 
-/// Bounded by bytes. What does not fit is refused, and what waits stays as it is.
+/// Limited in bytes. A message that does not fit is refused; the queue stays unchanged.
 class SendQueue {
 public:
     struct Entry {
@@ -16,7 +16,7 @@ public:
     };
     explicit SendQueue(std::size_t max_bytes) noexcept : max_bytes_{max_bytes} {}
 
-    /// One that is longer than the whole queue is never taken.
+    /// False: there is no room. A message larger than the whole queue is never taken.
     bool push(WebSocket::Message message, WebSocket::Kind kind) {
         if (message->size() > max_bytes_ - bytes_) return false;
         bytes_ += message->size();
@@ -25,7 +25,7 @@ public:
     }
     bool empty() const noexcept { return entries_.empty(); }
     std::size_t bytes() const noexcept { return bytes_; }
-    /// Not empty.
+    /// The queue must not be empty.
     const Entry& front() const noexcept { return entries_.front(); }
     void pop() noexcept {
         bytes_ -= entries_.front().message->size();

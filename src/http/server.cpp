@@ -68,8 +68,8 @@ void Server::admit(std::unique_ptr<Stream> stream) {
     session->start();
 }
 
-// More than usual is taken from those alone who may ask that, and of few at a time: it is much room. Who may not is told so before he is
-// told that it is too much.
+// A large body is accepted only from a client with access to that path, and only a few at a time. Missing access is reported before a
+// body that is too large.
 tl::expected<BodyRoom, Response> Server::room_for_body(const Request& head) {
     const std::uint64_t usual = limits_.session.request.body;
     if (head.body_to_come <= usual) return BodyRoom{usual};
@@ -78,14 +78,14 @@ tl::expected<BodyRoom, Response> Server::room_for_body(const Request& head) {
     const Routes::Row* const row = routes_.row_for(head);
     if (row && *access < row->access) return tl::unexpected{not_permitted(*access, row->access)};
     BodyRoom room{row ? std::max(row->body, usual) : usual, *access};
-    if (head.body_to_come > room.most) return room;
+    if (head.body_to_come > room.max_bytes) return room;
     auto place = place_for_body();
     if (!place) return tl::unexpected{std::move(place.error())};
     room.place = std::move(*place);
     return room;
 }
 
-// Who does not come on gives way.
+// The slowest of the other large bodies gives up its place.
 tl::expected<std::shared_ptr<void>, Response> Server::place_for_body() {
     if (large_bodies_.use_count() > max_large_bodies) {
         std::shared_ptr<Session> slowest;
@@ -135,7 +135,7 @@ void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {
         const auto farewell = std::make_shared<Farewell>(io_, std::move(stream), last_words(words));
         farewells_.push_back(farewell);
         farewell->say(limits_.farewell);
-    } catch (const std::bad_alloc&) {    // who came is cut off
+    } catch (const std::bad_alloc&) {    // the connection is closed
     }
 }
 
@@ -143,7 +143,7 @@ void Server::wait_for_turn(std::shared_ptr<Session> session) {
     if (turns_.wait(std::move(session))) give_turn();
 }
 
-// Between the two posts the loop asks the system what else is to be done, and behind the second that stands before us.
+// Posts twice: between the two the loop polls the system, and handlers that became ready run before the second.
 void Server::give_turn() {
     asio::post(io_, [this] {
         asio::post(io_, [this] {
@@ -156,7 +156,7 @@ void Server::give_turn() {
 }
 
 void Server::shut() {
-    if (local_listener_) local_.remove();    // first: who finds it must find somebody
+    if (local_listener_) local_.remove();    // before closing: the file must not lead nowhere
     local_listener_.reset();
     network_listener_.reset();
     turns_.clear();

@@ -1,4 +1,4 @@
-// Sessions for whoever comes: who gets a place, whose turn it is, who has to go.
+// The HTTP server: accepts connections, shares places and turns among them, and closes them.
 #pragma once
 #include <http/admission.hpp>
 #include <http/asio.hpp>
@@ -21,13 +21,13 @@ namespace anogate::http {
 
 struct ServerLimits {
     std::size_t connections = 32;
-    std::size_t farewells = 32;           // connections that end and are told why
-    std::size_t farewells_in_need = 4;    // while memory is short: each takes some
+    std::size_t farewells = 32;           // closing connections that still get their last answer
+    std::size_t farewells_in_need = 4;    // the same while memory is short
     ano::Duration farewell = std::chrono::seconds{1};
     SessionLimits session;
 };
 
-/// Its clients take turns with the loop: one request of one of them, whoever asks longest, then what came in meanwhile.
+/// Between two requests the loop does its other work. The request that has waited longest is next.
 class Server : private SessionOwner {
 public:
     /// Whether the system has memory for one request and its answer.
@@ -38,16 +38,16 @@ public:
     Server(const Server&) = delete;
     Server& operator=(const Server&) = delete;
 
-    /// What is answered. Changed before the first client comes.
+    /// What is answered. To be changed before start() only.
     Routes& routes() noexcept { return routes_; }
 
-    /// Where bodies go that are larger than usual; else they are held in memory.
+    /// Where bodies above SessionLimits::request.body are stored; without it they are held in memory.
     void keep_large_bodies(MakeKeeper make) { make_keeper_ = std::move(make); }
 
     struct Outcome {
         std::string error;      // empty: it listens
         bool in_use = false;    // another program has the path: it may be free later
-        std::string notice;     // it listens, but not for all whom one might expect
+        std::string notice;     // it listens, but some users that might be expected can't connect
     };
     /// Listens at the path of a Unix socket (LocalSocket). After an error it may be tried again.
     Outcome start(const std::string& path);
@@ -55,19 +55,19 @@ public:
     struct Network {
         std::string address;           // "127.0.0.1", "::"
         std::uint16_t port = 0;        // 0: the kernel chooses
-        bool needs_token = true;       // else every client may everything
+        bool needs_token = true;       // false: every client may do everything
         std::shared_ptr<Tls> tls{};    // nullptr: not encrypted
     };
-    /// Listens there; the port, or why not. After an error it may be tried again.
+    /// Listens there. Returns the port, or the error; after that it may be called again.
     Expected<std::uint16_t> start(const Network& network);
-    /// Whose tokens and which names count at network doors.
+    /// The rules for network doors: tokens and names.
     Admission& admission() noexcept { return admission_; }
-    /// A client by a connection of any sort.
+    /// Adds a client with any sort of connection.
     void admit(std::unique_ptr<Stream> stream);
-    /// As stop(), but what is being answered is answered to its end, or for `patience`; nobody is let in, and nothing more is heard.
+    /// As stop(), but answers in progress are completed within `patience`. Accepts no connections and reads no requests meanwhile.
     void finish(ano::Duration patience);
-    /// Closes everything at once and removes the socket; producers and users of WebSockets are gone then. The loop may still hold what
-    /// will not run: it must not run after us.
+    /// Closes everything at once and removes the socket; destroys producers and users of WebSockets. The loop may still hold handlers of
+    /// the server and must not run after its destruction.
     void stop();
 
 private:
@@ -93,13 +93,13 @@ private:
     asio::steady_timer finish_check_{io_};
     HasMemory has_memory_;
     MakeKeeper make_keeper_;
-    std::shared_ptr<int> large_bodies_ = std::make_shared<int>();    // one more owner for each
+    std::shared_ptr<int> large_bodies_ = std::make_shared<int>();    // its use count - 1 is the number of large bodies
     Routes routes_;
     Admission admission_;
     LocalSocket local_;
     std::unique_ptr<Listener> local_listener_, network_listener_;
     std::vector<std::weak_ptr<Session>> sessions_;
-    Turns<std::shared_ptr<Session>> turns_;    // each with a whole request
+    Turns<std::shared_ptr<Session>> turns_;    // sessions with a complete request
     std::deque<std::weak_ptr<Farewell>> farewells_;
 };
 

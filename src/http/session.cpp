@@ -66,7 +66,7 @@ void Session::await_request() {
     reader_.emplace(limits_.request, [this](Request head) {
         head.user = user_;
         head.door = stream_->door();
-        return has_room(head) ? std::optional{room_for_body_.most} : std::nullopt;
+        return has_room(head) ? std::optional{room_for_body_.max_bytes} : std::nullopt;
     });
     expect_progress();
     if (input_.empty()) return read();
@@ -99,7 +99,7 @@ void Session::read() {
     });
 }
 
-// While a request is answered, its client is watched for his end alone: what he asks next waits.
+// While a request is answered, reading only detects the end of the connection: the next request waits.
 void Session::came(error_code ec, std::size_t size) {
     if (ec) return ec == asio::error::eof ? input_ended() : close();
     try {
@@ -139,7 +139,7 @@ void Session::give_up_body() {
                  "too little of the body came for " + seconds_text(limits_.slow_body) + ", and another one waits for its place"));
 }
 
-// The client may still read an answer. But a part of a stream may never come, and then nothing else would show that he is gone.
+// The client may still read an answer. But the next part of a stream may never come, and nothing else would show that it is gone.
 void Session::input_ended() {
     input_ended_ = true;
     if (asking_ == Asking::half) return refuse(error(400, "the request ended before it was whole"));
@@ -166,7 +166,7 @@ void Session::hear() {
     owner_.wait_for_turn(shared_from_this());
 }
 
-// What it says is not carried out twice: what the request may is asked once.
+// Called once a request, so that it is not judged twice.
 bool Session::has_room(const Request& head) {
     auto room = owner_.room_for_body(head);
     if (!room) refusal_ = std::move(room.error());
@@ -177,7 +177,7 @@ bool Session::has_room(const Request& head) {
     return !refusal_;
 }
 
-// Its client waits for this before he sends the body (RFC 9110, 10.1.1).
+// The client waits for this before it sends the body (RFC 9110, 10.1.1).
 void Session::say_go_on() {
     static constexpr std::string_view words = "HTTP/1.1 100 Continue\r\n\r\n";
     stream_->write_some({asio::buffer(words.substr(written_))}, [self = shared_from_this()](error_code ec, std::size_t size) {

@@ -1,4 +1,4 @@
-// One connection, from its first request to its last.
+// One connection with all its requests.
 #pragma once
 #include <http/open_web_socket.hpp>
 #include <http/places.hpp>
@@ -19,49 +19,49 @@ class Session;
 struct SessionLimits {
     RequestLimits request;
     WebSocketLimits web_socket;
-    /// Until a whole request, or something more of a large body, has come, until something of an answer was taken.
+    /// Maximum time until a complete request or more of a large body has come, and until the client has taken more of an answer.
     ano::Duration patience = std::chrono::seconds{30};
-    /// Who sends less than 1 KiB of a large body in so long gives way to another one.
+    /// A client that sends less than 1 KiB of a large body in this time gives way to another one.
     ano::Duration slow_body = std::chrono::seconds{3};
-    /// Of a large body so much is held until its keeper has it.
+    /// Bytes of a large body that are collected before they are given to its keeper.
     std::size_t part_of_body = std::size_t{256} * 1024;
-    /// Who has not taken anything of an answer for so long counts as idle.
+    /// A client that has taken nothing of an answer for this time counts as idle.
     ano::Duration stalled_after = std::chrono::seconds{1};
 };
 
-/// For the body of a request of which the rest is known.
+/// What is decided about the body of a request when its head is known.
 struct BodyRoom {
-    std::uint64_t most = 0;            // bytes that it may have
-    std::optional<Access> judged{};    // what the request may, where that was asked for it
-    std::shared_ptr<void> place{};     // of a large one that tells its size
+    std::uint64_t max_bytes = 0;
+    std::optional<Access> judged{};    // what the request may do, if it was judged for this
+    std::shared_ptr<void> place{};     // of a large body: place_for_body()
 };
 
-/// Whoever let sessions in. It outlives what they do: none calls it after close().
+/// The server of a session. Sessions do not call it after close().
 class SessionOwner {
 public:
     virtual ~SessionOwner() = default;
-    /// Calls take_turn() in its time.
+    /// Calls take_turn() when it is the session's turn.
     virtual void wait_for_turn(std::shared_ptr<Session> session) = 0;
-    /// What a request may, or the answer that refuses it.
+    /// What a request may do, or the answer that refuses it.
     virtual tl::expected<Access, Response> judge(const Request& request) = 0;
-    /// Of a request that may so much, of a session that says so already: the last words of that session, where too many of the sort
-    /// are answered already.
+    /// For a request with `access`, which the session's visitor() already has: the last answer of the session if too many such requests
+    /// are being answered; std::nullopt: go on.
     virtual std::optional<Response> crowded_out(Access access) = 0;
     virtual Response answer(Request request) = 0;
-    /// Or the answer that refuses it before it comes.
+    /// What is allowed for the body of `head`, or the answer that refuses it before it comes.
     virtual tl::expected<BodyRoom, Response> room_for_body(const Request& head) = 0;
-    /// Kept as long as a large body is; or the answer to who has none, for there are few of them.
+    /// A place for a large body, to be held as long as that; or the answer if all of the few places are taken.
     virtual tl::expected<std::shared_ptr<void>, Response> place_for_body() = 0;
-    /// Of a body that is more than usual; nullptr: in memory.
+    /// For a large body; nullptr: it is held in memory.
     virtual std::unique_ptr<BodyKeeper> keeper() = 0;
-    /// The connection ends with these words.
+    /// Ends the connection with this answer.
     virtual void refuse(std::unique_ptr<Stream> stream, const Response& words) = 0;
-    /// There is enough of it for one request and its answer.
+    /// Whether there is memory for one request and its answer.
     virtual bool has_memory() = 0;
 };
 
-/// Reads requests one after the other, each answered before the next is looked at. It lives as long as its connection, unless it is
-/// closed. Who sends nothing, takes nothing or speaks nonsense is told or cut off.
+/// Reads requests one after the other; each is answered before the next is read. Lives as long as its connection, or until close().
+/// A client that sends nothing, takes nothing or sends no HTTP gets an error or is disconnected.
 class Session : public std::enable_shared_from_this<Session> {
 public:
     Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits);
@@ -69,16 +69,16 @@ public:
     void start();
     /// Its turn: the request is answered.
     void take_turn();
-    /// At once. What makes a streamed answer, or uses a WebSocket, is gone then.
+    /// Closes at once; destroys the producer or the user of the WebSocket.
     void close();
-    /// The end is near: an answer that is on its way is said to its end, of a stream what comes next; all else ends at once.
+    /// The server is stopping: completes the current answer, or the next part of a stream; everything else ends at once.
     void finish();
-    /// Its place is another's. Who is not in the middle of an answer, and may be about to read one, is told by `words`.
+    /// Gives its place to another client. Sends `words` unless it is in the middle of an answer.
     void leave(const Response& words);
     Visitor visitor(ano::TimePoint now) const;
-    /// Since when the client has sent too little of a large body; nothing: he sends none.
+    /// Since when the client has sent too little of a large body; std::nullopt: it has not.
     std::optional<ano::TimePoint> body_waits_since() const;
-    /// Its place is another's who sends one.
+    /// Gives the place of its large body to another client's.
     void give_up_body();
 
 private:
@@ -109,38 +109,38 @@ private:
     asio::io_context& io_;
     SessionOwner& owner_;
     const SessionLimits& limits_;
-    std::unique_ptr<Stream> stream_;    // none: closed, refused or a WebSocket
+    std::unique_ptr<Stream> stream_;    // nullptr: closed, refused or a WebSocket
     asio::steady_timer deadline_;
     std::uint32_t user_;
     Party party_;
-    std::optional<Access> may_;    // what the request that is answered may, or was last
+    std::optional<Access> may_;    // what the current or the last request may do
 
     Asking asking_ = Asking::unheard;
-    bool awaits_turn_ = false;    // with a whole request
+    bool awaits_turn_ = false;    // has a complete request
     bool reading_ = false;
     bool input_ended_ = false;
-    ano::TimePoint since_;         // it came, or came on
-    ano::TimePoint whole_at_{};    // the request that is answered, or was last
+    ano::TimePoint since_;         // when it connected or last made progress
+    ano::TimePoint whole_at_{};    // when the current or the last request was complete
     std::array<char, 4 * 1024> room_;
-    std::string input_;    // what came and is not read yet
+    std::string input_;    // received but not parsed yet
     std::optional<RequestReader> reader_;
 
     Sending sending_;
-    std::string head_, body_;    // what is being written, and behind it:
+    std::string head_, body_;    // being written, followed by shared_
     std::shared_ptr<const std::string> shared_ = nothing_;
     static const std::shared_ptr<const std::string> nothing_;
     std::size_t written_ = 0;
     std::unique_ptr<Producer> producer_;
     bool part_awaited_ = false;      // the producer has none for now
-    bool has_length_ = false;        // its answer was told to have
-    std::uint64_t to_come_ = 0;      // so many bytes more
-    bool answer_awaited_ = false;    // a patient one
+    bool has_length_ = false;        // the producer's answer has a length
+    std::uint64_t to_come_ = 0;      // bytes of it still to be made
+    bool answer_awaited_ = false;    // with Response::patient
     std::shared_ptr<void> needed_;
-    BodyRoom room_for_body_;             // of the request that comes, or is answered
-    std::optional<Response> refusal_;    // of its body
+    BodyRoom room_for_body_;             // of the current request
+    std::optional<Response> refusal_;    // of the request's body
     bool go_on_awaited_ = false;         // 100 Continue
-    bool is_kept_ = false;               // the part of its body that came last is being kept
-    std::size_t came_since_ = 0;         // bytes of its body since body_since_
+    bool is_kept_ = false;               // the keeper is storing a part of the body
+    std::size_t came_since_ = 0;         // bytes of the body since body_since_
     ano::TimePoint body_since_{};
     std::unique_ptr<BodyKeeper> keeper_;
     bool woken_ = false;

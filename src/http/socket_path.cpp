@@ -20,7 +20,7 @@ Runner this_runner() {
 std::optional<std::string> control_socket(const std::string& configured, const Runner& runner) {
     if (configured == "none") return std::nullopt;
     if (!configured.empty()) return configured;
-    // Without either, the error of the first is the one that tells people what to do.
+    // If neither can be made, the error about the system's path is the more useful one.
     if (runner.system || runner.runtime_dir.empty()) return system_socket();
     return runner.runtime_dir + "/anogate.sock";
 }

@@ -1,27 +1,27 @@
-// Where the control socket is when nobody said, and where there can be one.
+// The default path of the control socket, and where one can be made.
 #pragma once
 #include <optional>
 #include <string>
 
 namespace anogate::http {
 
-/// Who runs the program, as far as it matters here.
+/// The user that runs the program.
 struct Runner {
-    bool system = false;        // root, or somebody who may write to /run/anogate
+    bool system = false;        // root, or a user that may write to /run/anogate
     std::string runtime_dir;    // $XDG_RUNTIME_DIR; empty: not set
 };
 Runner this_runner();
 
-/// The path of the control socket; nothing when `configured` is "none". Empty: nobody said.
+/// The path of the control socket; std::nullopt if `configured` is "none". An empty `configured` means the default.
 std::optional<std::string> control_socket(const std::string& configured, const Runner& runner);
 
-/// That of the gateway of the system.
+/// The path of the system's gateway.
 std::string system_socket();
 
-/// Where a client looks, when `asked` is empty: who is no system user finds the gateway of the system where he runs none of his own.
+/// The path that a client connects to; `asked` if it is not empty. A normal user gets the system's gateway if none of its own runs.
 std::string socket_to_ask(const std::string& asked, const Runner& runner);
 
-/// Why no socket can be made at `path`, as far as it shows without trying; empty: one can, or it is in use.
+/// Why no socket can be made at `path`, without trying it; empty: it can be made, or is in use.
 std::string fault_of_socket(const std::string& path, const Runner& runner);
 
 }    // namespace anogate::http

@@ -19,7 +19,7 @@ struct Resolved {
     socklen_t size = 0;
 };
 
-/// Of numbers alone, no name is looked up.
+/// Numeric addresses only; no name is looked up.
 Expected<Resolved> resolve(const std::string& address, std::uint16_t port) {
     addrinfo hints{};
     hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
@@ -39,7 +39,7 @@ struct End {
     std::uint16_t port = 0;
 };
 
-/// An IPv4 address that IPv6 carries (::ffff:a.b.c.d) is that address.
+/// An IPv4-mapped address (::ffff:a.b.c.d) becomes the IPv4 address.
 End end_of(const sockaddr_storage& storage, socklen_t size) {
     char host[NI_MAXHOST], service[NI_MAXSERV];
     if (::getnameinfo(reinterpret_cast<const sockaddr*>(&storage), size, host, sizeof host, service, sizeof service,

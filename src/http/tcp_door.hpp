@@ -1,4 +1,4 @@
-// TCP sockets for the server.
+// TCP sockets of the server.
 #pragma once
 #include <http/door.hpp>
 #include <link/expected.hpp>
@@ -12,13 +12,13 @@ namespace anogate::http {
 struct ListeningSocket {
     UniqueFd fd;
     int family = 0;
-    std::uint16_t port = 0;    // which the kernel chose, where 0 was asked for
+    std::uint16_t port = 0;    // the one chosen by the kernel, if 0 was asked for
 };
 
-/// Listens at an IP address; [::] takes IPv4 too.
+/// Listens at an IP address; [::] accepts IPv4 too.
 Expected<ListeningSocket> listen_tcp(const std::string& address, std::uint16_t port);
 
-/// Fills in who is at the ends of a connected socket, and lets it send without delay and notice a peer that is gone.
+/// Sets the addresses of a connected socket in `door`; enables TCP_NODELAY and keep-alive on it.
 void prepare_tcp(int fd, Door& door);
 
 /// 127.0.0.0/8 and ::1.

@@ -19,11 +19,11 @@ struct Tls::Context {
 
 namespace {
 
-/// What runs outlives the stream that was asked for it.
+/// Shared by running operations, which may outlive the stream.
 struct Encrypted : std::enable_shared_from_this<Encrypted> {
     Encrypted(Socket connected, asio::ssl::context& context) : ssl{std::move(connected), context} {}
 
-    /// Calls `then` once the handshake is over; who asks meanwhile waits as well.
+    /// Calls `then` once the handshake is done; several calls wait for the same handshake.
     void shake_hands(std::function<void(error_code)> then) {
         if (is_ready) return then({});
         waiting.push_back(std::move(then));
@@ -62,7 +62,7 @@ public:
         error_code ignored;
         state_->ssl.lowest_layer().cancel(ignored);
     }
-    // The length of every answer is told, or its last part: nobody needs the end of the encryption to be said.
+    // Without TLS close_notify: every answer has a length or a last chunk, so the client needs no other end.
     void end_output() override {
         error_code ignored;
         state_->ssl.lowest_layer().shutdown(Socket::shutdown_send, ignored);
@@ -75,7 +75,7 @@ public:
     const Door& door() const override { return door_; }
 
 private:
-    /// Many clients close without a word.
+    /// Many clients close without close_notify: that counts as the end of the input.
     static error_code ended(error_code ec) { return ec == asio::ssl::error::stream_truncated ? asio::error::eof : ec; }
 
     std::shared_ptr<const void> keep_;
@@ -83,7 +83,7 @@ private:
     Door door_;
 };
 
-// Of what can't be read OpenSSL does not say why, and a pipe it would wait for.
+// OpenSSL does not tell why a file can't be read, and it would block on a pipe.
 std::string fault_of_file(const std::string& file) {
     struct stat facts {};
     if (::access(file.c_str(), R_OK) != 0 || ::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
@@ -97,13 +97,13 @@ Tls::~Tls() = default;
 
 Expected<std::unique_ptr<Tls>> Tls::load(const std::string& certificate, const std::string& key) {
     auto context = std::make_shared<Context>();
-    // Not by Asio: its options are long, which has no room for them on 32 bits and would set those from 2^32 up.
+    // Not by Asio, whose options are of type long: on 32 bits that is too small, and the sign would set all bits from 2^32 up.
     ::SSL_CTX_set_options(context->ssl.native_handle(),
                           SSL_OP_ALL | SSL_OP_NO_TLSv1 | SSL_OP_NO_TLSv1_1 | SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION);
     for (const std::string& file : {certificate, key})
         if (std::string fault = fault_of_file(file); !fault.empty()) return Unexpected{std::move(fault)};
     context->ssl.set_password_callback(
-        [](std::size_t, asio::ssl::context::password_purpose) { return std::string{}; });    // nobody is asked at the terminal
+        [](std::size_t, asio::ssl::context::password_purpose) { return std::string{}; });    // never asks at the terminal
     error_code ec;
     context->ssl.use_certificate_chain_file(certificate, ec);
     if (ec) return Unexpected{certificate + ": " + ec.message()};

@@ -1,4 +1,4 @@
-// Encrypted streams (TLS 1.2 and 1.3, by OpenSSL).
+// Encrypted streams: TLS 1.2 and 1.3 by OpenSSL.
 #pragma once
 #include <http/stream.hpp>
 #include <link/expected.hpp>
@@ -8,14 +8,14 @@
 
 namespace anogate::http {
 
-/// A certificate with its key, read whole when it is made. Streams keep what they need of it.
+/// A certificate and its key, read by load(). May be destroyed before its streams.
 class Tls {
 public:
-    /// PEM files: the certificate with those between it and its authority, and the key, without a password.
+    /// PEM files: the certificate with its intermediate certificates, and the key without a password.
     static Expected<std::unique_ptr<Tls>> load(const std::string& certificate, const std::string& key);
     ~Tls();
 
-    /// The server's side of a connected socket. The handshake comes before what is first read or written.
+    /// The server's side of a connected socket. The handshake is done with the first read or write.
     std::unique_ptr<Stream> stream(Socket socket, Door door) const;
 
 private:

@@ -30,7 +30,7 @@ std::optional<std::string> random_token() {
     return text;
 }
 
-// Written whole under another name first: who finds the file finds both tokens.
+// Written under another name first, so that the file always has both tokens.
 Expected<void> make(const std::string& path) {
     namespace fs = std::filesystem;
     const auto failed = [&] { return Unexpected{error_text(path, errno)}; };
@@ -47,12 +47,12 @@ Expected<void> make(const std::string& path) {
                          ::fsync(fd.get()) == 0 && ::link(draft.c_str(), path.c_str()) == 0;
     const int error = errno;
     ::unlink(draft.c_str());
-    if (!written && error != EEXIST) return Unexpected{error_text(path, error)};    // another made it meanwhile: that is read
+    if (!written && error != EEXIST) return Unexpected{error_text(path, error)};    // EEXIST: made by another process
     return {};
 }
 
 UniqueFd open_to_read(const std::string& path) {
-    return UniqueFd{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};    // a pipe is not waited for
+    return UniqueFd{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};    // O_NONBLOCK: not to block on a pipe
 }
 
 Expected<std::vector<Token>> read_tokens(const UniqueFd& fd, const std::string& path) {
@@ -69,7 +69,7 @@ Expected<std::vector<Token>> read_tokens(const UniqueFd& fd, const std::string& 
     return tokens;
 }
 
-// As far as folders are there: those that are missing are made in the last of them.
+// Checks the last folder of the path that exists: missing ones are made in it.
 Expected<void> check_place(const std::string& path) {
     namespace fs = std::filesystem;
     std::error_code ec;
@@ -93,7 +93,7 @@ Expected<std::vector<Token>> parse_tokens(std::string_view text) {
         const std::string_view allows = line.substr(0, line.find_first_of(" \t"));
         std::string_view token = line.substr(allows.size());
         token.remove_prefix(std::min(token.find_first_not_of(" \t"), token.size()));
-        const std::string where = "line " + std::to_string(number) + ": ";    // never the line itself: it may be a secret
+        const std::string where = "line " + std::to_string(number) + ": ";    // without the line itself: it may hold a token
         if (allows != "view" && allows != "control") return Unexpected{where + "a line is 'view TOKEN' or 'control TOKEN'"};
         if (!is_token(token)) return Unexpected{where + "a token has 16 to 256 letters, digits or characters of -._~+/="};
         tokens.push_back({allows == "view" ? Access::view : Access::control, std::string{token}});

@@ -1,4 +1,4 @@
-// Whose turn it is.
+// A queue of those that wait for their turn.
 #pragma once
 #include <algorithm>
 #include <deque>
@@ -7,19 +7,18 @@
 
 namespace anogate::http {
 
-/// Those who wait, whoever has waited longest first. The turns themselves are given by who asks next(), one at a time: between two of
-/// them the loop does what came in meanwhile.
+/// First in, first out. The owner calls next() for one turn at a time, and lets the loop do its other work in between.
 template <class Who>
 class Turns {
 public:
-    /// True: nobody waited, so that somebody has to arrange for a call of next().
+    /// True: no call of next() is scheduled; the caller must schedule one.
     bool wait(Who who) {
         waiting_.push_back(std::move(who));
         return !std::exchange(arranged_, true);
     }
-    /// Its place is another's.
+    /// Removes `who` from the queue.
     void leave(const Who& who) { std::erase(waiting_, who); }
-    /// As arranged. When more are waiting, the next turn is to be arranged as well: is_arranged().
+    /// The scheduled call: returns who is next. If is_arranged() afterwards, the caller must schedule the next call.
     std::optional<Who> next() {
         std::optional<Who> who;
         if (!waiting_.empty()) {
@@ -30,7 +29,7 @@ public:
         return who;
     }
     bool is_arranged() const noexcept { return arranged_; }
-    /// What is arranged comes all the same, and gives nobody a turn.
+    /// A scheduled call of next() still comes and returns std::nullopt.
     void clear() noexcept { waiting_.clear(); }
 
 private:

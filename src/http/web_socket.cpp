@@ -18,7 +18,7 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
-// A Stream as Beast wants it, which has the client's first bytes already.
+// Adapts a Stream to Beast's requirements; returns the bytes in `early` first.
 class Under {
 public:
     using executor_type = asio::io_context::executor_type;
@@ -38,7 +38,7 @@ public:
             room = *it;
         if (early_.empty())
             return stream_->read_some(room, [this, done = done(std::forward<Handler>(handler))](error_code ec, std::size_t size) {
-                ++reads_;    // the handler has what owns us
+                ++reads_;    // the handler keeps our owner alive
                 done(ec, size);
             });
         const std::size_t size = asio::buffer_copy(room, asio::buffer(early_));
@@ -59,7 +59,7 @@ public:
     }
 
 private:
-    // Beast's handlers can be moved only.
+    // Beast's handlers can only be moved, but Stream::Done must be copyable.
     template <class Handler>
     static Stream::Done done(Handler&& handler) {
         auto held = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));
@@ -73,7 +73,7 @@ private:
     std::uint64_t reads_ = 0;
 };
 
-// Found by Beast.
+// Found by Beast through argument-dependent lookup.
 void beast_close_socket(Under& under) { under.stream().close(); }
 
 template <class Handler>
@@ -153,7 +153,7 @@ public:
         if (!user_ || std::exchange(closing_, true)) return;
         begun_at_ = ano::Clock::now();
         watch();
-        constexpr std::size_t max_reason = 123;    // in a control frame
+        constexpr std::size_t max_reason = 123;    // bytes that fit into a control frame
         websocket::close_reason why{websocket::close_code{code}};
         why.reason.assign(reason.data(), std::min(reason.size(), max_reason));
         socket_.async_close(why, [self = shared_from_this()](error_code) { self->end_for({}); });
@@ -164,7 +164,7 @@ public:
         ended_ = {};
         stuck_.cancel();
         socket_.next_layer().stream().close();
-        if (!writing_) queue_.clear();    // else what is being written is still looked at
+        if (!writing_) queue_.clear();    // otherwise the write in progress still needs the queue
         place_.reset();
         const auto user = std::move(user_);
         user_.reset();
@@ -189,11 +189,11 @@ private:
 
     void begin() {
         read();
-        const auto user = user_;    // for it may end us
+        const auto user = user_;    // keeps it alive: it may end us
         user->opened(*this);
     }
 
-    // Of itself: whoever opened it is told.
+    // Ended by itself: calls ended_.
     void end_for(const error_code& ec) {
         if (!user_) return;
         const auto ended = std::move(ended_);
@@ -233,7 +233,7 @@ private:
         });
     }
 
-    // A timer for as long as something is under way, however often something is taken meanwhile.
+    // One timer as long as something is being sent, not one for each write.
     void watch() {
         if (std::exchange(watching_, true)) return;
         stuck_.expires_at(std::max(begun_at_, socket_.next_layer().taken_at()) + limits_.stuck);
@@ -256,9 +256,9 @@ private:
     bool writing_ = false;
     bool closing_ = false;
     bool watching_ = false;
-    std::shared_ptr<WebSocketUser> user_;    // none: it has ended
-    std::function<void(Outcome)> ended_;     // of one that we opened
-    Answer answer_;                          // to what we asked
+    std::shared_ptr<WebSocketUser> user_;    // nullptr: ended
+    std::function<void(Outcome)> ended_;     // on the client's side
+    Answer answer_;                          // on the client's side: to the request
     std::shared_ptr<void> place_;
 };
 

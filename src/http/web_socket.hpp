@@ -1,4 +1,4 @@
-// Messages both ways over a connection that began as an HTTP request (RFC 6455).
+// A WebSocket (RFC 6455).
 #pragma once
 #include <ano/time.hpp>
 
@@ -11,43 +11,43 @@
 namespace anogate::http {
 
 struct WebSocketLimits {
-    std::size_t message = 64 * 1024;                   // bytes of one that comes; a longer one ends the connection (1009)
-    std::size_t queue = 1024 * 1024;                   // bytes that wait to be sent
-    ano::Duration idle = std::chrono::seconds{30};     // without a word, not even a pong: ends. Half of it: is pinged
-    ano::Duration stuck = std::chrono::seconds{30};    // takes nothing of what waits: ends
+    std::size_t message = 64 * 1024;    // maximum bytes of a received message; a longer one ends the connection (1009)
+    std::size_t queue = 1024 * 1024;    // maximum bytes that wait to be sent
+    ano::Duration idle = std::chrono::seconds{30};     // ends after this time without any data or pong; pings after half of it
+    ano::Duration stuck = std::chrono::seconds{30};    // ends if the client takes nothing of what waits for this time
 };
 
-/// The way to the client. Valid as long as its user lives.
+/// To send to the client. Valid as long as its user lives.
 class WebSocket {
 public:
     enum class Kind : std::uint8_t { text, binary };
-    /// One message may wait for many clients: it is not copied.
+    /// Shared, so that a message for many clients is not copied.
     using Message = std::shared_ptr<const std::string>;
 
     virtual ~WebSocket() = default;
-    /// Sends it behind those that wait. False: there is no room, or it is closing; the message is dropped, and to be counted by who
-    /// sends. A text must be UTF-8.
+    /// Sends the message after those that wait. False: there is no room, or the WebSocket is closing; the message is dropped, and the
+    /// caller should count it. A text must be UTF-8.
     virtual bool send(Message message, Kind kind) = 0;
     /// Bytes that wait to be sent.
     virtual std::size_t waiting() const noexcept = 0;
-    /// How often bytes came. When it has not changed through a whole turn of the loop, nothing waits to be heard.
+    /// Number of reads so far. If it has not changed during a whole turn of the loop, no received data is waiting.
     virtual std::uint64_t reads() const noexcept = 0;
-    /// Tells the client that it ends, and why; what waits is dropped. Nothing comes any more.
+    /// Sends a close frame with code and reason; drops what waits. heard() is not called any more.
     virtual void close(std::uint16_t code, std::string_view reason) = 0;
 };
 
-/// Who speaks with the client. It is destroyed when the connection has ended, or the server stops.
+/// The server's code behind a WebSocket. Destroyed when the connection has ended, or the server stops.
 class WebSocketUser {
 public:
     virtual ~WebSocketUser() = default;
-    /// What it speaks, of the subprotocols that the client offered; empty: none is told.
+    /// The chosen one of the subprotocols that the client offered; empty: none.
     virtual std::string_view subprotocol() const { return {}; }
-    /// First.
+    /// Called first.
     virtual void opened(WebSocket& socket) = 0;
     virtual void heard(std::string_view message, WebSocket::Kind kind) = 0;
-    /// All that waited is sent.
+    /// Everything that waited was sent.
     virtual void sent_all() {}
-    /// When the server ends, it has something to say first, and then closes; else it is cut off.
+    /// True: when the server stops, the user sends something and then closes by itself. False: it is disconnected.
     virtual bool has_last_words() const { return false; }
 };
 

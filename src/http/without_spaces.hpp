@@ -3,7 +3,7 @@
 
 namespace anogate::http {
 
-/// Without blanks and tabs at both ends.
+/// `text` without blanks and tabs at both ends.
 inline std::string_view without_spaces(std::string_view text) noexcept {
     const auto begin = text.find_first_not_of(" \t");
     if (begin == std::string_view::npos) return {};

@@ -1,4 +1,4 @@
-// What a CAN controller told of the bus by error frames, and when.
+// The state of a CAN bus, from the error frames of the controller.
 #pragma once
 #include <link/link.hpp>
 
@@ -14,14 +14,14 @@ class CanBus {
 public:
     enum class State : std::uint8_t { active, warning, passive, off };
 
-    /// `frame` is an error frame.
+    /// `frame` must be an error frame.
     void note(const can_frame& frame, TimePoint now) noexcept;
     State state() const noexcept { return state_; }
-    /// The controller begins anew: whatever was is over.
+    /// The controller was restarted: the earlier state no longer applies.
     void came_up() noexcept { state_ = State::active; }
 
     void add_facts(LinkFacts& facts, TimePoint now) const;
-    /// What a user should know of the state; empty while all is well.
+    /// What the user should know about the state; empty while the bus works.
     LinkError trouble(const std::string& interface) const;
 
 private:

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t max_pdu = 4095;    // without the escape of ISO 15765-2:2016, which few devices know
 
-// How a transfer ended that has begun. The socket tells it by the next call, be it a read or a write.
+// Errors of an earlier transfer: the socket returns them from the next call, read or write.
 bool is_of_transfer(int error) {
     return error == ECOMM || error == ETIMEDOUT || error == EILSEQ || error == EBADMSG || error == EMSGSIZE;
 }
@@ -32,7 +32,7 @@ Opened<UniqueFd> CanIsotpLink::open_wire(UniqueFd stored) {
     return open_can_isotp(can(), std::move(stored));
 }
 
-// The kernel waits in close() until a transfer that has begun ends: for a peer that does not answer, a second.
+// close() waits until the current transfer ends: up to a second if the peer does not answer.
 void CanIsotpLink::close_wire() noexcept {
     if (!is_open()) return;
     const int copy = ::fcntl(fd(), F_DUPFD_CLOEXEC, 0);
@@ -65,7 +65,7 @@ void CanIsotpLink::read() {
         while (const auto frame = channel().parser.next()) on_frame(*frame);
         trouble_ = {};
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
+    if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
     context_.host.flush();
 }
 

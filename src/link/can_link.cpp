@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration first_pause = 1ms;    // a queue of 10 frames drains in 2.2 ms at 500 kbit/s
 constexpr Duration max_pause = 20ms;
-constexpr Duration patience = 1s;    // blocked for so long, the bus itself is in trouble
+constexpr Duration patience = 1s;    // blocked for longer than this: the bus itself has a fault
 
 }    // namespace
 
@@ -112,7 +112,7 @@ void CanLink::wait_for_room(bool kernel_tells) {
         });
         return;
     }
-    woken_ = false;    // woken in vain: some kernels call a busy ISO-TP socket writable
+    woken_ = false;    // some kernels report a busy ISO-TP socket as writable
     again_.set(now + pause_);
     pause_ = std::min(2 * pause_, max_pause);
 }

@@ -1,4 +1,4 @@
-// A CAN interface: absent, down, bus-off, removed and back. How V8 frames ride on it is the business of the two below.
+// A CAN interface: it may be absent, down, bus-off, removed and come back. The two subclasses put V8 frames into CAN frames.
 #pragma once
 #include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
@@ -26,18 +26,18 @@ public:
     int storable_wire() const override { return descriptor_.fd(); }
 
 protected:
-    /// `stored` is used if it is the wire that the settings mean.
+    /// `stored` is used if it matches the settings.
     virtual Opened<UniqueFd> open_wire(UniqueFd stored) = 0;
     virtual void read() = 0;
     virtual void write() = 0;
-    /// The wire has gone: what waited for its rest is given up.
+    /// The interface has gone: incomplete frames are given up.
     virtual void lost() = 0;
     virtual void close_wire() noexcept { descriptor_.close(); }
 
     /// The wire is gone: closes it, says why, and tries again later.
     void fail(LinkError why);
-    /// Nothing more can be sent now: write() is called when there is room. The kernel tells when (EAGAIN), or does not
-    /// (ENOBUFS: the interface's own queue is full, maybe with the frames of others).
+    /// Nothing more can be sent now: calls write() when there is room. `kernel_tells`: the kernel reports when (EAGAIN); otherwise
+    /// it does not (ENOBUFS: the interface's own queue is full, perhaps with frames of other programs).
     void wait_for_room(bool kernel_tells);
     /// Something was sent.
     void found_room() noexcept;
@@ -50,22 +50,22 @@ protected:
     LinkContext context_;
     Descriptor descriptor_;
     Arrival arrival_;
-    Pacing pacing_;    // where a `rate` is given
+    Pacing pacing_;    // on if `rate` is set
 
 private:
     Opened<void> open();
     void watch_bus();
     void read_errors();
 
-    Descriptor errors_;    // a socket of its own: error frames tell of the bus under either framing, and while the link is down
+    Descriptor errors_;    // a separate socket: error frames are needed with either framing, and while the link is down
     CanBus bus_;
     Channel* channel_ = nullptr;
     Reconnect reconnect_;
     Alarm again_;
-    Duration pause_;        // till the next try when the kernel does not tell
-    bool woken_ = false;    // because there was room, and nothing was sent since
+    Duration pause_;        // until the next try when the kernel does not report room
+    bool woken_ = false;    // called because there was room; nothing was sent since
     std::optional<TimePoint> blocked_since_;
-    std::int64_t old_kernel_drops_ = 0;    // of sockets closed before
+    std::int64_t old_kernel_drops_ = 0;    // of sockets that are closed
 };
 
 /// framing=stream, by a raw socket.
@@ -91,7 +91,7 @@ private:
     Alarm expiry_;
 };
 
-/// framing=isotp: one V8 frame is one PDU, by the kernel's ISO-TP socket. For one peer device.
+/// framing=isotp: one V8 frame is one PDU of the kernel's ISO-TP socket. For a single peer device.
 class CanIsotpLink final : public CanLink {
 public:
     CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context);

@@ -22,8 +22,8 @@ namespace {
 
 // The kernel charges some 0.8 KB a frame. Bursts overflow its default of 208 KiB.
 constexpr int can_receive_buffer = 4 << 20;
-// The least the kernel allows, some six frames: what waits in the kernel no urgent frame can overtake, and a queue shorter
-// than the interface's own (10 by default) fills with EAGAIN and a wake-up, not with ENOBUFS and none.
+// The kernel raises it to its minimum, about six frames. An urgent frame can't overtake those in the kernel. And a queue shorter
+// than the interface's own (10 by default) fails with EAGAIN and reports room; a longer one fails with ENOBUFS and does not.
 constexpr int send_buffer = 1;
 
 LinkError error_of(std::string_view id, std::string text, const CanSettings& can) {
@@ -36,7 +36,7 @@ LinkError no_socket(int error, const char* what, const char* module) {
     return error_text(std::string{"no "} + what + " socket", error);
 }
 
-// Asked by ioctl for an interface that is absent, the kernel would start modprobe each time.
+// Not by ioctl: for an absent interface the kernel would start modprobe each time.
 bool is_there(const std::string& interface) {
     const std::unique_ptr<struct if_nameindex, decltype(&::if_freenameindex)> list{::if_nameindex(), &::if_freenameindex};
     for (const auto* i = list.get(); i && i->if_index != 0; ++i)
@@ -59,7 +59,7 @@ int protocol_of(int fd) {
     return ::getsockopt(fd, SOL_SOCKET, SO_PROTOCOL, &protocol, &size) == 0 ? protocol : -1;
 }
 
-// What a raw socket is bound to is the interface alone.
+// A raw socket is bound to the interface only; ISO-TP also to its ids.
 bool is_bound(int fd, const CanSettings& can, int protocol, const sockaddr_can& to) {
     sockaddr_can address{};
     socklen_t size = sizeof address;
@@ -93,7 +93,7 @@ can_isotp_ll_options isotp_link_layer(const CanSettings& can) {
     return link_layer;
 }
 
-// Once it is bound, that of a socket can't be changed.
+// The link layer options of a bound socket can't be changed.
 bool has_link_layer(int fd, const CanSettings& can) {
     can_isotp_ll_options has{};
     const can_isotp_ll_options wanted = isotp_link_layer(can);
@@ -118,7 +118,7 @@ bool can_bus_is_off(const std::string& interface) {
 
 Opened<void> check_can_interface(const CanSettings& can) {
     const std::string& name = can.interface;
-    static bool kernel_has_can = false;    // once known, not asked again: to close a CAN socket takes the kernel a while
+    static bool kernel_has_can = false;    // asked once: closing a CAN socket takes the kernel a while
     if (!kernel_has_can) {
         if (const auto socket = raw_socket(); !socket) return NotOpened{socket.error()};
         kernel_has_can = true;
@@ -143,7 +143,7 @@ Opened<void> check_can_interface(const CanSettings& can) {
 
 LinkError can_error(const CanSettings& can, int error) {
     switch (error) {
-    case EADDRNOTAVAIL:    // what an ISO-TP socket says then
+    case EADDRNOTAVAIL:    // what an ISO-TP socket reports for an absent interface
     case ENODEV: return error_of("no_interface", "there is no interface " + can.interface, can);
     case ENETDOWN: return error_of("interface_down", can.interface + " is down: ip link set " + can.interface + " up", can);
     default: return error_text(can.interface, error);

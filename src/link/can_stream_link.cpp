@@ -13,12 +13,12 @@
 namespace anogate {
 
 struct CanStreamLink::Batch {
-    static constexpr std::size_t most = CanCutter::max_pieces;
+    static constexpr std::size_t max_frames = CanCutter::max_pieces;
 
     int receive(int fd) noexcept {
         prepare(sizeof(canfd_frame));
-        for (std::size_t i = 0; i < most; ++i) stamps[i].prepare(messages[i].msg_hdr);
-        const int count = ::recvmmsg(fd, messages.data(), most, MSG_DONTWAIT, nullptr);
+        for (std::size_t i = 0; i < max_frames; ++i) stamps[i].prepare(messages[i].msg_hdr);
+        const int count = ::recvmmsg(fd, messages.data(), max_frames, MSG_DONTWAIT, nullptr);
         return count < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : count;
     }
     std::span<const std::uint8_t> data(std::size_t i) const noexcept {
@@ -39,7 +39,7 @@ struct CanStreamLink::Batch {
     }
 
     void prepare(std::size_t size) noexcept {
-        for (std::size_t i = 0; i < most; ++i) {
+        for (std::size_t i = 0; i < max_frames; ++i) {
             rooms[i] = {&frames[i], size};
             messages[i] = {};
             messages[i].msg_hdr.msg_iov = &rooms[i];
@@ -47,10 +47,10 @@ struct CanStreamLink::Batch {
         }
     }
 
-    std::array<canfd_frame, most> frames;
-    std::array<iovec, most> rooms;
-    std::array<mmsghdr, most> messages;
-    std::array<Stamp, most> stamps;
+    std::array<canfd_frame, max_frames> frames;
+    std::array<iovec, max_frames> rooms;
+    std::array<mmsghdr, max_frames> messages;
+    std::array<Stamp, max_frames> stamps;
 };
 
 CanStreamLink::CanStreamLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
@@ -79,7 +79,7 @@ void CanStreamLink::read() {
         streams_.receive(batch_->frames[i].can_id & CAN_EFF_MASK, batch_->data(i), loop.now(),
                          [this](ano::FrameView frame) { context_.host.receive(channel(), frame); });
     }
-    if (static_cast<std::size_t>(count) < Batch::most) arrival_.found_empty(asked);
+    if (static_cast<std::size_t>(count) < Batch::max_frames) arrival_.found_empty(asked);
     batch_ends();
 }
 
@@ -102,7 +102,7 @@ void CanStreamLink::batch_ends() {
 }
 
 void CanStreamLink::write() {
-    std::array<std::span<const std::uint8_t>, Batch::most> frames;
+    std::array<std::span<const std::uint8_t>, Batch::max_frames> frames;
     Outbox& outbox = channel().outbox;
     while (is_open()) {
         const TimePoint now = context_.host.now();

@@ -1,4 +1,4 @@
-// Room to receive many datagrams with one system call. One for the whole loop: it is empty again when a read ends.
+// Buffers to receive many datagrams with one system call. One for the whole loop: nothing stays in it after a read.
 #pragma once
 #include <ano/room.hpp>
 #include <link/clocks.hpp>
@@ -14,14 +14,14 @@
 
 namespace anogate {
 
-/// The kernel's stamp of when a message arrived, on sockets that have been asked for it: keep_stamps().
+/// Room for the kernel's timestamp of a message. The socket must have it enabled: keep_stamps().
 class Stamp {
 public:
     void prepare(msghdr& message) noexcept {
         message.msg_control = room_.data();
         message.msg_controllen = room_.size();
     }
-    /// Of `message`, which has been received.
+    /// The time (CLOCK_REALTIME) at which the received `message` arrived; std::nullopt: it has no timestamp.
     static std::optional<ano::Duration> of(const msghdr& message) noexcept {
         for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c;
              c = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(c))) {
@@ -49,17 +49,17 @@ inline void keep_stamps(int fd) noexcept {
 
 class DatagramBatch {
 public:
-    static constexpr std::size_t most = 32;
-    static constexpr std::size_t room = 65536;    // of each: the largest datagram there is
+    static constexpr std::size_t max_datagrams = 32;
+    static constexpr std::size_t room = 65536;    // bytes for each: the largest datagram possible
 
-    // So that the first burst does not make the program larger, each has at once what a short datagram takes.
-    DatagramBatch() : bytes_{most * room} {
-        for (std::size_t i = 0; i < most; ++i) bytes_[i * room] = 0;
+    // Touches the first page of each buffer, so that memory does not grow with the first burst of short datagrams.
+    DatagramBatch() : bytes_{max_datagrams * room} {
+        for (std::size_t i = 0; i < max_datagrams; ++i) bytes_[i * room] = 0;
     }
 
-    /// Reads what is there, up to `most` datagrams. Returns how many, 0 when there is none, or -1 and errno.
+    /// Reads what is there, up to `max_datagrams`. Returns how many, 0 when there is none, or -1 and errno.
     int receive(int fd) noexcept {
-        for (std::size_t i = 0; i < most; ++i) {
+        for (std::size_t i = 0; i < max_datagrams; ++i) {
             pieces_[i] = {bytes_.get() + i * room, room};
             messages_[i] = {};
             messages_[i].msg_hdr.msg_name = &senders_[i];
@@ -68,24 +68,24 @@ public:
             messages_[i].msg_hdr.msg_iovlen = 1;
             stamps_[i].prepare(messages_[i].msg_hdr);
         }
-        const int count = ::recvmmsg(fd, messages_.data(), most, MSG_DONTWAIT, nullptr);
+        const int count = ::recvmmsg(fd, messages_.data(), max_datagrams, MSG_DONTWAIT, nullptr);
         return count < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : count;
     }
     std::span<const std::uint8_t> datagram(std::size_t i) const noexcept {
         return {bytes_.get() + i * room, messages_[i].msg_len};
     }
     const sockaddr_storage& sender(std::size_t i) const noexcept { return senders_[i]; }
-    /// When it had arrived.
+    /// When datagram `i` arrived.
     ano::TimePoint arrived_at(std::size_t i, Arrival& wire, const LoopWatch& loop) const noexcept {
         return arrival(messages_[i].msg_hdr, wire, loop);
     }
 
 private:
     ano::Room<std::uint8_t> bytes_;
-    std::array<mmsghdr, most> messages_;
-    std::array<iovec, most> pieces_;
-    std::array<sockaddr_storage, most> senders_;
-    std::array<Stamp, most> stamps_;
+    std::array<mmsghdr, max_datagrams> messages_;
+    std::array<iovec, max_datagrams> pieces_;
+    std::array<sockaddr_storage, max_datagrams> senders_;
+    std::array<Stamp, max_datagrams> stamps_;
 };
 
 }    // namespace anogate

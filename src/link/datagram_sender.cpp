@@ -8,11 +8,11 @@
 namespace anogate {
 namespace {
 
-constexpr int max_reported = 16;    // tries that fail for what became of earlier datagrams, before the rest waits a moment
+constexpr int max_reported = 16;    // failures caused by earlier datagrams, after which the rest waits for no_memory_pause
 
 }    // namespace
 
-// Frames that came one behind the other stand so in the outbox: the kernel is given them as one piece.
+// Frames that are contiguous in the outbox become one iovec.
 unsigned DatagramSender::fill(std::size_t frames, const SocketAddress* to, std::size_t mtu) noexcept {
     auto rest = std::span{std::as_const(room_->frames)}.first(frames);
     std::size_t pieces = 0;
@@ -46,13 +46,13 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         return report;
     };
     std::size_t mtu = way.mtu;
-    int failures = 0;    // of one datagram: an error may be about an earlier one, so each has a second try
+    int failures = 0;    // of one datagram. An error may belong to an earlier one, so each is tried twice
     int reported = 0;
     std::size_t spent = 0;
     while (!outbox.empty()) {
         const std::size_t paced = pacing.budget(outbox, now);
         if (paced == 0) return stop(SendResult::paced);
-        const std::size_t budget = std::min(paced, way.most - spent);
+        const std::size_t budget = std::min(paced, way.max_bytes - spent);
         const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? max_frames : max_datagrams), now,
                                                  budget);
         if (frames == 0) break;
@@ -74,7 +74,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         };
         report.error = errno;
         if (way.take_reports && may_be_reported(report.error) && (*way.take_reports)()) {
-            if (++reported < max_reported) continue;    // it was about another datagram: this one was not tried
+            if (++reported < max_reported) continue;    // the error was about an earlier datagram; this one was not sent
             outbox.set_congested();
             return stop(SendResult::no_memory);
         }
@@ -84,7 +84,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         case ENOBUFS:
         case ENOMEM: outbox.set_congested(); return stop(SendResult::no_memory);
         case EMSGSIZE:
-            if (room_->frames_in[0] > 1) mtu = 0;    // one by one they may pass
+            if (room_->frames_in[0] > 1) mtu = 0;    // one frame a datagram may be small enough
             else if (++failures == 2) give_up(&SendCounters::too_big);
             break;
         case ECONNREFUSED:
@@ -92,8 +92,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
             if (++failures == 2) give_up(&SendCounters::send_failed);
             break;
         case ENETUNREACH:
-            if (!way.to)
-                return stop(SendResult::broken);    // connected when our address was another: it would never find a way again
+            if (!way.to) return stop(SendResult::broken);    // connected from an address that we no longer have: it can't recover
             [[fallthrough]];
         default:
             if (!way.take_reports || ++failures == 2) give_up(&SendCounters::send_failed);

@@ -1,4 +1,4 @@
-// Sends an outbox as datagrams, many with one system call. One for the whole loop: it holds nothing between two calls.
+// Sends an outbox as datagrams, many with one system call. One for the whole loop: nothing stays in it between calls.
 #pragma once
 #include <gateway/outbox.hpp>
 #include <link/ip_socket.hpp>
@@ -15,9 +15,9 @@ namespace anogate {
 enum class SendResult {
     done,         // nothing waits
     full,         // go on when the socket is writable
-    no_memory,    // go on after no_memory_pause: the system says so without saying when
-    paced,        // the rest waits for its time; the pacing calls
-    broken,       // the socket is of no use any more; `error` says why
+    no_memory,    // try again after no_memory_pause: the system does not report when memory is free
+    paced,        // the rest waits; Pacing calls when more may go
+    broken,       // the socket can't be used any more; `error` says why
 };
 
 inline constexpr std::chrono::milliseconds no_memory_pause{5};
@@ -33,10 +33,10 @@ public:
     struct Way {
         int fd = -1;
         const SocketAddress* to = nullptr;    // nullptr: the connected peer
-        std::size_t mtu = 0;                  // frames that wait share a datagram of so many bytes; 0: each has its own
-        // Where the socket keeps what the network says of earlier datagrams: takes it, and says whether there was any.
+        std::size_t mtu = 0;                  // waiting frames share datagrams of at most this size; 0: one frame each
+        // For sockets with an error queue: reads the reports about earlier datagrams and returns whether there were any.
         const std::function<bool()>* take_reports = nullptr;
-        std::size_t most = SIZE_MAX;    // bytes in all; what is above them stays
+        std::size_t max_bytes = SIZE_MAX;    // in all; the rest stays in the outbox
     };
 
     DatagramSender() : room_{new Room} {}
@@ -50,7 +50,7 @@ private:
         std::array<std::span<const std::uint8_t>, max_frames> frames;
         std::array<iovec, max_frames> pieces;
         std::array<mmsghdr, max_datagrams> messages;
-        std::array<std::size_t, max_datagrams> frames_in;    // each of them
+        std::array<std::size_t, max_datagrams> frames_in;    // each datagram
     };
 
     unsigned fill(std::size_t frames, const SocketAddress* to, std::size_t mtu) noexcept;

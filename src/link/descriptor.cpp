@@ -42,7 +42,7 @@ void Descriptor::when_writable(std::function<void()> call) {
     stream_->async_wait(Stream::wait_write, [this, mine = generation_](error_code ec) {
         if (ec || mine != generation_) return;
         waits_writable_ = false;
-        const auto now_writable = std::move(on_writable_);    // which may ask for the next time
+        const auto now_writable = std::move(on_writable_);    // may call when_writable() again
         now_writable();
     });
 }

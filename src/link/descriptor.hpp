@@ -1,4 +1,4 @@
-// A file descriptor in the loop: says when it can be read or written. The reading and writing is the caller's.
+// A file descriptor in the loop: calls back when it can be read or written. The caller reads and writes.
 #pragma once
 #include <link/asio_fwd.hpp>
 #include <link/unique_fd.hpp>
@@ -9,7 +9,7 @@
 
 namespace anogate {
 
-/// Not to be destroyed by a call of its own.
+/// Must not be destroyed from within its own callback.
 class Descriptor {
 public:
     explicit Descriptor(asio::io_context& io);
@@ -17,17 +17,17 @@ public:
     Descriptor& operator=(const Descriptor&) = delete;
     ~Descriptor();
 
-    /// Takes `fd`, which must be non-blocking. Nothing waits yet.
+    /// Takes ownership of `fd`, which must be non-blocking. Waits for nothing yet.
     void open(UniqueFd fd);
     bool is_open() const noexcept { return fd_ >= 0; }
     int fd() const noexcept { return fd_; }
 
-    /// Calls `call` each time there is something to read, until stop_reading() or close(). It need not read all. Not from
-    /// `call` itself; while it is reading already, nothing changes.
+    /// Calls `call` each time there is something to read, until stop_reading() or close(). `call` need not read everything and must
+    /// not call read_with(). No effect while it is reading already.
     void read_with(std::function<void()> call);
     void stop_reading() noexcept { reading_ = false; }
 
-    /// Calls `call` once when it can be written; a second request before that changes nothing.
+    /// Calls `call` once when it can be written; a second request before that has no effect.
     void when_writable(std::function<void()> call);
 
     void close() noexcept;
@@ -37,9 +37,9 @@ private:
 
     struct Stream;
     std::unique_ptr<Stream> stream_;
-    std::function<void()> on_readable_;    // outlives close(), which it may call
+    std::function<void()> on_readable_;    // stays alive in close(), which it may call
     std::function<void()> on_writable_;
-    std::uint64_t generation_ = 0;    // of open and close: an answer of an earlier one means nothing
+    std::uint64_t generation_ = 0;    // counts open() and close(), to ignore callbacks of an earlier descriptor
     int fd_ = -1;
     bool reading_ = false;
     bool waits_readable_ = false;

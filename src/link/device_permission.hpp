@@ -8,20 +8,20 @@
 
 namespace anogate {
 
-/// No person's: below the first user id that those have (login.defs, UID_MIN).
+/// A system user: its id is below the first id of people (UID_MIN in login.defs).
 constexpr bool is_service_user(uid_t user) noexcept { return user < 1000; }
 
-/// Who wants to open a device.
+/// The user that tries to open a device.
 struct DeviceUser {
     uid_t uid = 0;
     std::string name;
-    std::vector<gid_t> groups;    // of the process: a group that was given since the login is not among them
+    std::vector<gid_t> groups;    // of the process: without groups added after the login
 
     static DeviceUser this_process();
 };
 
-/// Which permission `user` lacks to read and write `device`, a path that is no link below `root`, and how to get it; empty: none, or
-/// none that can be seen.
+/// Which permission `user` lacks to read and write `device`, and how to get it; empty: none, or none that can be found. `device`: a
+/// path below `root` that is not a symbolic link.
 std::string missing_permission(const std::filesystem::path& root, const std::string& device, const DeviceUser& user);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Says when device nodes of a name come, go, or change their permissions.
+// Calls back when device nodes whose names begin with a prefix come, go, or change their permissions.
 #pragma once
 #include <link/descriptor.hpp>
 
@@ -7,10 +7,10 @@
 
 namespace anogate {
 
-/// Watches /dev itself, not the folders in it. Where that can't be done it is silent for ever.
+/// Watches /dev itself, not its subfolders. Without inotify it never calls.
 class DeviceWatch {
 public:
-    /// `call` comes from the loop, once for all that happened; not after stop().
+    /// `call` is called from the loop, once for several changes; never after stop().
     DeviceWatch(asio::io_context& io, std::string prefix, std::function<void()> call)
         : descriptor_{io}, prefix_{std::move(prefix)}, call_{std::move(call)} {}
 

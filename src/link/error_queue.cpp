@@ -13,7 +13,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t max_reports = 64;    // of one call: who floods us with them has no longer turn than anybody
+constexpr std::size_t max_reports = 64;    // read in one call: a flood of reports must not hold up the loop
 
 bool from_network(const sock_extended_err& report) noexcept {
     return report.ee_origin == SO_EE_ORIGIN_ICMP || report.ee_origin == SO_EE_ORIGIN_ICMP6;
@@ -30,7 +30,7 @@ bool nothing_listens(const sock_extended_err& report) noexcept {
 
 void keep_error_reports(int fd, bool v6_socket) noexcept {
     const int on = 1;
-    ::setsockopt(fd, IPPROTO_IP, IP_RECVERR, &on, sizeof on);    // of an IPv6 socket too, which may send IPv4
+    ::setsockopt(fd, IPPROTO_IP, IP_RECVERR, &on, sizeof on);    // also for an IPv6 socket, which may send IPv4
     if (v6_socket) ::setsockopt(fd, IPPROTO_IPV6, IPV6_RECVERR, &on, sizeof on);
 }
 

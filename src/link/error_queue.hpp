@@ -1,5 +1,5 @@
-// What the network says of datagrams that left by a socket with many peers: the kernel keeps it with the endpoint that each was
-// for, and fails one later call, whoever that is for.
+// ICMP errors about datagrams sent by a socket with many peers: the kernel queues each report with its destination, and also fails
+// one later call, for whatever destination.
 #pragma once
 #include <gateway/ip.hpp>
 
@@ -8,14 +8,14 @@
 
 namespace anogate {
 
-/// Makes the kernel keep it.
+/// Makes the kernel queue the reports of `fd`.
 void keep_error_reports(int fd, bool v6_socket) noexcept;
 
-/// Whether a call may have failed with `error` by what such a report says. It may mean the call itself all the same.
+/// Whether `error` of a call may come from such a report. It may also be an error of the call itself.
 bool may_be_reported(int error) noexcept;
 
-/// Takes what is kept, at most 64 reports, and calls `on_refused` for each that says that nothing listens there. Returns how many
-/// came from the network: while there are any, a call may fail for no reason of its own.
+/// Reads at most 64 reports and calls `on_refused` for each "port unreachable". Returns how many came from the network: while
+/// there are any, a call may have failed because of them.
 std::size_t take_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused);
 
 }    // namespace anogate

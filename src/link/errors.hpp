@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-/// "permission denied"-like text of an errno value.
+/// The text of an errno value: "Permission denied".
 inline std::string error_text(int error) { return std::generic_category().message(error); }
 
 /// "/dev/ttyUSB0: No such file or directory"

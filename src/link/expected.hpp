@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-/// A T, or a clause for the user that says why not. Expected<void> holds nothing: it was done, or why not.
+/// A T, or the reason as text for the user. Expected<void>: success, or the reason.
 template <class T>
 using Expected = tl::expected<T, std::string>;
 using Unexpected = tl::unexpected<std::string>;

@@ -1,4 +1,4 @@
-// Puts a datagram into a channel's parser and hands on what is whole.
+// Puts a datagram into a channel's parser and passes on the complete frames.
 #pragma once
 #include <link/link.hpp>
 
@@ -8,7 +8,7 @@
 
 namespace anogate {
 
-/// Calls `on_frame` for each good frame; however large the datagram is, the parser's room is enough.
+/// Calls `on_frame` for each good frame. The datagram may be larger than the parser's room: it is fed in pieces.
 template <class OnFrame>
 void feed_datagram(ano::FrameParser& parser, std::span<const std::uint8_t> datagram, TimePoint now, OnFrame on_frame) {
     parser.begin_datagram(datagram, now);

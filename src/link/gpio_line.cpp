@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What is wanted of a line, whichever the library.
+// The request for a line, the same for both versions of libgpiod.
 struct Want {
     std::string consumer;    // how `gpioinfo` shows us
     bool output;
@@ -26,12 +26,12 @@ struct Want {
 
 struct LineFacts {
     std::string name;
-    std::string consumer;    // who holds it; empty when nobody says
+    std::string consumer;    // the program that holds it; empty: unknown
 };
 
 }    // namespace
 
-// The two libraries: 1.6 has one header, 2.x a folder of them. Everything throws, mostly std::system_error.
+// Versions of libgpiod: 1.6 has one header, 2.x several. All functions throw, mostly std::system_error.
 #if __has_include(<gpiodcxx/chip.hpp>)
 
 namespace {
@@ -146,10 +146,10 @@ namespace {
 
 int error_of(const std::exception& exception) {
     const auto* error = dynamic_cast<const std::system_error*>(&exception);
-    return error ? error->code().value() : EINVAL;    // what 2.x has other exceptions for
+    return error ? error->code().value() : EINVAL;    // for which 2.x has its own exceptions
 }
 
-/// Every chip's path, gpiochip9 before gpiochip10.
+/// The paths of all chips in numeric order: gpiochip9 before gpiochip10.
 std::vector<fs::path> chip_paths() {
     std::vector<fs::path> paths;
     std::error_code ec;
@@ -172,16 +172,16 @@ std::string not_allowed(const fs::path& path) {
     return "no permission for " + path.string() + " (the user must be in the group of the device, usually gpio)";
 }
 
-// The chip, its name and the line that the settings mean, or why there is none.
+// The chip and line that the settings mean, or why there is none.
 struct Place {
     std::optional<Chip> chip;
     std::string chip_name;
     unsigned offset = 0;
     std::string error;
-    std::string doubt;    // a chip that could not be looked at
+    std::string doubt;    // why a chip could not be searched
 };
 
-// Tries one chip: true when the search is over, by success or by an error.
+// Searches one chip. True: the search is over, with success or an error.
 bool is_at(const fs::path& path, const GpioSettings& settings, bool by_label, Place& place) {
     try {
         Chip chip{path};
@@ -215,7 +215,7 @@ Place find(const GpioSettings& settings) {
         return std::any_of(paths.begin(), paths.end(), [&](const fs::path& p) { return is_at(p, settings, by_label, place); });
     };
     const bool any_chip = settings.chip.empty();
-    const fs::path named = fs::path{"/dev"} / settings.chip;    // or itself, when it is a path
+    const fs::path named = fs::path{"/dev"} / settings.chip;    // `chip` itself if it is an absolute path
     std::error_code ec;
     const bool by_label = !any_chip && !fs::exists(named, ec);
     if (try_each(any_chip || by_label ? chip_paths() : std::vector{named}, by_label)) return place;
@@ -234,7 +234,7 @@ std::string why_not(const Place& place, int error) {
     LineFacts facts;
     try {
         facts = place.chip->facts(place.offset);
-    } catch (const std::exception&) {    // then without
+    } catch (const std::exception&) {    // the facts are optional
     }
     const std::string line = shown(place.chip_name, place.offset, facts);
     if (error == EBUSY)

@@ -1,4 +1,4 @@
-// One requested line of a GPIO chip: libgpiod, and nothing else of the house includes it.
+// One requested line of a GPIO chip. Only its source includes libgpiod.
 #pragma once
 #include <gateway/settings.hpp>
 #include <link/expected.hpp>
@@ -10,12 +10,12 @@
 
 namespace anogate {
 
-/// Held by us until it is destroyed; an output is left as it is. Values are logical: what `active_low` makes of the level.
+/// The line is requested until destruction, which leaves an output as it is. Values are logical: inverted for `active_low`.
 class GpioLine {
 public:
-    /// An input, whose edges are events. Why there is none names chip, line and holder.
+    /// An input that reports its edges. The error names chip, line and the program that holds the line.
     static Expected<std::unique_ptr<GpioLine>> open_input(const GpioSettings& settings);
-    /// An output that begins with `active`.
+    /// An output with the initial value `active`.
     static Expected<std::unique_ptr<GpioLine>> open_output(const GpioSettings& settings, bool active);
 
     ~GpioLine();
@@ -24,11 +24,11 @@ public:
 
     /// False: the chip is gone.
     bool set(bool active) noexcept;
-    /// Nothing: the chip is gone.
+    /// std::nullopt: the chip is gone.
     std::optional<bool> value() noexcept;
-    /// Of an input: readable when there are edges. Empty when out of descriptors.
+    /// For an input: readable when there are edges. Empty when no more descriptors can be opened.
     UniqueFd edge_descriptor() const;
-    /// Takes edges that have happened and says how many, 16 at the most a call; nothing: the chip is gone.
+    /// Reads the edges that happened, at most 16 a call, and returns how many; std::nullopt: the chip is gone.
     std::optional<unsigned> take_edges() noexcept;
 
     const std::string& chip() const noexcept { return chip_; }    // "gpiochip0"

@@ -41,7 +41,7 @@ void GpioPin::not_held(std::string why) {
     changed_();
 }
 
-// The edges first, then the level: an edge between the two is reported as well.
+// Requests the edges before it reads the level, so that no edge in between is missed.
 bool GpioPin::read_value() {
     UniqueFd events = line_->edge_descriptor();
     const auto level = line_->value();
@@ -55,7 +55,7 @@ bool GpioPin::read_value() {
     return true;
 }
 
-// The kernel keeps 16 edges and drops what comes on top: the level decides, read behind them. A later edge wakes us again.
+// The kernel keeps 16 edges and drops more: so the level is read after the edges, and it decides. A later edge wakes us again.
 void GpioPin::take_edges() {
     const auto edges = line_->take_edges();
     const auto level = edges ? line_->value() : std::nullopt;

@@ -1,4 +1,4 @@
-// A GPIO line over its life: absent, in use by another, lost with its chip, it is waited for.
+// A GPIO line that is requested again for as long as it is absent, in use by another program, or lost with its chip.
 #pragma once
 #include <link/descriptor.hpp>
 #include <link/gpio_line.hpp>
@@ -16,31 +16,31 @@ class GpioPin {
 public:
     enum class Direction { in, out };
 
-    /// `changed`: it is held now, or no longer (or for another reason), or an input has changed. Comes from the loop, or from
-    /// start(); never after stop().
+    /// `changed` is called when the line becomes held, is no longer held (or for another reason), and when an input changes: from the
+    /// loop or from start(), never after stop().
     GpioPin(GpioSettings settings, Direction direction, asio::io_context& io, AlarmClock& alarms, std::function<void()> changed);
 
     void start();
-    /// Lets go of the line; an output stays as it is.
+    /// Releases the line; an output stays as it is.
     void stop();
-    /// A chip came, went or changed its permissions: looks at once.
+    /// To be called when a chip came, went or changed its permissions: tries again at once.
     void look();
 
-    /// An output is to be so, now and whenever the line comes back.
+    /// Sets an output, now and whenever the line comes back.
     void set(bool active);
-    /// What an output is to be; what an input was last.
+    /// The wanted value of an output; the last known value of an input.
     bool active() const noexcept { return active_; }
 
     bool is_held() const noexcept { return line_ != nullptr; }
-    /// Why it is not held.
+    /// Why the line is not held.
     const std::string& error() const noexcept { return error_; }
-    /// The line itself; nullptr while it is not held.
+    /// nullptr while the line is not held.
     const GpioLine* line() const noexcept { return line_.get(); }
     const GpioSettings& settings() const noexcept { return settings_; }
 
-    /// Changes of the value: by us, or of an input as the kernel counted them.
+    /// Number of value changes: set by us for an output; counted by the kernel for an input.
     std::uint64_t edges() const noexcept { return edges_; }
-    /// The last of them; zero: none yet.
+    /// The time of the last edge; zero: none yet.
     TimePoint edge_at() const noexcept { return edge_at_; }
 
 private:

@@ -11,14 +11,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int max_symlinks = 40;    // as the kernel follows
+constexpr int max_symlinks = 40;    // the same limit as in the kernel
 constexpr int look = O_PATH | O_NOFOLLOW | O_CLOEXEC;
 
 bool is_trusted(const struct stat& info) { return info.st_uid == 0 || info.st_uid == ::geteuid(); }
 
 }    // namespace
 
-// False: errno says why, or it is a link.
+// False: see errno, or `name` is a symbolic link.
 bool HeldFolder::enter(const char* name) {
     UniqueFd next{fd_ ? ::openat(fd_.get(), name, look | O_DIRECTORY) : ::open(name, look | O_DIRECTORY)};
     struct stat info {};

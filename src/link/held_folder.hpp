@@ -1,4 +1,4 @@
-// A folder that is held while something is made in it: whoever moves it, or puts a link in its place, changes nothing for us.
+// An open folder in which something is created: moving it or replacing it by a link has no effect on us.
 #pragma once
 #include <link/expected.hpp>
 #include <link/unique_fd.hpp>
@@ -8,18 +8,18 @@
 
 namespace anogate {
 
-/// On the way to it links are followed that root or our own user made, never one of another user.
+/// Symbolic links in the path are followed only if root or our own user owns them.
 class HeldFolder {
 public:
-    HeldFolder() = default;    // holds none
+    HeldFolder() = default;    // no folder
     static Expected<HeldFolder> of(const std::filesystem::path& path);
 
-    /// The descriptor, for as long as it is wanted; nothing else may be asked then.
+    /// Gives up the descriptor. Afterwards no other function may be called.
     UniqueFd take() noexcept { return std::move(fd_); }
     int fd() const noexcept { return fd_.get(); }
-    /// Nobody but root and our user can lead its path elsewhere.
+    /// Whether only root and our user can change what its path means.
     bool is_fixed() const noexcept { return fixed_; }
-    /// A path of what is called `name` in it, which nobody can lead elsewhere.
+    /// A path of the entry `name` in it that no other user can redirect.
     std::string at(const std::string& name) const { return "/proc/self/fd/" + std::to_string(fd_.get()) + "/" + name; }
 
 private:

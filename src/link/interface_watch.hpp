@@ -1,4 +1,4 @@
-// The interface that a link-local address names may go, and come back as another.
+// Watches the interface of a link-local address: it may go, and come back with another index.
 #pragma once
 #include <link/alarm.hpp>
 #include <link/ip_socket.hpp>
@@ -10,8 +10,8 @@
 
 namespace anogate {
 
-/// Looks once a second whether the interface of an open socket is still there: nobody else tells a socket that only listens.
-/// Costs nothing where no interface is named.
+/// Checks once a second whether the interface of an open socket still exists: a socket that only receives gets no error. Does
+/// nothing for an address without an interface.
 class InterfaceWatch {
 public:
     /// `gone` is called once after start(), with words for the user.

@@ -14,8 +14,8 @@
 namespace anogate {
 namespace {
 
-constexpr int small_send_buffer = 8 << 10;    // bytes: some datagrams; one that is larger passes when nothing else waits
-constexpr int ip_receive_buffer = 1 << 20;    // bytes; the kernel gives what net.core.rmem_max allows
+constexpr int small_send_buffer = 8 << 10;    // bytes; a larger datagram is accepted when nothing else waits
+constexpr int ip_receive_buffer = 1 << 20;    // bytes; the kernel limits it to net.core.rmem_max
 
 IpAddress address_of(const sockaddr_in6& in) noexcept {
     IpAddress address{true, {}, in.sin6_scope_id};
@@ -31,7 +31,7 @@ IpAddress address_of(const sockaddr_in& in) noexcept {
     return address;
 }
 
-// A copy: a sockaddr may stand where an `Address` must not.
+// Copies, because a sockaddr may not be aligned for `Address`.
 template <class Address>
 Address copy_as(const sockaddr* address) noexcept {
     Address copy;
@@ -134,9 +134,9 @@ unsigned interface_of(const IpAddress& address) {
     return index;
 }
 
-// Connecting a UDP socket sends nothing: the system only chooses the way.
+// Connecting a UDP socket sends nothing; the system only chooses the route.
 std::optional<IpAddress> source_towards(const IpAddress& there) {
-    const IpAddress world = IpAddress::v4(192, 0, 2, 1);    // reserved for documentation: nobody's
+    const IpAddress world = IpAddress::v4(192, 0, 2, 1);    // reserved for documentation
     const UniqueFd fd{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     if (!fd) return std::nullopt;
     const int on = 1;
@@ -170,7 +170,7 @@ std::string device_of(int fd) {
     return ::getsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, name, &size) == 0 ? name : "";
 }
 
-// A connected one has the address of the way to its peer, whatever it was bound to; of port 0 the kernel made another.
+// A connected socket has the source address of its route, whatever it was bound to; port 0 has become a real port.
 bool is_udp_at(int fd, const Endpoint& local, const std::string& interface, const std::optional<Endpoint>& peer) {
     if (option(fd, SO_DOMAIN) != (local.address.v6 ? AF_INET6 : AF_INET) || option(fd, SO_PROTOCOL) != IPPROTO_UDP) return false;
     const Endpoint bound = local_endpoint(fd);
@@ -197,7 +197,7 @@ void set_options(int fd) noexcept {
     ::setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);    // Stamp
 }
 
-// As it was made, before a `rate` may have made it small.
+// Restores the default size, which a `rate` may have reduced.
 void reset_send_buffer(int fd) noexcept {
     const UniqueFd fresh{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     const int size = option(fresh.get(), SO_SNDBUF) / 2;    // the kernel doubles what it is given

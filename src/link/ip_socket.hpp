@@ -1,4 +1,4 @@
-// UDP sockets: endpoints as the kernel wants them, and opening.
+// Opens UDP sockets, and converts endpoints for system calls.
 #pragma once
 #include <gateway/ip.hpp>
 #include <link/link_error.hpp>
@@ -18,43 +18,44 @@ struct SocketAddress {
     sockaddr_storage storage{};
     socklen_t size = 0;
 
-    /// For a socket of IPv6 (`v6_socket`), an IPv4 endpoint is written as the mapped one.
+    /// For an IPv6 socket (`v6_socket`) an IPv4 endpoint becomes an IPv4-mapped address.
     static SocketAddress of(const Endpoint& endpoint, bool v6_socket) noexcept;
     const sockaddr* get() const noexcept { return reinterpret_cast<const sockaddr*>(&storage); }
 };
 Endpoint endpoint_of(const sockaddr_storage& storage) noexcept;
 
-/// With the number that its interface has now; nothing while there is no such interface.
+/// The endpoint with the index that its interface has now; std::nullopt while there is no such interface.
 std::optional<Endpoint> endpoint_now(const EndpointSpec& written);
-/// What to say then.
+/// The error for a missing interface or address.
 LinkError no_interface(const std::string& interface);
 LinkError no_address(const std::string& address);
 
-/// The networks of our interfaces as they are now, loopback included.
+/// The current networks of our interfaces, loopback included.
 std::vector<Network> own_networks();
 /// The index of the interface that has `address` now; 0 for none.
 unsigned interface_of(const IpAddress& address);
 
-/// The IPv4 address that the system would give as the source of a datagram to `there`, or when that is 0.0.0.0, to the world:
-/// by the default route, else of the first interface that has one. Nothing when no way leads there.
+/// The IPv4 source address of a datagram to `there`. 0.0.0.0 stands for the Internet: the address of the default route, or else of
+/// the first interface with an address. std::nullopt when there is no route.
 std::optional<IpAddress> source_towards(const IpAddress& there);
 
-/// A non-blocking UDP socket bound to `local` as it is now, that may send to broadcast addresses. An IPv6 any-address takes IPv4 too.
-/// With `interface` it neither hears nor says anything by another one, whatever address a datagram is for.
+/// A non-blocking UDP socket bound to `local`, allowed to send broadcasts. [::] receives IPv4 too. With `interface` it receives and
+/// sends by that interface only, whatever address a datagram is for.
 Opened<UniqueFd> open_udp(const EndpointSpec& local, bool share_port, const std::string& interface = {});
-/// `stored`, made as new, if it is such a socket, connected to `peer` or to nobody; else it is closed.
+/// `stored`, with default options, if open_udp() would make the same socket and it is connected to `peer` (std::nullopt: not
+/// connected). Otherwise `stored` is closed and the result is empty.
 UniqueFd reuse_udp(UniqueFd stored, const EndpointSpec& local, const std::string& interface,
                    const std::optional<Endpoint>& peer = {});
-/// Whom it is connected to.
+/// The peer it is connected to; std::nullopt: none.
 std::optional<Endpoint> connected_to(int fd) noexcept;
-/// For a slow way (a radio): what the kernel holds can't be overtaken by what is urgent.
+/// For a slow connection (a radio): an urgent frame can't overtake data in the kernel's buffer.
 void keep_send_buffer_small(int fd) noexcept;
-/// The endpoint it is bound to; port 0 became a real one.
+/// The endpoint it is bound to, with the real port if it was bound to port 0.
 Endpoint local_endpoint(int fd) noexcept;
-/// Datagrams that the kernel dropped because they were not read in time.
+/// Number of datagrams that the kernel dropped because they were not read in time.
 std::int64_t kernel_drops(int fd) noexcept;
 
-/// Sends one datagram; 0, or what errno says.
+/// Sends one datagram. Returns 0 or errno.
 int send_datagram(int fd, const Endpoint& to, std::span<const std::uint8_t> bytes, bool v6_socket) noexcept;
 
 }    // namespace anogate

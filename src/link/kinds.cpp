@@ -2,7 +2,7 @@
 
 namespace anogate {
 
-// Each stands in the file of its links.
+// Each is defined in the source file of its links.
 extern const LinkKind serial_kind, udp_listen_kind, udp_kind, can_kind, pty_kind, sim_kind, replay_kind;
 
 namespace {

@@ -1,4 +1,4 @@
-// The kinds of link there are. A new kind is one file and one row in kinds.cpp.
+// The list of all kinds of links. A new kind is one source file and one row in kinds.cpp.
 #pragma once
 #include <config/link_kind.hpp>
 

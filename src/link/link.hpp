@@ -1,4 +1,4 @@
-// What the gateway asks of a link, and what a link tells the gateway. No Asio here.
+// The interface between gateway and links, without Asio.
 #pragma once
 #include <gateway/arrival.hpp>
 #include <gateway/channel.hpp>
@@ -18,56 +18,56 @@ namespace anogate {
 
 class Link;
 
-/// The gateway as its links see it. A link calls these from the loop only.
+/// The gateway as its links see it. A link calls it from the loop only.
 class LinkHost {
 public:
-    /// A channel of `link`, or nothing when all 64 are in use. It lives until close_channel(); its outbox starts closed.
+    /// A new channel of `link`; nullptr when all 64 are in use. Valid until close_channel(); its outbox starts closed.
     virtual Channel* open_channel(Link& link, std::string peer) = 0;
     virtual void close_channel(Channel& channel) = 0;
 
-    /// A good frame came in by `channel`, whose `arrived_at` says when.
+    /// To be called for each good frame received by `channel`, with its `arrived_at` set before.
     virtual void receive(Channel& channel, ano::FrameView frame) = 0;
-    /// The batch ends: every channel that was given frames is flushed, by Link::flush().
+    /// The batch of received frames ends: calls Link::flush() for every channel with new frames in its outbox.
     virtual void flush() = 0;
 
-    /// The wire is there: frames may leave. Opens the outbox of every channel the link has.
+    /// The link works: opens the outboxes of all its channels.
     virtual void link_up(Link& link) = 0;
-    /// The wire is gone, `why` says it in a clause. Closes the outboxes. Repeated calls only change `why`.
+    /// The link does not work; `why` is the reason. Closes the outboxes. Repeated calls only change `why`.
     virtual void link_down(Link& link, LinkError why) = 0;
 
-    /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
+    /// The peer of `link` refuses datagrams, so that another link of its group should be used.
     virtual void report_unreachable(Link&) {}
 
-    /// What the program that ran before left of `link`; nothing: nothing, or it was taken already.
+    /// The stored state of `link` from the previous run of the program; std::nullopt: there is none, or it was taken already.
     virtual std::optional<StoredLink> take_stored(const Link&) { return std::nullopt; }
 
-    /// A link of ours, a udp: one as well, takes datagrams at this UDP port.
+    /// Whether one of our links, of any kind, is bound to this UDP port.
     virtual bool is_own_port(std::uint16_t) const { return false; }
 
-    /// The channels whose wires are there and have not taken yet what waits for them.
+    /// The channels of working links whose outboxes are not empty.
     virtual ChannelSet busy_channels() const { return {}; }
 
-    /// Reads the clock; once a batch is enough. What is received next carries this time.
+    /// Reads the clock; once a batch is enough. The next frames received get this time.
     virtual TimePoint now() = 0;
-    /// The same where something has been read: what tells when that had arrived.
+    /// The same, to be called after a read; the result tells when the data arrived.
     virtual const LoopWatch& turn() = 0;
 
 protected:
     ~LinkHost() = default;
 };
 
-/// What only its kind knows of a link, for the status: {"port", 12333}.
+/// Facts that only links of one kind have, for the status: {"port", 12333}.
 using LinkFacts = std::vector<std::pair<std::string_view, std::variant<std::string, std::int64_t>>>;
 
-/// What came in and belongs to no channel.
+/// Received data that belongs to no channel.
 struct UnassignedTraffic {
     ReceiveCounters received;
     std::uint64_t v7_frames = 0;    // frames of the previous protocol version
-    std::uint64_t gateways = 0;     // listening ports of other gateways that turned up as peers
-    std::uint64_t no_place = 0;     // datagrams of strangers for whom no peer gave way
+    std::uint64_t gateways = 0;     // other gateways' listening ports that sent here
+    std::uint64_t no_place = 0;     // datagrams of unknown senders refused because max_peers is reached
 };
 
-/// One serial port, one UDP socket, one CAN interface. Reads, writes and reports; decides nothing.
+/// One serial port, UDP socket, CAN interface and so on. Reads, writes and reports; it takes no routing decisions.
 class Link {
 public:
     Link(LinkId id, LinkSettings settings) : id_{id}, settings_{std::move(settings)} {}
@@ -79,30 +79,30 @@ public:
     const LinkSettings& settings() const noexcept { return settings_; }
     const std::string& name() const noexcept { return settings_.name; }
 
-    /// Opens, now and again whenever that fails or the wire goes; says so by link_up() and link_down().
+    /// Opens the link, and again whenever that fails or the connection is lost. Reports by link_up() and link_down().
     virtual void start() = 0;
-    /// Reads no more; what waits may still leave. The first half of stop().
+    /// Stops reading; waiting frames may still leave. The first half of stop().
     virtual void stop_reading() = 0;
-    /// Closes for good, without blocking; no call to the host comes after it.
+    /// Closes for good, without blocking. Makes no call to the host afterwards.
     virtual void stop() = 0;
-    /// Frames wait in the outbox of `channel`: sends what the wire takes, and the rest when it takes more.
+    /// Sends the frames in the outbox of `channel`: as many as can be written now, and the rest later.
     virtual void flush(Channel& channel) = 0;
-    /// Its channel goes, to make room for one of another link. Of a link that has one for each peer; else nothing is done.
+    /// Closes the channel of one peer to make room for another link's. Only links with a channel for each peer do it.
     virtual void forget_peer(ChannelId) {}
-    /// Bytes the kernel has taken and not yet put on the wire, where it can be known: stop() would lose them.
+    /// Bytes in the kernel that are not on the wire yet, which stop() would lose; 0 where that is unknown.
     virtual std::size_t unsent() const { return 0; }
     /// The UDP port it listens on; 0: none.
     virtual std::uint16_t local_port() const { return 0; }
-    /// The open descriptor, where the program started next may go on with it; -1: none.
+    /// The open descriptor, if the next run of the program can continue with it; -1: none.
     virtual int storable_wire() const { return -1; }
-    /// Who that program is to know.
+    /// The peers that the next run of the program should know.
     virtual std::vector<StoredPeer> peers() const { return {}; }
     virtual LinkFacts facts() const { return {}; }
-    /// What goes wrong while it is up ("the peer refuses"); empty: nothing.
+    /// A problem while the link is up ("the peer refuses"); empty: none.
     virtual LinkError trouble() const { return {}; }
-    /// Nothing more comes by it: a recording is at its end.
+    /// Whether nothing more will be received: a recording is at its end.
     virtual bool is_over() const { return false; }
-    /// What was refused before it belonged to a channel.
+    /// What was received and refused before it belonged to a channel.
     virtual UnassignedTraffic unassigned_traffic() const { return {}; }
 
 private:

@@ -1,4 +1,4 @@
-// What every link stands on: the loop, the one timer, the gateway, and the room that reading shares.
+// What every link uses: the loop, the shared timer, the gateway, and the shared buffers for datagrams.
 #pragma once
 #include <link/asio_fwd.hpp>
 #include <link/link.hpp>

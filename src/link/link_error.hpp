@@ -9,13 +9,12 @@
 
 namespace anogate {
 
-/// A clause for the user; and for programs that say it in another language, what it says: one of the ids of link_error_ids, with its
-/// arguments by name.
+/// A text for the user; and for programs that translate it, one of link_error_ids with its named arguments.
 struct LinkError {
     using Arguments = std::vector<std::pair<std::string_view, std::string>>;
 
     LinkError() = default;
-    /// What has no id of its own: "other".
+    /// Without an id of its own: "other".
     LinkError(std::string its_text) : text{std::move(its_text)} {}
     LinkError(const char* its_text) : text{its_text} {}
     LinkError(std::string_view its_id, std::string its_text, Arguments its_arguments)
@@ -26,18 +25,18 @@ struct LinkError {
     Arguments arguments{};
 };
 
-/// What was opened, or why not.
+/// What was opened, or why it could not be.
 template <class T>
 using Opened = tl::expected<T, LinkError>;
 using NotOpened = tl::unexpected<LinkError>;
 
 struct LinkErrorId {
     std::string_view id;
-    std::string_view arguments;    // their names
+    std::string_view arguments;    // names, separated by spaces
     std::string_view meaning;
 };
 
-/// For the manual.
+/// Listed in the manual.
 inline constexpr LinkErrorId link_error_ids[] = {
     {"absent", "device", "there is no such port; it is waited for"},
     {"in_use", "device", "another program has it open"},

@@ -1,4 +1,4 @@
-// How most kinds of links are made: LinkKind::make.
+// LinkKind::make for most kinds of links.
 #pragma once
 #include <link/link_context.hpp>
 

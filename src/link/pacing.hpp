@@ -1,4 +1,4 @@
-// The pacer of a link, with the alarm that makes it go on.
+// The pacer of a link, with the alarm that continues the sending.
 #pragma once
 #include <gateway/outbox.hpp>
 #include <gateway/pacer.hpp>
@@ -8,13 +8,13 @@
 
 namespace anogate {
 
-/// For a wire that is not paced it never holds anything back.
+/// While it is off it never limits anything.
 class Pacing {
 public:
-    /// `go_on` is called when more may go.
+    /// `go_on` is called when more may be sent.
     Pacing(AlarmClock& clock, std::function<void()> go_on) : go_on_{clock, std::move(go_on)} {}
 
-    /// The wire carries `rate` bytes/s and is given `latency` of them ahead; a rate of 0: no pace.
+    /// Sends `rate` bytes/s, at most `latency` ahead of the wire. A rate of 0 turns pacing off.
     void start(std::uint32_t rate, ano::Duration latency) {
         stop();
         rate_ = rate;
@@ -26,7 +26,7 @@ public:
         rate_ = 0;
     }
 
-    /// How many bytes of `outbox` may go now. 0: they wait, and `go_on` will be called.
+    /// How many bytes of `outbox` may be sent now. 0: none; `go_on` will be called.
     std::size_t budget(Outbox& outbox, ano::TimePoint now) {
         if (!pacer_) return SIZE_MAX;
         const Outbox::Next next = outbox.next(now);
@@ -41,7 +41,7 @@ public:
     void sent(std::size_t bytes, ano::TimePoint now) noexcept {
         if (pacer_) pacer_->sent(bytes, now);
     }
-    /// The driver says that it still holds `unsent` bytes.
+    /// To be called when the driver reports that it still holds `unsent` bytes.
     void correct(std::size_t unsent, ano::TimePoint now) noexcept {
         if (pacer_) pacer_->correct(unsent, now);
     }

@@ -18,12 +18,12 @@ namespace anogate {
 namespace {
 
 constexpr int folder_flags = O_PATH | O_DIRECTORY | O_CLOEXEC;
-constexpr int max_tries = 16;          // of a lock file that others remove just then
-constexpr int max_looked_at = 1000;    // lock files, each time
+constexpr int max_tries = 16;          // when others remove the lock file at that moment
+constexpr int max_looked_at = 1000;    // lock files in one sweep()
 constexpr int lock_flags = O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
 constexpr char lock_prefix[] = ".lock-";
 
-// Only if nobody else can put anything there. Who owns /run/anogate was decided by root.
+// Only if no other user can create files there. Root decided who owns /run/anogate.
 UniqueFd open_trusted(const std::string& path, mode_t mode, uid_t owner) {
     ::mkdir(path.c_str(), mode);
     UniqueFd folder{::open(path.c_str(), folder_flags | O_NOFOLLOW)};
@@ -54,7 +54,7 @@ bool is_at(const UniqueFd& folder, const char* name, const struct stat& file) {
     return ::fstatat(folder.get(), name, &there, AT_SYMLINK_NOFOLLOW) == 0 && is_same(file, there);
 }
 
-// Who has the lock of a file, and only who has it, may remove it: who opened it meanwhile then has a lock on nothing, and sees that.
+// Only the holder of its lock may remove a lock file. A process that opened it meanwhile then sees that the file is gone.
 void remove_stale(const UniqueFd& folder, const char* name) {
     const UniqueFd file{::openat(folder.get(), name, lock_flags)};
     struct stat info {};
@@ -62,7 +62,7 @@ void remove_stale(const UniqueFd& folder, const char* name) {
     if (::flock(file.get(), LOCK_EX | LOCK_NB) == 0 && is_at(folder, name, info)) ::unlinkat(folder.get(), name, 0);
 }
 
-// What killed gateways left.
+// Removes lock files of gateways that were killed.
 void sweep(const UniqueFd& folder) {
     UniqueFd readable{::openat(folder.get(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
     const std::unique_ptr<DIR, int (*)(DIR*)> list{readable ? ::fdopendir(readable.get()) : nullptr, ::closedir};
@@ -78,7 +78,8 @@ void sweep(const UniqueFd& folder) {
 
 }    // namespace
 
-// Whoever ends removes its file: a lock on one that has gone is a lock on nothing. Where others sweep, one may be locked for that.
+// The owner removes its file at the end, so a lock counts only if the file is still there. In a trusted folder the holder may be
+// another gateway's sweep(): try again.
 PathClaim::Lock PathClaim::lock(bool trusted) {
     for (int i = 0; i < max_tries; ++i) {
         lock_ = UniqueFd{::openat(folder_.get(), name_.c_str(), lock_flags | O_CREAT, 0600)};

@@ -1,4 +1,4 @@
-// That one gateway alone makes what stands at a path: a lock that the kernel keeps, gone with its owner however that ends.
+// A lock on a path, so that only one gateway creates a file there. The kernel releases it when the process ends in any way.
 #pragma once
 #include <link/unique_fd.hpp>
 
@@ -9,9 +9,9 @@
 
 namespace anogate {
 
-/// The lock file is where no other user can put one: in /run/anogate for root and the service, in $XDG_RUNTIME_DIR/anogate for a user.
-/// Where there is neither it is beside the path; if somebody else has put something there, the path is had without a lock,
-/// for nobody is to be kept from it by that. The folder of the path is told by its number: a path may be written in several ways.
+/// The lock file is where no other user can create one: in /run/anogate for root and the service, in $XDG_RUNTIME_DIR/anogate for a
+/// user. Without either it is beside the path; if another user has put something there, the path is used without a lock, so that
+/// the other user can't block it. The folder is identified by its inode, because a path may be written in several ways.
 class PathClaim {
 public:
     PathClaim() = default;
@@ -23,7 +23,7 @@ public:
         std::string why;
         bool in_use = false;    // by another gateway, or another link of this one
     };
-    /// Never waits. The folder of `path` must be there. Once more for the same path: it stays ours.
+    /// Does not block. The folder of `path` must exist. Taking the same path again keeps the lock.
     tl::expected<void, Refusal> take(const std::filesystem::path& path);
     void release() noexcept;
 

@@ -22,9 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Duration between_looks = std::chrono::milliseconds{100};    // where nobody tells when a program comes
+constexpr Duration between_looks = std::chrono::milliseconds{100};    // polling where inotify is not available
 
-// So that the people who may use serial ports may use this one.
+// Lets the group dialout, which may use serial ports, use this one.
 void let_dialout_in(int terminal) {
     if (const group* dialout = ::getgrnam("dialout"); dialout && ::fchown(terminal, uid_t(-1), dialout->gr_gid) == 0)
         ::fchmod(terminal, 0660);
@@ -39,7 +39,7 @@ Opened<UniqueFd> PtyLink::open_wire() {
         return Unexpected{error_text("no pseudo-terminal", errno)};
     device_ = name;
     {
-        const UniqueFd user_side = open_user_side();    // from its first close on, our side knows when nobody is there
+        const UniqueFd user_side = open_user_side();    // after its first close our side reports when no program has it open
         if (!user_side) return Unexpected{error_text(device_, errno)};
         terminal::make_raw(user_side.get());
         let_dialout_in(user_side.get());
@@ -50,7 +50,7 @@ Opened<UniqueFd> PtyLink::open_wire() {
     if (linked) return ours;
     claim_.release();
     look_.cancel();
-    watch_.close();    // or whoever opens a pseudo-terminal of this number next would seem to be our user
+    watch_.close();    // otherwise the next user of a pseudo-terminal with this number would count as ours
     return Unexpected{linked.error()};
 }
 
@@ -63,8 +63,8 @@ Expected<void> PtyLink::link_path() {
     return link_to_terminal(device_, path);
 }
 
-// The events only say when to look: equal ones are merged, so they can't be counted. A user of the system has few instances of
-// inotify; while there is none for us, we look from time to time.
+// The events only say when to look: equal events are merged, so they can't be counted. The number of inotify instances of a user
+// is limited; while we have none, look_ polls.
 void PtyLink::watch_users() {
     watch_.close();
     UniqueFd notify{::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)};
@@ -86,14 +86,14 @@ void PtyLink::look() {
     if (fd() >= 0) look_for_users();
 }
 
-// Whose link it is just now: that of another program that took the path is watched until it is gone.
+// Watches the link at the path as it is now, even one of another program, until that is gone.
 void PtyLink::watch_path() {
     if (!watch_.is_open()) return;
     constexpr std::uint32_t gone = IN_DELETE_SELF | IN_MOVE_SELF | IN_ATTRIB;
     ::inotify_add_watch(watch_.fd(), settings().as<PtySettings>().path.c_str(), gone | IN_DONT_FOLLOW);
 }
 
-// A path that somebody removed is made again: a cleaner of /tmp, or a second gateway that had taken it and ended.
+// Makes the link again if it was removed: by a cleaner of /tmp, or by a second gateway that had taken the path and ended.
 void PtyLink::keep_path() {
     std::error_code ec;
     const fs::file_status there = fs::symlink_status(settings().as<PtySettings>().path, ec);
@@ -108,7 +108,7 @@ void PtyLink::keep_path() {
 
 void PtyLink::came_up() { context_.host.link_down(*this, nobody_there()); }
 
-// While nobody has the other side open, ours says so; what the last user wrote is read first.
+// Our side reports POLLHUP while no program has the other side open. What the last program wrote is read first.
 void PtyLink::look_for_users() {
     pollfd ours{fd(), POLLIN, 0};
     if (::poll(&ours, 1, 0) < 0) return;
@@ -127,7 +127,7 @@ void PtyLink::read_ended(int error) {
     if (up_) users_gone();
 }
 
-// What the last user did not read is not for the next one, nor is what he made of the terminal.
+// Discards what the last program did not read, and resets its terminal settings.
 void PtyLink::users_gone() {
     up_ = false;
     context_.host.link_down(*this, nobody_there());
@@ -160,7 +160,7 @@ void PtyLink::stop() {
     watch_.close();
 }
 
-// When our side closes, what the user has not read is lost.
+// Closing our side loses what the other side has not read.
 std::size_t PtyLink::unsent() const {
     const UniqueFd user_side = open_user_side();
     return user_side ? terminal::unread(user_side.get()) : 0;

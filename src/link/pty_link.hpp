@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-/// Up while a program has it open: what is sent while nobody reads would be stale when somebody does.
+/// Up while a program has it open: data sent before would be out of date when a program reads it.
 class PtyLink final : public StreamLink {
 public:
     PtyLink(LinkId id, LinkSettings settings, const LinkContext& context)
@@ -35,9 +35,9 @@ private:
     LinkError nobody_there() const;
 
     std::string device_;    // /dev/pts/N
-    PathClaim claim_;       // on the path, among gateways
-    Descriptor watch_;      // inotify: somebody opened device_, or the link at the path is another one
-    Alarm look_;            // where that can't be had: at whether somebody has it open, and at the path
+    PathClaim claim_;       // so that one gateway only makes this path
+    Descriptor watch_;      // inotify: device_ was opened, or the link at the path was changed
+    Alarm look_;            // the same by polling where there is no inotify
     bool up_ = false;
 };
 

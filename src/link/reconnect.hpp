@@ -1,4 +1,4 @@
-// Opens what may be absent or go: now, again for as long as that fails, and whenever it has gone.
+// Opens something that may be absent or lost: retries until it works, and again after each loss.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/backoff.hpp>
@@ -13,35 +13,35 @@ namespace anogate {
 class Link;
 struct LinkContext;
 
-/// A retry may come this much later than Backoff says: the absent devices of a whole vehicle share one wake-up a second.
+/// A retry may come this much later than Backoff says, so that all absent devices share one wake-up a second.
 inline constexpr ano::Duration retry_slack = std::chrono::milliseconds{250};
 
-/// Flow:    start()       → open → came_up()      // by whoever opens, at once or when the connection stands
-///                               → or why not     // then `down` is called, and open again later
+/// Flow:    start()       → open → came_up()      // called by the user, at once or when the connection is established
+///                               → or the error   // then `down` is called, and open again later
 ///          lost(why)     → down, and open again later
 ///          stop()        → nothing is opened any more
 class Reconnect {
 public:
-    /// Begins to open, or says why that can't be done now.
+    /// Begins to open, or returns why that is not possible now.
     using Open = std::function<Opened<void>()>;
-    /// It is not open, or no longer. After each try that fails.
+    /// Called after each failed try, and when the connection is lost.
     using Down = std::function<void(LinkError why)>;
 
     Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down);
-    /// Of a link, whose host is told.
+    /// For a link: `down` is LinkHost::link_down().
     Reconnect(const LinkContext& context, Link& link, Open open);
 
     void start();
-    /// No call comes after it, but what lost() says.
+    /// No calls afterwards, except `down` from lost().
     void stop() noexcept;
 
     /// Opens without waiting for the next try. Only while it is not open.
     void try_now();
-    /// The same within `retry_slack`.
+    /// The same, within `retry_slack`.
     void try_soon();
 
     void came_up(ano::TimePoint now) noexcept { backoff_.came_up(now); }
-    /// It has gone, or what open() had begun came to nothing.
+    /// To be called when the connection is lost, or when what open() began has failed.
     void lost(LinkError why);
 
 private:

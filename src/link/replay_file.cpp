@@ -25,10 +25,10 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t piece_of_file = 64 * 1024;
-constexpr std::size_t max_batch_bytes = 64 * 1024;    // bytes of frames that are looked at
-constexpr std::size_t max_link_name = 64;             // bytes of the name of a link, as in a configuration
+constexpr std::size_t max_batch_bytes = 64 * 1024;    // bytes of frames that are read at once
+constexpr std::size_t max_link_name = 64;             // bytes; the same as in a configuration
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
-constexpr ano::Duration min_round = std::chrono::milliseconds{100};    // but at rate 0: one frame alone takes no time
+constexpr ano::Duration min_round = std::chrono::milliseconds{100};    // not at rate 0; one frame alone lasts 0
 
 ReplayPlan::Options options_of(const ReplaySettings& settings) {
     return {settings.rate / 1000.0, settings.from.value_or(ano::Duration{}), settings.to.value_or(ano::Duration{}),
@@ -45,7 +45,7 @@ const char* why_strange(RecordingFormat format) {
                : "it is of another program: it has no frames of V8";
 }
 
-/// Nothing that is no file is waited for: a pipe that nobody writes to would hold up the thread for ever.
+/// Only regular files: a pipe without a writer would block the thread for ever.
 std::variant<UniqueFd, std::string> open_file(const std::string& path) {
     UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
     struct stat is {};
@@ -65,7 +65,7 @@ void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
 
 }    // namespace
 
-/// Of what one read of the disk gave, as much as is held at a time: a chunk of MCAP may unpack to a thousand times its bytes.
+/// A bounded part of what one read of the disk gave: an MCAP chunk may be a thousand times larger when uncompressed.
 struct ReplayFile::Batch {
     struct Entry {
         ano::Duration due;
@@ -84,7 +84,7 @@ struct ReplayFile::Shared {
     UniqueFd news;    // an eventfd
     bool is_stopping = false;
     std::deque<std::shared_ptr<Batch>> batches;
-    std::size_t waiting = 0;    // their weight, and that of the one from which frames are taken
+    std::size_t waiting = 0;    // weight of `batches` and of the batch from which frames are taken
     State state = State::opening;
     LinkError error;
     ReplayPlan::KeptBack kept_back;
@@ -92,7 +92,7 @@ struct ReplayFile::Shared {
     void tell() const { ::eventfd_write(news.get(), 1); }
 };
 
-/// The thread.
+/// Runs in the thread.
 class ReplayFile::Reader {
 public:
     Reader(std::shared_ptr<Shared> shared, ReplaySettings settings)
@@ -116,7 +116,7 @@ public:
     }
 
 private:
-    // A file may say that it wants more memory than there is.
+    // A damaged file may claim sizes beyond the memory.
     LinkError try_to_play() {
         try {
             return play();
@@ -125,7 +125,7 @@ private:
         }
     }
 
-    /// Once, from the begin to the end. Why that can't be.
+    /// Plays the file once. Returns why that is not possible; empty: it was played.
     LinkError play() {
         const auto opened = open_file(settings_.file);
         if (const auto* const fault = std::get_if<std::string>(&opened)) return why_absent(settings_.file, *fault);
@@ -154,7 +154,7 @@ private:
         return {};
     }
 
-    // False: nothing is left of what the reader was given, or nobody wants it.
+    // False: the reader needs more data, or we are stopping.
     bool read_batch(RecordingReader& reader, ReplayPlan& plan) {
         auto batch = std::make_shared<Batch>();
         std::size_t looked_at = 0;
@@ -203,7 +203,7 @@ private:
         shared_->tell();
     }
 
-    // Of what is played until there is no more of it.
+    // The note about the file: what is wrong with it, as far as it was read.
     LinkError note_on(const RecordingReader& reader, bool is_over) const {
         if (is_over) return {};
         const std::string where = std::to_string(reader.position());

@@ -1,7 +1,7 @@
-// A recording that a thread of its own reads ahead: the loop never waits for the disk. Beside the frames that wait, the thread holds what is
-// unpacked of the file: a chunk of MCAP, 64 MiB at the most.
+// A recording that a thread reads ahead, so that the loop never waits for the disk. Besides the waiting frames the thread holds one
+// uncompressed chunk of MCAP, at most 64 MiB.
 //
-// Flow:    ReplayFile file{io, [] { there is news: frames, or another state }};
+// Flow:    ReplayFile file{io, [] { new frames, or another state }};
 //          file.start(settings);
 //          while (const auto frame = file.next()) { ...; file.take(); }
 //          file.stop();
@@ -23,22 +23,22 @@
 
 namespace anogate {
 
-/// All calls are from the loop.
+/// Call it from the loop only.
 class ReplayFile {
 public:
-    static constexpr std::size_t read_ahead = 1024 * 1024;    // bytes of frames that wait, and a batch of 64 KiB more
-    static constexpr std::size_t max_links = 16;              // with a name of their own; the frames of others count to the last
+    static constexpr std::size_t read_ahead = 1024 * 1024;    // bytes of waiting frames, plus one batch of 64 KiB
+    static constexpr std::size_t max_links = 16;    // with their own name; frames of further links count as the last one's
 
     struct Frame {
-        ano::Duration due{};     // since the begin of the replay, however often it began again
-        std::size_t link = 0;    // in links()
+        ano::Duration due{};     // since the replay began, over all loops
+        std::size_t link = 0;    // index in links()
         ano::FrameView frame;
     };
     enum class State : std::uint8_t {
         opening,
         absent,    // error() says why; it is tried again
         playing,
-        ended,    // there are no more frames than those that wait
+        ended,    // no more frames than those that wait
     };
 
     /// `on_news` is called by the loop.
@@ -48,19 +48,19 @@ public:
     ReplayFile& operator=(const ReplayFile&) = delete;
 
     void start(const ReplaySettings& settings);
-    /// The thread ends when the disk lets it.
+    /// Does not wait for the thread, which may still be blocked by the disk.
     void stop() noexcept;
 
-    /// Nothing: none is there now. Valid until take().
+    /// The next frame, valid until take(); std::nullopt: there is none now.
     std::optional<Frame> next();
     void take();
 
     State state() const;
-    /// Why it is absent; in any other state what is wrong with the file, as far as it was read: "damaged behind byte 4711: …"; or
-    /// why nothing of it is said.
+    /// Why it is absent; in other states what is wrong with the part that was read ("damaged behind byte 4711: …"), or why no frame
+    /// is played.
     LinkError error() const;
     ReplayPlan::KeptBack kept_back() const;
-    /// Of the recording, for the frames that next() gave; as printable() makes them: they get into the log and the status.
+    /// Names of the recorded links of the frames so far; passed through printable(), because they get into the log and the status.
     const std::vector<std::string>& links() const noexcept { return links_; }
 
 private:
@@ -70,10 +70,10 @@ private:
 
     Descriptor said_;
     std::function<void()> on_news_;
-    std::shared_ptr<Shared> shared_;    // with the thread, which may be left behind
-    std::shared_ptr<Batch> batch_;      // from which frames are taken
-    std::size_t taken_ = 0;             // of its frames
-    std::size_t at_ = 0;                // in its bytes: the next one
+    std::shared_ptr<Shared> shared_;    // shared with the thread, which may outlive us
+    std::shared_ptr<Batch> batch_;      // from which next() takes frames
+    std::size_t taken_ = 0;             // number of its frames
+    std::size_t at_ = 0;                // offset of the next frame in its bytes
     std::vector<std::string> links_;
 };
 

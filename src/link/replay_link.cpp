@@ -15,10 +15,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int max_in_a_turn = 64;                       // frames, then others have their turn
-constexpr Duration before_links_are_looked_at = 1ms;    // at links that have not taken all
-constexpr Duration patience_with_links = 5s;            // with a link that takes nothing
-constexpr Duration too_late = 200ms;                    // what is so late is not made up for
+constexpr int max_in_a_turn = 64;                       // frames, then other work of the loop is done
+constexpr Duration before_links_are_looked_at = 1ms;    // until busy links are checked again
+constexpr Duration patience_with_links = 5s;            // until a link that accepts nothing is no longer waited for
+constexpr Duration too_late = 200ms;                    // a longer delay is not caught up
 constexpr Duration dry_for = 500ms;
 
 std::int64_t count_of(std::uint64_t count) { return static_cast<std::int64_t>(count); }
@@ -37,13 +37,13 @@ void ReplayLink::stop_reading() {
     due_.cancel();
 }
 
-// It takes nothing: a route that is pinned to it leads nowhere.
+// Frames for it are dropped: it takes none, even from a pinned route.
 void ReplayLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) channel.outbox.drop_frame(&SendCounters::denied_out);
 }
 
-// The file came, went, or has more.
+// The file appeared, disappeared, or has more frames.
 void ReplayLink::look() {
     context_.host.now();
     const ReplayFile::State state = file_.state();
@@ -62,12 +62,12 @@ void ReplayLink::step() {
     for (int i = 0; i < max_in_a_turn; ++i) {
         if (is_at_once() && must_wait(context_.host.now())) return due_.set(context_.host.now() + before_links_are_looked_at);
         if (!say_next()) return;
-        context_.host.flush();    // one that waits for its turn beside others may leave behind them
+        context_.host.flush();    // after each frame: in an outbox with others it might be overtaken
     }
     due_.set(context_.host.now());
 }
 
-// False: there is none, or it is not due.
+// False: there is no frame, or it is not due.
 bool ReplayLink::say_next() {
     const auto frame = file_.next();
     if (!frame) return note_none(), false;
@@ -89,7 +89,7 @@ void ReplayLink::note_none() {
     if (state == ReplayFile::State::playing && !dry_since_) dry_since_ = context_.host.now();
 }
 
-// At rate 0. What waits is not to grow old, nor to give way to newer frames.
+// At rate 0: waits for the outboxes, so that frames neither expire nor are replaced by newer ones.
 bool ReplayLink::must_wait(TimePoint now) {
     const ChannelSet busy = context_.host.busy_channels();
     stuck_ = stuck_ & busy;
@@ -157,12 +157,12 @@ namespace {
 
 using namespace key_rows;
 
-constexpr std::uint64_t fastest_rate = 1'000'000, max_part = 365 * day;
+constexpr std::uint64_t max_rate = 1'000'000, max_part = 365 * day;
 
 constexpr Key<LinkSettings> replay_keys[] = {
     text<own<ReplaySettings>, &ReplaySettings::file>("file", 1, max_path, "the recording; waited for while it is not there") |
         as("FILE") | needed,
-    decimal<own<ReplaySettings>, &ReplaySettings::rate>("rate", 0, fastest_rate,
+    decimal<own<ReplaySettings>, &ReplaySettings::rate>("rate", 0, max_rate,
                                                         "so many times as fast as it was; 0: as fast as the links take it"),
     boolean<own<ReplaySettings>, &ReplaySettings::loop>("loop", "at its end, from its begin"),
     duration<own<ReplaySettings>, &ReplaySettings::from>("from", 1, max_part,

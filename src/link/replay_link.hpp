@@ -1,4 +1,4 @@
-// A recording, said again as if its devices stood behind a port.
+// Plays a recording as if its devices were connected.
 #pragma once
 #include <link/alarm.hpp>
 #include <link/link_context.hpp>
@@ -9,7 +9,7 @@
 
 namespace anogate {
 
-/// Has a channel for each link that was recorded. Up while the file is there, and behind its end.
+/// Has a channel for each recorded link. Up while the file can be read, and after its end.
 class ReplayLink final : public Link {
 public:
     ReplayLink(LinkId id, LinkSettings settings, const LinkContext& context);
@@ -35,16 +35,16 @@ private:
     LinkContext context_;
     ReplayFile file_;
     Alarm due_;
-    std::vector<Channel*> channels_;    // by the number of the recorded link; nullptr: none was to be had
+    std::vector<Channel*> channels_;    // by the number of the recorded link; nullptr: no channel was free
     bool is_up_ = false;
     bool is_over_ = false;
     bool has_begun_ = false;
-    TimePoint begun_at_{};                  // when what is due at 0 is said
-    ano::Duration position_{};              // of what was said last
-    std::uint64_t no_channel_ = 0;          // frames for which there was none
-    std::optional<TimePoint> dry_since_;    // the file is not at its end and gives nothing
+    TimePoint begun_at_{};                  // the time of Frame::due 0
+    ano::Duration position_{};              // Frame::due of the last frame played
+    std::uint64_t no_channel_ = 0;          // frames without a channel
+    std::optional<TimePoint> dry_since_;    // since when the file gave no frames before its end
 
-    // At rate 0: since when it waits for links that have not taken all, and those that it waits for no longer.
+    // At rate 0: since when it waits for links with full outboxes, and the channels that it no longer waits for.
     std::optional<TimePoint> waits_since_;
     ChannelSet stuck_;
 };

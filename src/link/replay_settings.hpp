@@ -1,4 +1,4 @@
-// The settings of a recording that is said again.
+// The settings of a recording that is played.
 #pragma once
 #include <ano/time.hpp>
 
@@ -11,11 +11,11 @@ namespace anogate {
 
 struct ReplaySettings {
     std::string file;
-    std::uint32_t rate = 1000;                    // thousandths: so many times as fast as it was; 0: as fast as the links take it
-    bool loop = false;                            // at its end, from its begin
-    std::optional<ano::Duration> from{}, to{};    // since its first frame
-    std::vector<std::string> links{};             // that were recorded, by name; none: all
-    bool commands = false;                        // also what hosts said and what commands or changes a vehicle
+    std::uint32_t rate = 1000;                    // in thousandths of the original speed; 0: as fast as the links take it
+    bool loop = false;                            // start again at its end
+    std::optional<ano::Duration> from{}, to{};    // since the first frame
+    std::vector<std::string> links{};             // names of recorded links; empty: all
+    bool commands = false;                        // also frames of hosts, and frames that command or change a vehicle
     bool operator==(const ReplaySettings&) const = default;
 };
 

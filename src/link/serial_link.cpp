@@ -25,7 +25,7 @@ std::string busy_text(const std::string& device) {
     return device + " is in use" + (holder.empty() ? " by another program" : " by " + holder);
 }
 
-/// What is written "ttyUSB0" or "/dev/ttyUSB0:115200" by those who know it from other programs.
+/// The error for an absent port, with a suggestion for "ttyUSB0" and "/dev/ttyUSB0:115200", as other programs write it.
 std::string absent_text(const std::string& device) {
     const std::size_t colon = device.rfind(':');
     const bool baud = colon != device.npos && device.size() - colon > 3 &&
@@ -64,13 +64,13 @@ Opened<UniqueFd> SerialLink::open_port() {
     const std::string& device = settings().as<SerialSettings>().device;
     UniqueFd fd{::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
     if (!fd) return NotOpened{open_error(device, errno)};
-    // Exclusive among programs that lock, by flock; for all but root's, by TIOCEXCL, where that is gone with us however we end.
+    // Two locks: flock() for programs that use it; TIOCEXCL for all others except root's, where the kernel removes it with us.
     if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return NotOpened{port_error("in_use", busy_text(device), device)};
     return fd;
 }
 
-// Opened again, a port resets many a board by its DTR line.
+// A stored port is not opened again: that would reset many boards by the DTR line.
 Opened<UniqueFd> SerialLink::open_wire() {
     const std::string& device = settings().as<SerialSettings>().device;
     auto stored = context_.host.take_stored(*this);
@@ -95,7 +95,8 @@ Expected<void> SerialLink::make_ready(int fd, bool is_stored) {
     return begin_half_duplex(fd);
 }
 
-// Closing waits for what the driver still holds: it goes. What is on its way (in a pty: read by nobody yet) stays.
+// Closing would wait for the driver's output, so it is discarded. Without such output nothing is discarded: a pseudo-terminal
+// may hold data that the other side has not read yet.
 void SerialLink::leave_wire(int fd) {
     if (terminal::unsent(fd) > 0 || rs485_) terminal::discard_output(fd);
     if (rs485_) rs485_->close();
@@ -109,8 +110,8 @@ void SerialLink::half_duplex(bool active_low, std::function<void(bool)> send) {
     rs485_ = std::make_unique<HalfDuplex>(context_.io, std::move(send));
 }
 
-// A driver that can turn the transceiver by its RTS line is told to. Whether the transceiver hangs on that line or on the GPIO
-// line of the configuration can't be seen from here: the GPIO line is driven all the same.
+// Enables the driver's own RS-485 control by RTS where it has one. We can't see whether the transceiver is connected to RTS or to the
+// configured GPIO line, so the GPIO line is driven as well.
 Expected<void> SerialLink::begin_half_duplex(int fd) {
     if (!rs485_) return {};
     rs485_by_driver_ = terminal::enable_rs485_by_rts(fd, rs485_active_low_);
@@ -146,7 +147,7 @@ std::uint32_t SerialLink::byte_rate() const {
     return uart_rate(actual_baud_ != 0 ? actual_baud_ : s.baud, s.parity != Parity::none, s.stop_bits);
 }
 
-// To a USB modem class device the rate is a word without meaning: it takes what the bus carries.
+// For a USB modem class device (cdc_acm) the rate has no meaning: it is as fast as USB.
 std::uint32_t SerialLink::line_rate() const {
     const Pace pace = settings().as<SerialSettings>().pace;
     if (pace == Pace::off || (pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
@@ -207,7 +208,7 @@ std::string meant_port(std::string_view text) {
     return text.substr(0, text.find(',')).starts_with("tty") ? "'serial:/dev/" + std::string{text} + "'" : "";
 }
 
-// The transceiver's direction hangs on RTS where the driver can do it.
+// The driver may control the transceiver by RTS: then RTS must not be used otherwise.
 constexpr Rs485 rs485{[](const LinkSettings& link) {
                           const bool is_used = link.as<Serial>().flow != FlowControl::none || link.as<Serial>().rts;
                           return std::string{is_used ? "uses the RTS line by 'flow' or 'rts', which rs485 needs" : ""};

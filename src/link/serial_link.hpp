@@ -1,4 +1,4 @@
-// A serial port. Absent, unplugged, in use: waited for.
+// A serial port. Waited for while it is absent, unplugged or in use.
 #pragma once
 #include <link/half_duplex.hpp>
 #include <link/serial_settings.hpp>
@@ -12,7 +12,7 @@ class SerialLink final : public StreamLink {
 public:
     using StreamLink::StreamLink;
     std::size_t unsent() const override;
-    /// Before start(): the wire is RS-485 with a transceiver that `send` turns to sending and back.
+    /// To be called before start() for RS-485: `send(true)` switches the transceiver to sending, `send(false)` back.
     void half_duplex(bool active_low, std::function<void(bool)> send);
     LinkFacts facts() const override;
     int storable_wire() const override { return wire_; }
@@ -33,9 +33,9 @@ private:
     int wire_ = -1;    // the open descriptor; -1: none
     std::uint32_t actual_baud_ = 0;
 
-    std::unique_ptr<HalfDuplex> rs485_;    // nothing: full duplex
+    std::unique_ptr<HalfDuplex> rs485_;    // nullptr: full duplex
     bool rs485_active_low_ = false;
-    bool rs485_by_driver_ = false;    // it turns the transceiver by RTS, as well
+    bool rs485_by_driver_ = false;    // the driver also switches the transceiver, by RTS
 };
 
 }    // namespace anogate

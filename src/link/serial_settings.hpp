@@ -7,9 +7,9 @@
 namespace anogate {
 
 enum class Parity : std::uint8_t { none, even, odd };
-/// Whether a serial line is given no more than it carries.
+/// Whether sending is limited to the rate of the serial line.
 enum class Pace : std::uint8_t {
-    automatic,    // unless the driver is one to which the rate means nothing (cdc_acm)
+    automatic,    // on, except for drivers that ignore the rate (cdc_acm)
     on,
     off,
 };
@@ -23,7 +23,7 @@ struct SerialSettings {
     FlowControl flow = FlowControl::none;
     bool low_latency = true;
     Pace pace = Pace::automatic;
-    std::optional<bool> dtr;    // nothing: left as the driver sets it
+    std::optional<bool> dtr;    // std::nullopt: left as the driver sets it
     std::optional<bool> rts;
     bool operator==(const SerialSettings&) const = default;
 };

@@ -12,7 +12,7 @@
 namespace anogate {
 namespace {
 
-// All of them wake the process at the same times.
+// Simulated devices share their wake-ups.
 ano::TimePoint begin_of_step(ano::TimePoint now) {
     return ano::TimePoint{now.time_since_epoch() / ano::world::SimulatedDevice::step * ano::world::SimulatedDevice::step};
 }
@@ -60,14 +60,14 @@ void SimLink::tick() {
     tick_.set(line_->due());
 }
 
-// What it says takes the way of every byte: through the parser, counted there.
+// Its bytes go through the parser, as those of any other link, and are counted there.
 void SimLink::hear(std::span<const std::uint8_t> said) {
     channel_->arrived_at = context_.host.now();
     feed_datagram(channel_->parser, said, channel_->arrived_at,
                   [this](ano::FrameView frame) { context_.host.receive(*channel_, frame); });
 }
 
-// It hears at once; its answers leave in a turn of their own, so that two devices can't call each other without end.
+// The device gets the frame at once; its answers come in a later turn, so that two devices can't call each other endlessly.
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) {
@@ -75,17 +75,17 @@ void SimLink::flush(Channel& channel) {
         channel.outbox.sent_frame();
     }
     if (!answers_.empty()) answer_.set(context_.host.now());
-    if (tick_.is_set()) tick_.set(line_->due());    // what it heard may be answered later
+    if (tick_.is_set()) tick_.set(line_->due());    // an answer may be due later
 }
 
 void SimLink::answer() {
-    const auto answers = std::exchange(answers_, {});    // to these there may be answers again
+    const auto answers = std::exchange(answers_, {});    // these may cause new answers
     if (!tick_.is_set()) return;                         // stopped meanwhile
     hear(answers);
     context_.host.flush();
 }
 
-// How often each fault happened, where there are any to happen.
+// The counts of simulated faults, if any are configured.
 LinkFacts SimLink::facts() const {
     if (!line_ || faults_of(settings().as<SimSettings>()).is_none()) return {};
     const auto& n = line_->counters();

@@ -1,4 +1,4 @@
-// A simulated device inside the process, as if it stood behind a port.
+// A simulated device inside the process, as if it were connected.
 #pragma once
 #include <link/alarm.hpp>
 #include <link/link_context.hpp>
@@ -28,8 +28,8 @@ private:
     Channel* channel_ = nullptr;
     std::unique_ptr<ano::world::FaultyLine> line_;
     ano::world::FaultyLine::Send say_;          // to the gateway
-    ano::world::FaultyLine::Send say_later_;    // in a turn of its own
-    std::vector<std::uint8_t> answers_;         // that wait for their turn
+    ano::world::FaultyLine::Send say_later_;    // in another turn of the loop
+    std::vector<std::uint8_t> answers_;         // that wait for answer()
     Alarm tick_;
     Alarm answer_;
 };

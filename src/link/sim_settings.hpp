@@ -1,4 +1,4 @@
-// The settings of a simulated device, and of what goes wrong on the way to it.
+// The settings of a simulated device and of the faults on its line.
 #pragma once
 #include <ano/time.hpp>
 
@@ -10,11 +10,11 @@ namespace anogate {
 
 struct SimSettings {
     std::string device = "fc";
-    std::uint16_t hz = 50;      // of attitude and inertial frames, 1 to 100; the slower ones keep their proportion
-    std::uint8_t dev_id = 0;    // 0: the usual one
+    std::uint16_t hz = 50;      // rate of attitude and inertial frames, 1 to 100; slower frames are scaled with it
+    std::uint8_t dev_id = 0;    // 0: the default of `device`
     std::uint32_t seed = 1;
 
-    // None unless they are set: ano::world::Faults.
+    // ano::world::Faults; std::nullopt: no such fault.
     std::optional<std::uint8_t> loss{}, duplicate{}, corrupt{};    // %
     std::optional<ano::Duration> delay{}, jitter{}, deaf_after{}, slow{};
     bool operator==(const SimSettings&) const = default;

@@ -1,4 +1,4 @@
-// What a link leaves to the link of the same name in the program that is started next: its open wire, and who was behind it.
+// What a link passes to the link of the same name in the next run of the program: its open descriptor and its peers.
 #pragma once
 #include <gateway/arrival.hpp>
 #include <gateway/ip.hpp>
@@ -16,17 +16,17 @@ namespace anogate {
 struct StoredPeer {
     Endpoint endpoint;
     PeerBook::Memory memory{};
-    bool is_proven = true;    // that it receives what is sent to it: FarPeer
+    bool is_proven = true;    // it has shown that it receives: FarPeer
 };
 
 struct StoredLink {
-    UniqueFd wire{};                     // non-blocking; empty: it had none that can be stored
-    ClockReading unread_since{};         // nothing was read of it since
-    std::vector<std::uint8_t> rest{};    // what was read of a frame whose end had not come
+    UniqueFd wire{};                     // non-blocking; empty: none that can be stored
+    ClockReading unread_since{};         // the last read
+    std::vector<std::uint8_t> rest{};    // the bytes read of an incomplete frame
     std::vector<StoredPeer> peers{};
 };
 
-/// Reading begins now. What waits on a wire that was another program's may have come at any time since that stopped to read.
+/// Reading begins now. Data on a stored wire may have arrived at any time since the previous program's last read.
 inline void begin_arrival(Arrival& arrival, int wire, const StoredLink* stored, const ClockReading& now) noexcept {
     pollfd waiting{wire, POLLIN, 0};
     if (stored && ::poll(&waiting, 1, 0) > 0) arrival.unread_since(stored->unread_since);

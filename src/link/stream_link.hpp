@@ -1,4 +1,4 @@
-// A link that is one stream of bytes: what serial ports and pseudo-terminals have in common.
+// A link that is one byte stream: the common part of serial ports and pseudo-terminals.
 #pragma once
 #include <link/reconnect.hpp>
 #include <link/stream_session.hpp>
@@ -17,13 +17,13 @@ public:
 protected:
     /// The open, non-blocking descriptor.
     virtual Opened<UniqueFd> open_wire() = 0;
-    /// What the channel is called.
+    /// The name of the channel.
     virtual const std::string& peer() const = 0;
-    /// What the open wire carries, in bytes/s, when it is to be given no more; 0: it takes what it takes.
+    /// The rate in bytes/s to which sending is limited; 0: not limited.
     virtual std::uint32_t line_rate() const { return 0; }
-    /// Leaves the wire as it should be found; the descriptor is closed right after.
+    /// Called right before the descriptor is closed, to leave the device in a proper state.
     virtual void leave_wire(int) {}
-    /// What a read that ends (`error` is 0) or fails means to the user.
+    /// The text for a read that failed, or that reached the end (`error` is 0).
     virtual LinkError why_gone(int error) const = 0;
     virtual void came_up() { context_.host.link_up(*this); }
 

@@ -9,7 +9,7 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t frames_per_write = 64;
-constexpr int reads_per_turn = 16;    // then the other links have theirs
+constexpr int reads_per_turn = 16;    // then other links have their turn
 
 }    // namespace
 
@@ -52,8 +52,8 @@ void StreamSession::begin_input() {
     const std::size_t size = std::min(stored.rest.size(), room.size());
     std::copy_n(stored.rest.begin(), size, room.begin());
     channel_->arrived_at = stored.unread_since.now;
-    channel_->parser.commit(size, now.now);    // what follows may wait on the wire
-    expiry_.set(now.now);                      // frames may stand behind a false header; the other links are up then
+    channel_->parser.commit(size, now.now);    // the rest may already wait on the wire
+    expiry_.set(now.now);    // complete frames behind a false header are delivered later, when the other links are up
 }
 
 void StreamSession::close() noexcept {
@@ -90,7 +90,7 @@ void StreamSession::read() {
         channel_->parser.commit(static_cast<std::size_t>(n), loop.now());
         deliver();
         if (!is_open()) return;
-        if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind()) break;    // a terminal gives by 4 KB what waits
+        if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind()) break;    // a terminal gives at most 4 KB a read
     }
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
 }

@@ -1,4 +1,4 @@
-// A stream of bytes that carries the frames of one channel, from its opening to its end.
+// A byte stream that carries the frames of one channel, from its opening to its end.
 #pragma once
 #include <gateway/arrival.hpp>
 #include <link/descriptor.hpp>
@@ -14,8 +14,8 @@
 
 namespace anogate {
 
-/// What serial ports, pseudo-terminals and connections have in common. A link may have one or many; a link of one is one itself
-/// (StreamLink). Not to be destroyed by a call of its own.
+/// The common part of serial ports, pseudo-terminals and connections. A link may have several; a link with one derives from it
+/// (StreamLink). Must not be destroyed from within its own calls.
 ///
 /// Flow:    open(fd, channel) → go_on_opening()..., opened() → resume_reading() → read_ended() or failed() → close()
 class StreamSession {
@@ -27,37 +27,37 @@ public:
 
     /// Takes `fd`, which must be non-blocking. `channel` lives until close().
     void open(UniqueFd fd, Channel& channel);
-    /// Before open(): the descriptor was another program's until now, and this is what that left.
+    /// To be called before open() for a descriptor of the previous program: its stored state.
     void go_on_from(StoredLink stored) { stored_ = std::move(stored); }
     bool is_open() const noexcept { return descriptor_.is_open(); }
     int fd() const noexcept { return descriptor_.fd(); }
-    /// Frames wait in the outbox: sends what the wire takes, and the rest when it takes more.
+    /// Sends the frames in the outbox: as many as can be written now, and the rest later.
     void write();
     void close() noexcept;
 
     void pause_reading() { descriptor_.stop_reading(); }
     void resume_reading();
-    /// What came after the last whole frame has no rest to hope for.
+    /// Nothing more will come: handles the bytes after the last complete frame.
     void end_of_input();
 
 protected:
-    /// What is to be done before frames come and go, as a connection that is being made, or a handshake. Asked by open(), and again
-    /// when the descriptor can be read or written, as it says. `failed`: errno says why.
+    /// Work before frames can be exchanged, such as connecting or a handshake. Called by open(), and again when the descriptor can be
+    /// read or written, as the result asks. `failed`: see errno.
     enum class Opening { done, wants_to_read, wants_to_write, failed };
     virtual Opening go_on_opening() { return Opening::done; }
-    /// That is done. Nothing is read before resume_reading(), unless the opening had to read.
+    /// The opening is done. Nothing is read before resume_reading(), unless the opening itself had to read.
     virtual void opened() = 0;
-    /// As read() and writev(): bytes, 0 for the end of input, or -1 and errno.
+    /// As read() and writev(): return the number of bytes, 0 at the end of input, or -1 and errno.
     virtual ssize_t read_some(std::span<std::uint8_t> room);
     virtual ssize_t write_some(std::span<const iovec> pieces);
-    /// Bytes that the driver holds and has not put on the wire, where asking is cheap.
+    /// Bytes in the driver that are not on the wire yet; 0 where asking is expensive.
     virtual std::size_t held_by_driver() const { return 0; }
-    /// A read ended (`error` is 0) or failed.
+    /// A read failed, or reached the end of input (`error` is 0).
     virtual void read_ended(int error) = 0;
-    /// A write failed, or the opening.
+    /// A write or the opening failed.
     virtual void failed(int error) = 0;
 
-    /// What can be read now may be as old as a standstill, however much later it is read.
+    /// Data that can be read now counts as possibly as old as the last standstill, even if it is read later.
     void check_what_waits() { arrival_.unstamped(context_.host.turn()); }
     Pacing& pacing() noexcept { return pacing_; }
     const Pacing& pacing() const noexcept { return pacing_; }

@@ -33,7 +33,7 @@ Found find(const HeldFolder& folder, const std::string& name) {
 
 }    // namespace
 
-// symlink() follows nothing and replaces nothing, which no look beforehand could promise.
+// symlink() never follows or replaces anything; a check beforehand could not guarantee that.
 Expected<void> link_to_terminal(const std::string& device, const fs::path& path) {
     const auto folder = HeldFolder::of(folder_of(path));
     if (!folder) return Unexpected{path.string() + ": " + folder.error()};

@@ -1,4 +1,4 @@
-// The path at which a program finds our pseudo-terminal: a link to it, made where another user's things are left alone.
+// The path at which programs find our pseudo-terminal: a symbolic link. Files of other users are never replaced.
 #pragma once
 #include <link/expected.hpp>
 
@@ -7,11 +7,11 @@
 
 namespace anogate {
 
-/// Makes the link, in place of one that an earlier run of our own user left. Whatever else is there, or comes to be there at the
-/// last moment, stays.
+/// Makes the link; replaces only a link left by an earlier run of our own user. Anything else at the path stays, even if it appears at
+/// the last moment.
 Expected<void> link_to_terminal(const std::string& device, const std::filesystem::path& path);
 
-/// Removes it when it still is ours and leads to `device`.
+/// Removes the link if it is still ours and leads to `device`.
 void remove_link_to(const std::string& device, const std::filesystem::path& path);
 
 }    // namespace anogate

@@ -34,7 +34,7 @@ void set_line(termios2& t, const SerialSettings& settings) {
 }
 
 bool is_same_line(const termios2& a, const termios2& b) {
-    constexpr tcflag_t rates = CBAUD | CBAUD << IBSHIFT;    // which c_ispeed and c_ospeed say
+    constexpr tcflag_t rates = CBAUD | CBAUD << IBSHIFT;    // the same as c_ispeed and c_ospeed
     return a.c_iflag == b.c_iflag && a.c_oflag == b.c_oflag && a.c_lflag == b.c_lflag &&
            (a.c_cflag & ~rates) == (b.c_cflag & ~rates) && a.c_ispeed == b.c_ispeed && a.c_ospeed == b.c_ospeed &&
            a.c_cc[VMIN] == b.c_cc[VMIN] && a.c_cc[VTIME] == b.c_cc[VTIME];
@@ -42,7 +42,7 @@ bool is_same_line(const termios2& a, const termios2& b) {
 
 void set_modem_line(int fd, int line, bool on) noexcept { ::ioctl(fd, on ? TIOCMBIS : TIOCMBIC, &line); }
 
-// Drivers without the notion refuse; nothing is lost.
+// Drivers without this option refuse; that does no harm.
 void ask_for_low_latency(int fd) noexcept {
     serial_struct serial{};
     if (::ioctl(fd, TIOCGSERIAL, &serial) != 0) return;
@@ -63,7 +63,7 @@ std::size_t bytes_in(int fd, unsigned long queue) noexcept {
 
 }    // namespace
 
-// Set once more to what it has, some chips lose what they are receiving.
+// Setting unchanged values again makes some chips lose the bytes they are receiving.
 Expected<std::uint32_t> configure(int fd, const SerialSettings& settings, bool is_receiving) {
     termios2 t{};
     if (::ioctl(fd, TCGETS2, &t) != 0) return Unexpected{errno == ENOTTY ? "this is not a serial port" : error_text(errno)};
@@ -95,25 +95,25 @@ bool is_port_at(int fd, const std::string& path) noexcept {
     return ::poll(&hung_up, 1, 0) >= 0 && (hung_up.revents & (POLLHUP | POLLERR | POLLNVAL)) == 0;
 }
 
-// The kernel forgets TIOCEXCL when the last user has closed a port, but that of a pseudo-terminal with its master: who was killed
-// would have shut it for as long as that is there.
+// The kernel clears TIOCEXCL at the last close of a port, but for a pseudo-terminal only when its master closes: after a kill it would
+// stay locked until then.
 void claim(int fd) noexcept {
     if (!is_pseudo(fd)) ::ioctl(fd, TIOCEXCL);
 }
 void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
 
-// First what the driver has, by the time it takes; then what is in the chip, to the last bit where the driver shows it.
+// First waits for the driver's buffer, by its size and the rate; then for the chip's, where the driver reports it.
 void wait_until_sent(int fd, Duration byte_time, const std::atomic<bool>& stop) noexcept {
-    constexpr Duration longest = std::chrono::milliseconds{20};
-    constexpr Duration shortest = std::chrono::microseconds{50};
+    constexpr Duration max_pause = std::chrono::milliseconds{20};
+    constexpr Duration min_pause = std::chrono::microseconds{50};
     while (const std::size_t bytes = unsent(fd)) {
         if (stop) return;
-        std::this_thread::sleep_for(std::clamp<Duration>(static_cast<Duration::rep>(bytes) * byte_time, shortest, longest));
+        std::this_thread::sleep_for(std::clamp<Duration>(static_cast<Duration::rep>(bytes) * byte_time, min_pause, max_pause));
     }
     unsigned status = 0;
     int result = 0;
     while (!stop && (result = ::ioctl(fd, TIOCSERGETLSR, &status)) == 0 && (status & TIOCSER_TEMT) == 0)
-        std::this_thread::sleep_for(std::clamp<Duration>(byte_time, shortest, longest));
+        std::this_thread::sleep_for(std::clamp<Duration>(byte_time, min_pause, max_pause));
     if (!stop && result != 0) ::ioctl(fd, TCSBRK, 1);    // tcdrain()
 }
 

@@ -1,11 +1,11 @@
-// Which thread the program's signals come to.
+// Directs the program's signals to the thread of the loop.
 #pragma once
 #include <csignal>
 
 namespace anogate {
 
-/// Called first in every other thread than the loop's, which handles them: as long as it does not yet, or does no more, they wait.
-/// SIGTTOU is among them, so that a terminal does not stop the program for writing to it in the background.
+/// To be called first in every other thread: blocks all signals there, so that the loop handles them, or they stay pending while it
+/// does not. That includes SIGTTOU, by which a terminal would stop a program that writes to it in the background.
 inline void leave_signals_to_the_loop() noexcept {
     sigset_t all;
     sigfillset(&all);

@@ -10,14 +10,14 @@
 namespace anogate {
 namespace {
 
-constexpr Duration look_again = std::chrono::seconds{1};    // interfaces and ways come and go
+constexpr Duration look_again = std::chrono::seconds{1};    // interfaces and routes change
 
-// Not one that can be configured as a link.
+// Not in the list of kinds: it can't be configured as a link.
 constinit const LinkKind tunnel_kind{.name = "tunnel", .carries = Carries::datagrams, .listens = true};
 
 }    // namespace
 
-// A peer's frame may be as large as any link of ours carries, as long as a datagram holds it.
+// Accepts frames as large as the largest max_data of our links, limited by the size of a datagram.
 LinkSettings TunnelLink::link_settings(const Settings& settings) {
     LinkSettings link;
     link.kind = &tunnel_kind;
@@ -66,7 +66,7 @@ bool TunnelLink::allowed(const Endpoint& sender, TimePoint now) {
     return true;
 }
 
-// A look at what the stranger sent; if it is taken, deliver() counts it.
+// Only checks; the counters are restored, because deliver() counts an accepted frame.
 bool TunnelLink::welcomes(const Endpoint& sender, ano::FrameView frame) {
     if (is_tunnel_frame(frame) && !tunnel_.in(frame, sender.address, [](ano::FrameView) {})) return false;
     tunnel_.set_counters(before_stranger_);
@@ -81,7 +81,7 @@ void TunnelLink::deliver(Channel& channel, const Endpoint& sender, ano::FrameVie
     tunnel_.in(frame, sender.address, [&](ano::FrameView inner) { pass_on(channel, sender, inner); });
 }
 
-// A tunnel frame that was inside another one is data here, like everything else. A probe is for no device.
+// A tunnel frame inside a tunnel frame is treated as data. Probes are not wrapped: they are not for devices.
 void TunnelLink::pass_on(Channel& channel, const Endpoint& sender, ano::FrameView frame) {
     took_ = true;
     if (const auto rule = tunnel_.wrap_rule(sender.address); rule && !is_probe(frame)) wrap(*rule, channel, sender, frame);

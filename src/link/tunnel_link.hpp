@@ -1,4 +1,4 @@
-// The tunnel port: tunnel frames of devices leave by it as datagrams, and what comes in is unwrapped, wrapped or routed.
+// The tunnel port: sends tunnel frames of devices as datagrams; what it receives is unwrapped, wrapped or routed.
 #pragma once
 #include <gateway/forwarder.hpp>
 #include <gateway/tunnel.hpp>
@@ -9,20 +9,20 @@
 
 namespace anogate {
 
-/// A UDP port like any other, whose peers' tunnel frames are opened, and by which those of our devices leave.
+/// A listening UDP port that unwraps the tunnel frames of its peers and sends those of our devices.
 class TunnelLink final : public UdpListenLink, public TunnelPort {
 public:
-    /// Where the frames of a wrap rule go.
+    /// The destination of a wrap rule.
     struct Target {
         LinkId link;
         std::size_t max_data;
     };
-    /// `settings` has a tunnel; `wrap_to`: one for each of its rules.
+    /// `settings` must have a tunnel; `wrap_to` has one entry for each of its rules.
     TunnelLink(LinkId id, const Settings& settings, std::vector<Target> wrap_to, const LinkContext& context,
                Forwarder& forwarder);
-    /// The links of the wrap rules are others now, or have other numbers.
+    /// To be called when the links of the wrap rules, or their ids, have changed.
     void set_targets(std::vector<Target> wrap_to) { wrap_to_ = std::move(wrap_to); }
-    /// Its own settings, as if it stood among the links.
+    /// The settings of the tunnel port as a link.
     static LinkSettings link_settings(const Settings& settings);
 
     bool takes(ano::FrameView frame) const noexcept override { return tunnel_.takes(frame); }
@@ -54,9 +54,9 @@ private:
     Tunnel tunnel_;
     std::vector<Target> wrap_to_;
     TunnelCounters before_stranger_;
-    bool took_ = false;    // something of the datagram
+    bool took_ = false;    // a frame of this datagram was accepted
     TimePoint looked_at_{};
-    std::optional<Way> last_way_;    // valid as long as what was seen then
+    std::optional<Way> last_way_;    // until refresh_networks() looks again
 };
 
 }    // namespace anogate

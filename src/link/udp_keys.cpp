@@ -3,7 +3,7 @@
 
 namespace anogate {
 
-// A number may be that of the interface of a name.
+// A number may mean the same interface as a name.
 void check_interface(const std::string& interface, const EndpointSpec& endpoint, LinkFaults& faults) {
     const std::string& other = endpoint.interface;
     if (!interface.empty() && !other.empty() && interface != other && !parse_number(other))

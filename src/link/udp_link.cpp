@@ -21,7 +21,7 @@ namespace {
 constexpr Duration networks_age = std::chrono::seconds{5};
 constexpr Duration join_again = std::chrono::seconds{3};
 constexpr Duration join_slack = std::chrono::seconds{1};
-constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may listen without ever saying that all is well
+constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may recover without ever sending anything
 
 }    // namespace
 
@@ -63,7 +63,7 @@ Opened<void> UdpLink::open() {
     return {};
 }
 
-// The endpoint that names the interface on which all depends, if any does.
+// The endpoint with the interface to watch, if there is one.
 EndpointSpec UdpLink::watched() const {
     const UdpSettings& udp = settings().as<UdpSettings>();
     if (!udp.interface.empty()) return {udp.peer, udp.interface};
@@ -80,7 +80,7 @@ Opened<UniqueFd> UdpLink::open_to_peer() {
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
     if (settings().as<UdpSettings>().bind) local = *settings().as<UdpSettings>().bind;
-    if (multicast) {    // bound to another address, a socket would not hear the group
+    if (multicast) {    // bound to another address, a socket would not receive from the group
         local.address = {local.address.v6, {}, 0};
         local.interface.clear();
     }
@@ -103,8 +103,8 @@ Opened<UniqueFd> UdpLink::open_to_peer() {
     return socket;
 }
 
-// By `interface`, by the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is
-// in the group already is as good.
+// Joins by `interface`, or the interface with the address of `bind`, or the one of the kernel's route. It is no error if the socket
+// has joined already.
 Opened<void> UdpLink::join_group(int fd) const {
     const EndpointSpec& peer = settings().as<UdpSettings>().peer;
     const auto& bind = settings().as<UdpSettings>().bind;
@@ -138,7 +138,7 @@ Opened<void> UdpLink::join_group(int fd) const {
     return Unexpected{"can't join the multicast group " + peer.address.text() + ": " + error_text(errno)};
 }
 
-// An interface that goes, or a way that leads elsewhere, takes the membership with it, and the socket is not told.
+// When an interface goes or the route changes, the membership ends without any error at the socket.
 void UdpLink::keep_joined() {
     if (auto joined = join_group(descriptor_.fd()); !joined) return fail(std::move(joined.error()));
     rejoin_.set(context_.host.now() + join_again);
@@ -191,12 +191,12 @@ void UdpLink::read() {
         channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
         feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { take(frame); });
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
+    if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
     context_.host.flush();
 }
 
-// What we send to a group or to everybody comes back to us.
+// Our own multicast and broadcast datagrams come back to us.
 bool UdpLink::own(const sockaddr_storage& sender, TimePoint now) {
     const Endpoint from = endpoint_of(sender);
     if (from.port != local_.port) return false;
@@ -209,7 +209,7 @@ bool UdpLink::own(const sockaddr_storage& sender, TimePoint now) {
     return std::any_of(networks_.begin(), networks_.end(), [&](const Network& n) { return n.address == from.address; });
 }
 
-// That the other end is a listening gateway is what this link is for.
+// Notices of a listening gateway are ignored: this link may be connected to one.
 void UdpLink::take(ano::FrameView frame) {
     if (!listening_notice(frame)) context_.host.receive(*channel_, frame);
 }

@@ -1,4 +1,4 @@
-// One fixed UDP peer; a broadcast address or a multicast group is one as well.
+// One fixed UDP peer, which may be a broadcast address or a multicast group.
 #pragma once
 #include <gateway/arrival.hpp>
 #include <link/descriptor.hpp>
@@ -13,7 +13,7 @@ namespace anogate {
 
 struct SendReport;
 
-/// A peer that is not there is no fault: its refusals are counted and shown.
+/// An absent peer is no error: its refusals are counted and shown.
 class UdpLink final : public Link {
 public:
     UdpLink(LinkId id, LinkSettings settings, const LinkContext& context);
@@ -23,7 +23,7 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : 0; }
-    /// Not in a group: what a socket has joined and by which interface it sends can't be asked, and would stay.
+    /// None for a multicast group: the groups and the sending interface of a stored socket can't be read and would stay.
     int storable_wire() const override {
         return settings().as<UdpSettings>().peer.address.is_multicast() ? -1 : descriptor_.fd();
     }
@@ -49,15 +49,15 @@ private:
     Channel* channel_ = nullptr;
     Reconnect reconnect_;
     Alarm expiry_;
-    Alarm again_;    // after the system had no memory to send
+    Alarm again_;    // after SendResult::no_memory
     Alarm rejoin_;
     InterfaceWatch interface_watch_;
     Pacing pacing_;
-    bool connected_ = false;    // not towards many at once
+    bool connected_ = false;    // false for broadcast and multicast
     SocketAddress to_;
-    unsigned to_interface_ = 0;    // that the peer's address names
+    unsigned to_interface_ = 0;    // of the peer's address; 0: none
     Endpoint local_;
-    std::vector<Network> networks_;    // ours, to know our own datagrams when they come back
+    std::vector<Network> networks_;    // our own, to recognise our own datagrams that come back
     TimePoint networks_read_at_{};
     std::uint64_t refused_ = 0;
     LinkError trouble_;

@@ -20,14 +20,14 @@ namespace {
 
 constexpr Duration quiet = std::chrono::milliseconds{100};
 constexpr Duration look_slack = std::chrono::seconds{1};
-constexpr Duration look_at_suspect = std::chrono::seconds{1};    // whether it is time to ask it again
+constexpr Duration look_at_suspect = std::chrono::seconds{1};    // how often a peer may be asked whether it is a gateway
 
 PeerBook::Options book_options(const UdpListenSettings& udp) {
     const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
     return {udp.peer_timeout, udp.max_peers, udp.max_per_address ? *udp.max_per_address : quarter};
 }
 
-// From the system each time: what one sender is given tells nothing of what another one is.
+// From the system each time, so that the number of one sender does not help to guess another's.
 std::uint64_t random_number() {
     std::random_device source;
     return std::uint64_t{source()} << 32 | source();
@@ -38,7 +38,7 @@ void hold_back_all(Outbox& outbox, TimePoint now) {
     while (outbox.gather(next, now) > 0) outbox.drop_frame(&SendCounters::held_back);
 }
 
-// The frames of which it is known when they arrive.
+// Tells `far` the frames that are about to be sent: an answer to one of them shows that the peer receives.
 void remember(FarPeer& far, Outbox& outbox, std::size_t budget, TimePoint now) {
     std::array<std::span<const std::uint8_t>, 32> next;
     const std::size_t count = outbox.gather(next, now, budget);
@@ -123,7 +123,7 @@ void UdpListenLink::read() {
         const auto at = static_cast<std::size_t>(i);
         take(context_.batch.sender(at), context_.batch.datagram(at), context_.batch.arrived_at(at, arrival_, loop), now);
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
+    if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
     context_.host.flush();
 }
 
@@ -161,7 +161,7 @@ void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
     deliver(peer.channel, peer.endpoint, frame);
 }
 
-// What might forget it waits until nothing of it is in use.
+// The peer may be forgotten here: nothing of it is in use any more.
 void UdpListenLink::end_of_datagram(Peer& peer, TimePoint now) {
     if (peer.is_gateway) return forget(peer);
     if (!peer.far) return;
@@ -172,8 +172,8 @@ void UdpListenLink::end_of_datagram(Peer& peer, TimePoint now) {
     }
 }
 
-// A peer that brings frames of devices, or is to get those of a host, may be another gateway's listening socket. Those of this
-// machine are not: no datagram from outside has such a source.
+// A peer that sends frames of devices, or is to receive those of a host, may be another gateway's listening socket. A loopback address
+// is not asked: no datagram from outside has such a source.
 void UdpListenLink::ask_suspect(Peer& peer, TimePoint now) {
     if (now < peer.ask_at || joins_gateways() || peer.endpoint.address.is_loopback()) return;
     peer.ask_at = now + look_at_suspect;
@@ -199,12 +199,12 @@ void UdpListenLink::say(const Endpoint& to, const std::optional<ListeningNotice>
     if (notice) send(to, frame_of(*notice));
 }
 
-// Nobody is forgotten here: frames of the one it is about may be on their way out.
+// Does not forget peers: frames of the refused peer may be in the middle of sending.
 bool UdpListenLink::take_reports() {
     const TimePoint now = context_.host.now();
     return take_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
                const Peer* peer = find(there);
-               // Where an alarm does the sending, a later look each time would never be due.
+               // set_no_later(): if an alarm does the sending, postponing look_ each time would delay it for ever.
                if (peer && book_.refused(peer->channel.id, now)) look_.set_no_later(now);
            }) > 0;
 }
@@ -227,7 +227,7 @@ void UdpListenLink::expire(Peer& peer) {
         context_.host.flush();
     }
     if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
-    if (peer.is_gateway) look_.set_no_later(now);    // not here: the alarm that called is its own
+    if (peer.is_gateway) look_.set_no_later(now);    // not forgotten here: its own alarm is calling
 }
 
 void UdpListenLink::flush(Channel& channel) {
@@ -241,8 +241,8 @@ void UdpListenLink::flush(Channel& channel) {
         const TimePoint now = context_.host.now();
         const std::uint64_t sent_before = channel.outbox.counters().bytes_out;
         if (peer.far) {
-            way.most = peer.far->allowance(now);
-            remember(*peer.far, channel.outbox, way.most, now);
+            way.max_bytes = peer.far->allowance(now);
+            remember(*peer.far, channel.outbox, way.max_bytes, now);
         }
         const SendResult result = context_.sender.send_all(way, channel.outbox, pacing_, now).result;
         if (peer.far) peer.far->left(static_cast<std::size_t>(channel.outbox.counters().bytes_out - sent_before));
@@ -253,7 +253,7 @@ void UdpListenLink::flush(Channel& channel) {
         case SendResult::paced: return;
         case SendResult::full: descriptor_.when_writable([this] { flush_all(); }); return;
         case SendResult::no_memory: peer.again.set(now + no_memory_pause); return;
-        case SendResult::broken: channel.outbox.drop_frame(&SendCounters::send_failed); break;    // towards this peer only
+        case SendResult::broken: channel.outbox.drop_frame(&SendCounters::send_failed); break;    // for this peer only
         }
     }
 }
@@ -303,7 +303,7 @@ constexpr Key<LinkSettings> listen_keys[] = {
 
 void validate_listener(const LinkSettings& link, LinkFaults& faults) {
     const Listen& listen = link.as<Listen>();
-    constexpr std::uint64_t much_memory = 64'000'000;    // bytes that wait, on a small computer
+    constexpr std::uint64_t much_memory = 64'000'000;    // bytes of waiting frames, for a small computer
     const std::uint64_t memory = std::uint64_t{link.queue} * listen.max_peers;
     if (link.hello && *link.hello != Duration{})
         faults.error("hello",

@@ -1,4 +1,4 @@
-// A UDP port. Whoever sends it a whole good frame becomes a peer with a channel of its own.
+// A listening UDP port. A sender of a complete good frame becomes a peer with its own channel.
 #pragma once
 #include <gateway/arrival.hpp>
 #include <gateway/listener_check.hpp>
@@ -37,19 +37,20 @@ public:
 protected:
     /// The socket is bound.
     virtual void opened(const Endpoint&) {}
-    /// Whether a stranger's datagrams are looked at.
+    /// Whether datagrams of an unknown sender are looked at.
     virtual bool allowed(const Endpoint& sender, TimePoint now);
-    /// Whether a good frame in a stranger's datagram makes it a peer. Asked until one does; deliver() then gets them all.
+    /// Whether this good frame of an unknown sender makes it a peer. Called for each frame of a datagram until one does; then deliver()
+    /// gets all of them.
     virtual bool welcomes(const Endpoint&, ano::FrameView) { return true; }
-    /// Peers may be listening sockets of other gateways, and what they are sent is nobody's concern here.
+    /// Whether peers may be listening sockets of other gateways. Then peers outside our networks are sent to without a limit.
     virtual bool joins_gateways() const { return false; }
     /// A good frame of a peer.
     virtual void deliver(Channel& channel, const Endpoint&, ano::FrameView frame) { context_.host.receive(channel, frame); }
-    /// All that a datagram brought has been delivered.
+    /// All frames of a datagram have been delivered.
     virtual void delivered() {}
 
     const LinkContext& context() const noexcept { return context_; }
-    /// Sends one datagram; 0, or what errno says: EBADF while the socket is not open.
+    /// Sends one datagram. Returns 0 or errno; EBADF while the socket is not open.
     int send(const Endpoint& to, std::span<const std::uint8_t> bytes);
     bool is_open() const noexcept { return descriptor_.is_open(); }
 
@@ -84,20 +85,20 @@ private:
     Descriptor descriptor_;
     Arrival arrival_;
     Reconnect reconnect_;
-    Alarm look_;    // at who is overdue
+    Alarm look_;    // to forget overdue peers
     InterfaceWatch interface_watch_;
     Pacing pacing_;                   // of all peers together
-    std::size_t first_served_ = 0;    // of the peers, when more may go: each has its turn
+    std::size_t first_served_ = 0;    // the peer that sends first when more may go; each in turn
     std::vector<std::unique_ptr<Peer>> peers_;
-    Peer* latest_ = nullptr;    // the one heard last: most datagrams are its
-    ano::FrameParser probe_;    // for senders that are no peers yet
+    Peer* latest_ = nullptr;    // the last sender, found without a search
+    ano::FrameParser probe_;    // for senders that are not peers yet
     ReceiveCounters unassigned_;
     PeerBook book_;
     std::function<std::uint64_t()> random_;
     ListenerCheck check_;
-    std::uint64_t gateways_ = 0;       // that turned up as peers
-    std::uint64_t no_place_ = 0;       // datagrams of strangers for whom nobody gave way
-    std::string last_gateway_;         // of those that turned up
+    std::uint64_t gateways_ = 0;       // other gateways that sent here
+    std::uint64_t no_place_ = 0;       // datagrams of unknown senders refused: max_peers is reached
+    std::string last_gateway_;         // the last of them
     std::vector<Network> networks_;    // of our interfaces
     TimePoint networks_read_at_{};
     std::function<bool()> take_reports_;

@@ -1,4 +1,4 @@
-// For the sources of UdpListenLink alone: what it has of each peer.
+// What UdpListenLink keeps of each peer. For its own sources only.
 #pragma once
 #include <gateway/far_peer.hpp>
 #include <link/alarm.hpp>
@@ -20,11 +20,11 @@ struct UdpListenLink::Peer {
     SocketAddress address;
     Channel& channel;
     Alarm expiry;
-    Alarm again;                     // after the system had no memory to send
-    std::unique_ptr<FarPeer> far;    // outside our networks, until it has shown that it is there
-    TimePoint ask_at{};              // a suspect, whether it is a listening gateway
-    TimePoint silenced_until{};      // nothing of it is taken before
-    bool is_gateway = false;         // it said so: to be forgotten when what it sent has been read
+    Alarm again;                     // after SendResult::no_memory
+    std::unique_ptr<FarPeer> far;    // set for a peer outside our networks, until it has shown that it receives
+    TimePoint ask_at{};              // earliest time to ask whether it is a listening gateway
+    TimePoint silenced_until{};      // its frames are refused until then
+    bool is_gateway = false;         // it answered so; to be forgotten when its datagram has been read
 };
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Who becomes a peer of a listening socket, and who is one no longer.
+// UdpListenLink: who becomes a peer, and who is forgotten.
 #include <link/feed.hpp>
 #include <link/udp_listen_link.hpp>
 #include <link/udp_listen_peer.hpp>
@@ -9,7 +9,7 @@
 namespace anogate {
 namespace {
 
-constexpr Duration networks_kept = std::chrono::seconds{1};    // a sender outside makes us look again this often
+constexpr Duration networks_kept = std::chrono::seconds{1};    // an unknown network makes us look again at most this often
 constexpr Duration read_first = std::chrono::seconds{1};
 
 }    // namespace
@@ -21,7 +21,7 @@ std::vector<StoredPeer> UdpListenLink::peers() const {
     return peers;
 }
 
-// Or those that only listen would get nothing any more. They are admitted by the settings of now.
+// Otherwise peers that only receive would get nothing any more. The current settings decide whether they are admitted.
 void UdpListenLink::restore_peers(std::vector<StoredPeer> peers, TimePoint now) try {
     std::sort(peers.begin(), peers.end(),
               [](const StoredPeer& a, const StoredPeer& b) { return a.memory.heard_at > b.memory.heard_at; });
@@ -37,7 +37,7 @@ void UdpListenLink::restore_peers(std::vector<StoredPeer> peers, TimePoint now) 
     }
     if (!peers_.empty()) look_.set(book_.next_look(now));
 } catch (const std::bad_alloc&) {
-    return;    // they come again when they speak
+    return;    // they become peers again when they send
 }
 
 UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
@@ -46,11 +46,11 @@ UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
     return found == peers_.end() ? nullptr : found->get();
 }
 
-// A stranger must be allowed, must say something in V8, and may take the place of another.
+// An unknown sender must be allowed and must send a V8 frame; it may replace another peer.
 UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now) try {
     if (!allowed(endpoint, now) || !can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
     if (!is_welcome(endpoint, datagram, now)) return nullptr;
-    if (check_.is_refused(endpoint)) {    // it does not know yet
+    if (check_.is_refused(endpoint)) {    // a gateway that does not know yet that it is refused
         say(endpoint, check_.question_back(endpoint, now));
         return refuse(datagram), nullptr;
     }
@@ -66,7 +66,7 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
     if (!peer) refuse(datagram);
     return peer;
 } catch (const std::bad_alloc&) {
-    return refuse(datagram), nullptr;    // nobody is worth the end of the program
+    return refuse(datagram), nullptr;    // refuse rather than end the program
 }
 
 void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
@@ -74,7 +74,7 @@ void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
     unassigned_.bytes_in += datagram.size();
 }
 
-// What a peer needs is some 100 KB: memory may be too short for it.
+// A peer needs about 100 KB, so there may be no memory for it.
 UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now) {
     const bool near = is_near(endpoint.address, now), far = is_far(endpoint.address, now);
     Channel* channel = context_.host.open_channel(*this, endpoint.text());
@@ -87,16 +87,16 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
         context_.host.close_channel(*channel);
         throw;
     }
-    channel->heard_at = now;         // the frame it is here for may wait behind a false header
+    channel->heard_at = now;         // its first frame may still wait behind a false header
     context_.host.link_up(*this);    // for the new channel
     book_.add(channel->id, endpoint, near, now);
     look_.set_no_later(book_.next_look(now));
     return peers_.back().get();
 }
 
-// Our own socket is no peer either, nor is that of another link of ours.
+// Neither our own socket nor another of our links can be a peer.
 bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
-    const bool near = is_near(sender.address, now);    // looks at our networks, if need be
+    const bool near = is_near(sender.address, now);    // updates networks_ if necessary
     if (!anogate::can_be_peer(sender, networks_)) return false;
     if (!near || !context_.host.is_own_port(sender.port)) return true;
     return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
@@ -117,7 +117,7 @@ bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
 
 bool UdpListenLink::is_near(const IpAddress& address, TimePoint now) {
     if (contains(networks_, address)) return true;
-    // Interfaces come and go: what was true when we opened need not be true now.
+    // Our networks may have changed since we opened.
     if (networks_read_at_ != TimePoint{} && now - networks_read_at_ < networks_kept) return false;
     networks_read_at_ = now;
     networks_ = own_networks();
@@ -167,7 +167,8 @@ void UdpListenLink::forget_peer(ChannelId channel) {
 void UdpListenLink::forget_overdue_peers() {
     const LoopWatch& loop = context_.host.turn();
     const TimePoint now = loop.now();
-    if (now < loop.last_standstill() + read_first) return look_.set(now + read_first);    // what they said meanwhile may wait
+    if (now < loop.last_standstill() + read_first)
+        return look_.set(now + read_first);    // frames received during a standstill may not be read yet
     const ChannelSet overdue = book_.overdue(now);
     for (std::size_t i = peers_.size(); i-- > 0;)
         if (overdue.contains(peers_[i]->channel.id) || peers_[i]->is_gateway) forget(*peers_[i]);

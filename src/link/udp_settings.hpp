@@ -13,14 +13,14 @@ namespace anogate {
 
 struct UdpListenSettings {
     EndpointSpec local;
-    std::string interface;    // nothing is heard or said by another; empty: by any
+    std::string interface;    // the only interface it receives and sends by; empty: any
     ano::Duration peer_timeout = std::chrono::seconds{60};
     std::uint16_t max_peers = 16;
-    std::optional<std::uint16_t> max_per_address;    // nothing: a quarter of max_peers, two at least
+    std::optional<std::uint16_t> max_per_address;    // std::nullopt: a quarter of max_peers, at least 2
     bool allow_any = false;
-    std::vector<Network> allow;    // empty and not allow_any: the networks of our interfaces
+    std::vector<Network> allow;    // empty without allow_any: the networks of our interfaces
     bool trusted_any = false;
-    std::vector<Network> trusted;    // outside the networks of our interfaces, yet sent to without limit
+    std::vector<Network> trusted;    // networks besides those of our interfaces whose peers are sent to without limit
     bool operator==(const UdpListenSettings&) const = default;
 };
 

@@ -5,7 +5,7 @@
 
 namespace anogate {
 
-/// Owns a descriptor until it goes to somebody else or out of scope.
+/// Closes the descriptor when destroyed, unless it was released or moved.
 class UniqueFd {
 public:
     UniqueFd() = default;

@@ -13,7 +13,7 @@ constexpr std::size_t at_a_time = 8;    // bytes
 
 using CrcTable = std::array<std::uint32_t, 256>;
 
-// The first is for one byte; the others for one behind which stand one, two… more.
+// The first table is for a byte at the end, the others for a byte followed by one, two, … more bytes.
 constexpr std::array<CrcTable, at_a_time> make_crc_tables() {
     std::array<CrcTable, at_a_time> tables{};
     for (std::uint32_t byte = 0; byte < 256; ++byte) {

@@ -5,7 +5,7 @@
 
 namespace anogate {
 
-/// Of bytes that come in pieces.
+/// The CRC of bytes that are added piece by piece.
 class Crc32 {
 public:
     void add(std::string_view bytes) noexcept;

@@ -13,7 +13,7 @@ namespace {
 
 using ano::Json;
 
-// In quotation marks where it would not be one cell otherwise.
+// Quoted if necessary.
 std::string csv_cell(const std::string& text) {
     if (text.find_first_of(",\"\r\n") == text.npos) return text;
     std::string cell = "\"";
@@ -43,7 +43,7 @@ CsvWriter::CsvWriter(std::uint8_t id, const ano::JsonOptions& options) : options
         if (layout.id() == id) add_columns(layout.fields());
 }
 
-// Layouts share what they both have, in the same unit.
+// Layouts share the columns of fields with the same name and unit.
 void CsvWriter::add_columns(std::span<const ano::Field> fields) {
     for (const ano::Field& f : fields) {
         const std::string name{f.name};
@@ -91,7 +91,7 @@ void CsvWriter::write(const RecordedFrame& frame, std::string& out) const {
     }
     out += ',' + csv_cell(member(json, "extra")) + ',';
     const Json& data = member(json, "data");
-    const bool has_rest = data.is_null() && fields.is_object() && !has_column("data");    // what is no whole frame in a tunnel
+    const bool has_rest = data.is_null() && fields.is_object() && !has_column("data");    // of a tunnel: not a whole frame
     out += csv_cell(has_rest ? member(fields, "data") : data);
     out += '\n';
 }

@@ -1,10 +1,10 @@
-// The frames of one message as a table: a line a frame, a column a field. No I/O.
+// The frames of one message as a CSV table: a line for each frame, a column for each field. No I/O.
 //
 //   time [s],link,peer,frame_direction,frame_cause,from,to,rol [°],pit [°],…,frame_extra,frame_data
 //
-// Values are as in the frame's JSON, in the units of the table; what the layout of a frame does not have, and "no data", is empty. A field of
-// several numbers has as many columns: name.0, name.1… What the fields don't tell is in the last columns, as hex: the bytes behind
-// the layout, and all of DATA where the fields can't give it back.
+// Values are as in the frame's JSON, in the units of the message table. A cell is empty for "no data" and for a field that the layout of
+// the frame lacks. A field of several numbers has several columns: name.0, name.1… The last columns have, as hex, the bytes after the
+// layout, and all of DATA if the fields can't restore it.
 #pragma once
 #include <ano_json/frame_json.hpp>
 #include <record/recording.hpp>
@@ -19,18 +19,18 @@ namespace anogate {
 
 class CsvWriter {
 public:
-    /// Of message `id`, listed or not. What `options` refers to outlives it.
+    /// For message `id`, which need not be in the table of messages. What `options` refers to must outlive the writer.
     CsvWriter(std::uint8_t id, const ano::JsonOptions& options);
 
     /// Appends the names of the columns.
     void write_heading(std::string& out) const;
-    /// Appends a line; `frame` is of this message.
+    /// Appends a line; `frame` must be of this message.
     void write(const RecordedFrame& frame, std::string& out) const;
 
 private:
     struct Column {
         std::string field;
-        int element = -1;    // of an array; -1: it is none
+        int element = -1;    // index in an array; -1: not an array
         std::string unit;
     };
     void add_columns(std::span<const ano::Field> fields);

@@ -14,13 +14,13 @@
 #include <vector>
 
 namespace anogate {
-/// A message, and where its schema is once it has one.
+/// A message, and the index of its schema once it has one.
 struct KnownMessage {
     TableMessage message;
     std::size_t schema;
 };
 
-using ChannelNumber = std::optional<std::uint16_t>;    // nothing: it has none yet
+using ChannelNumber = std::optional<std::uint16_t>;    // std::nullopt: none yet
 
 struct DecodedDevice {
     DecodedDevice(const std::string& name, ImageRows& images, std::uint64_t number)
@@ -32,7 +32,7 @@ struct DecodedDevice {
     std::array<ChannelNumber, standard_topics> standard_channels{};
 };
 
-constexpr std::size_t max_standard = 2;    // that one frame makes
+constexpr std::size_t max_standard = 2;    // standard messages from one frame
 
 struct DecodedLink {
     std::string name;    // in topics
@@ -118,7 +118,7 @@ std::string_view DecodedChannels::State::encode_standard(const RosMessage& type,
     return standard_encoders[number].encode(type, values.values());
 }
 
-// Null: there is no place for what would be new.
+// nullptr: a new one would be beyond the limit.
 DecodedDevice* DecodedChannels::State::device_of(const RecordedFrame& frame) {
     auto link = links.find(frame.link);
     if (link == links.end()) {

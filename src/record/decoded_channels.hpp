@@ -1,13 +1,13 @@
-// What frames say, as messages on channels with schemas, as MCAP and Foxglove have them. No I/O.
+// Decodes frames into messages on channels with schemas, as MCAP and Foxglove use them. No I/O.
 //
 // Flow:    DecodedChannels decoded{DecodedEncoding::cdr};
 //          for (const DecodedMessage& message : decoded.decode(frame)) {
-//              const DecodedChannel& channel = decoded.channels()[message.channel];     // tell it, and its schema, before its first message
+//              const DecodedChannel& channel = decoded.channels()[message.channel];     // new ones are announced first, with their schema
 //              const DecodedSchema& schema = decoded.schemas()[channel.schema];
 //          }
 //
-// What came in is decoded; what left or was dropped is not: it came in before, and would be told twice. A topic is /LINK/device_ADDR/NAME,
-// its names as ROS 2 allows them. What stands in the messages: src/ros/README.md.
+// Only received frames are decoded: sent and dropped frames were received before and would appear twice. A topic is
+// /LINK/device_ADDR/NAME, with names that ROS 2 allows. For the contents of the messages see src/ros/README.md.
 #pragma once
 #include <ano/flexible.hpp>
 #include <record/recording.hpp>
@@ -25,39 +25,39 @@ namespace anogate {
 
 enum class DecodedEncoding : std::uint8_t { cdr, json };
 
-/// "cdr", "json": as MCAP and Foxglove call the encoding of messages.
+/// "cdr", "json": the names of the encodings in MCAP and Foxglove.
 std::string_view text(DecodedEncoding encoding) noexcept;
 std::optional<DecodedEncoding> decoded_encoding_called(std::string_view name) noexcept;
 
 struct DecodedSchema {
     std::string name;        // "ano_msgs/msg/Euler"
     std::string encoding;    // "ros2msg" or "jsonschema"
-    std::string text;        // with the definitions that it needs
+    std::string text;        // including the definitions it uses
 };
 
 struct DecodedChannel {
     std::string topic;         // "/fc/device_5/euler"
-    std::size_t schema = 0;    // in schemas()
+    std::size_t schema = 0;    // index in schemas()
 };
 
 struct DecodedMessage {
-    std::size_t channel = 0;    // in channels()
+    std::size_t channel = 0;    // index in channels()
     std::string_view data;
 };
 
-/// Channels are numbered as they come; a number keeps its meaning.
+/// Channels are numbered in the order of their first message; a number never changes its meaning.
 class DecodedChannels {
 public:
-    static constexpr std::size_t max_channels = 4096;    // what would be one more is not decoded
+    static constexpr std::size_t max_channels = 4096;    // messages of further channels are not decoded
 
-    /// `flexible`, which outlives it, has the layouts of flexible messages; frames of those without a layout are not decoded.
+    /// `flexible`, which must outlive this object, has the layouts of flexible messages; those without a layout are not decoded.
     explicit DecodedChannels(DecodedEncoding encoding, const ano::FlexibleLayouts* flexible = nullptr);
     ~DecodedChannels();
     DecodedChannels(const DecodedChannels&) = delete;
     DecodedChannels& operator=(const DecodedChannels&) = delete;
 
-    /// None for a frame that the table of messages does not have; several where a message of ROS fits beside ours. Valid until the
-    /// next call.
+    /// No message for a frame that is not in the table of messages; several if standard ROS messages fit besides our own. Valid until
+    /// the next call.
     std::span<const DecodedMessage> decode(const RecordedFrame& frame);
 
     const std::deque<DecodedSchema>& schemas() const noexcept;

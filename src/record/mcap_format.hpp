@@ -1,16 +1,16 @@
-// The numbers of MCAP (mcap.dev/spec), and where a recording has what it holds.
+// The constants of MCAP (mcap.dev/spec), and how a recording is stored in it.
 //
-//   a frame                   a message of the channel /anogate/frames, as CDR with the schema below: log_time and publish_time are its
-//                             time since 1970, everything else stands in the message. It is CDR also where decoded messages are JSON
-//   loss                      a message of the channel /anogate/losses, in front of the frame behind it, with its time
-//   what frames say           a channel for each link, device and message, behind the frame it is of and with its time
-//   program, both clocks      the Metadata "anogate.recording" behind the Header
-//   what it comes to          the Metadata "anogate.summary" in front of DataEnd: links, messages, rates and losses for who reads the
-//                             summary alone
-//   the end                   Footer and magic: a file without them was not ended
+//   a frame                   a message of the channel /anogate/frames, as CDR with the schema in mcap_items.hpp: log_time and
+//                             publish_time are its time since 1970, the rest is in the message. CDR even if decoded messages are JSON
+//   a loss                    a message of the channel /anogate/losses before the next frame, with the time of that frame
+//   decoded messages          a channel for each link, device and message; after their frame, with its time
+//   program, both clocks      the Metadata "anogate.recording" after the Header
+//   totals                    the Metadata "anogate.summary" before DataEnd: links, messages, rates and losses, for programs that read
+//                             only the end of the file
+//   the end                   Footer and magic: a file without them was not ended properly
 //
-// Everything else is as others have it: chunks, packed with zstd, a MessageIndex for each channel behind each, and a summary with
-// Statistics, ChunkIndex, MetadataIndex and SummaryOffset; every CRC is told.
+// Everything else is usual: chunks compressed with zstd, each followed by a MessageIndex for each channel, and a summary with Statistics,
+// ChunkIndex, MetadataIndex and SummaryOffset; all CRCs are set.
 #pragma once
 #include <ano/wire.hpp>
 
@@ -27,8 +27,8 @@ namespace anogate::mcap {
 inline constexpr std::string_view magic{"\x89MCAP0\r\n", 8};
 inline constexpr std::size_t record_head = 9;    // opcode and length
 inline constexpr std::size_t footer_size = record_head + 20;
-inline constexpr std::size_t max_chunk = 64 * 1024 * 1024;          // unpacked, bytes: of one that is read
-inline constexpr std::size_t max_record = max_chunk + 64 * 1024;    // bytes behind its head
+inline constexpr std::size_t max_chunk = 64 * 1024 * 1024;          // bytes, uncompressed, when reading
+inline constexpr std::size_t max_record = max_chunk + 64 * 1024;    // bytes without its head
 
 enum class Opcode : std::uint8_t {
     header = 1,
@@ -60,13 +60,13 @@ void put(std::string& out, T number) {
     out.append(reinterpret_cast<const char*>(bytes), sizeof number);
 }
 
-/// Behind its length, four bytes.
+/// Appends the length in four bytes, then the text.
 inline void put_text(std::string& out, std::string_view text) {
     put(out, static_cast<std::uint32_t>(text.size()));
     out += text;
 }
 
-/// The head of a record, whose length end_record() knows; returns what that wants.
+/// Appends the head of a record; end_record() sets its length and needs the result of this.
 inline std::size_t begin_record(std::string& out, Opcode opcode) {
     out += static_cast<char>(opcode);
     put(out, std::uint64_t{0});
@@ -76,7 +76,7 @@ inline void end_record(std::string& out, std::size_t begun) {
     ano::store(reinterpret_cast<std::uint8_t*>(out.data()) + begun - 8, static_cast<std::uint64_t>(out.size() - begun));
 }
 
-/// Takes fields off the front of a record. What is not there is 0 or empty, and the record is bad from then on.
+/// Reads fields from the front of a record. A field beyond its end is 0 or empty, and is_bad() is true from then on.
 class Fields {
 public:
     explicit Fields(std::string_view body) noexcept : rest_{body} {}
@@ -105,14 +105,14 @@ private:
     bool bad_ = false;
 };
 
-/// In the memory of what it was taken of.
+/// Refers to the memory that it was read from.
 struct Record {
     Opcode opcode;
     std::string_view body;
-    std::string_view whole;    // with its head
+    std::string_view whole;    // including its head
 };
 
-/// The first record, taken off the front; nothing: it is not whole there.
+/// Removes the first record from `bytes` and returns it; std::nullopt: it is incomplete.
 std::optional<Record> take_record(std::string_view& bytes) noexcept;
 
 struct Message {
@@ -124,7 +124,7 @@ struct Message {
 std::optional<Message> message_of(std::string_view body) noexcept;
 void put_message(std::string& out, const Message& message);
 
-/// A schema's `text` in its `encoding`.
+/// A schema: its `text` is in `encoding`.
 struct SchemaRecord {
     std::uint16_t id = 0;
     std::string_view name, encoding, text;
@@ -136,7 +136,7 @@ struct ChannelRecord {
     std::string_view topic, encoding;
 };
 std::optional<ChannelRecord> channel_of(std::string_view body) noexcept;
-/// As the profile ros2 wants it, with the qualities of service left open.
+/// Appends it as the profile ros2 requires, without qualities of service.
 void put_channel(std::string& out, const ChannelRecord& channel);
 
 struct Pair {
@@ -144,7 +144,7 @@ struct Pair {
 };
 void put_metadata(std::string& out, std::string_view name, std::initializer_list<Pair> pairs);
 std::string_view name_of_metadata(std::string_view body) noexcept;
-/// Empty where there is no such key.
+/// Empty if there is no such key.
 std::string_view metadata_at(std::string_view body, std::string_view key) noexcept;
 
 }    // namespace anogate::mcap

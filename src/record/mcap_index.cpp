@@ -25,7 +25,7 @@ public:
     std::optional<McapIndex> index() {
         if (!read_footer() || !read_summary()) return std::nullopt;
         for (const Span& place : metadata_) read_metadata(place);
-        // Both are told, independently of each other.
+        // Two independent numbers, which must agree.
         if (!has_head_ || !counts_ || counts_->frames != frames_) return std::nullopt;
         return McapIndex{std::move(head_), std::move(*counts_)};
     }
@@ -53,7 +53,7 @@ private:
         return summary_at_ > mcap::magic.size() && summary_at_ < footer_at_;
     }
 
-    // In pieces: of a recording of many days it is long.
+    // In pieces, because the summary of a recording of many days is long.
     bool read_summary() {
         Crc32 crc;
         std::string waiting;
@@ -109,7 +109,7 @@ private:
     std::uint64_t footer_at_ = 0, summary_at_ = 0;
     std::uint32_t crc_ = 0;
     std::string footer_;
-    std::optional<std::uint16_t> frames_channel_;    // stands before the statistics
+    std::optional<std::uint16_t> frames_channel_;    // known before the statistics are read
     std::uint64_t frames_ = 0;
     std::vector<Span> metadata_;
     RecordingHead head_;

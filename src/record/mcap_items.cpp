@@ -5,7 +5,7 @@ namespace {
 
 constexpr std::string_view little_endian_cdr{"\0\1\0\0", 4};
 
-// Numbers of CDR stand at multiples of their size, counted from behind its head.
+// In CDR numbers are aligned to their size, counted from the end of its header.
 std::size_t cdr_padding(std::size_t size, std::size_t of_number) {
     const std::size_t behind_head = size - little_endian_cdr.size();
     return (of_number - behind_head % of_number) % of_number;

@@ -1,4 +1,4 @@
-// Frames and losses as messages of MCAP: little-endian CDR with ros2msg schemas, so that others show them as well.
+// Frames and losses as messages of MCAP: little-endian CDR with ros2msg schemas, which other programs can show.
 #pragma once
 #include <record/mcap_format.hpp>
 #include <record/recording.hpp>
@@ -32,23 +32,24 @@ inline constexpr std::string_view loss_schema_text =
     "uint64 count\n"
     "string names             # euler 120, inertial 120\n";
 
-/// Makes `out` of it. Texts are cut behind max_recorded_text bytes.
+/// Sets `out` to the encoded message. Texts are cut after max_recorded_text bytes.
 void encode(const RecordedFrame& frame, std::string& out);
 void encode(const RecordedLoss& loss, std::string& out);
 
-/// Finds frames and losses among the messages of a file, whoever wrote or saved it.
+/// Finds frames and losses among the messages of a file, whichever program wrote it.
 class Items {
 public:
     void add_channel(std::string_view body);
-    /// Nothing: it is of another channel, or damaged. In the memory of the message.
+    /// Refers to the memory of the message. std::nullopt: the message is of another channel, or damaged.
     std::optional<Recorded> item_of(const Message& message);
-    /// Channels may have been told in a place that can't be read: from now on one that was not told has frames if a message of it is one.
+    /// Some Channel records may be in a part that can't be read: from now on an unknown channel counts as one of frames if one of its
+    /// messages is a frame.
     void miss_channels() noexcept { misses_channels_ = true; }
     bool has_frames(std::uint16_t channel) const noexcept;
 
-    /// A channel of frames was there.
+    /// Whether there was a channel of frames.
     bool has_channel() const noexcept { return has_channel_; }
-    /// Messages of that channel that are no whole frame.
+    /// Number of messages on channels of frames that are not complete frames.
     std::uint64_t foreign() const noexcept { return foreign_; }
 
 private:

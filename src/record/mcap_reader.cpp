@@ -33,14 +33,14 @@ std::optional<Recorded> McapReader::next() {
     }
 }
 
-// What a chunk may have in it.
+// Records that may be inside a chunk.
 void McapReader::take(const mcap::Record& record) {
     if (record.opcode == mcap::Opcode::channel) items_.add_channel(record.body);
     if (record.opcode != mcap::Opcode::message) return;
     if (const auto message = mcap::message_of(record.body)) item_ = items_.item_of(*message);
 }
 
-// The data are all that is in front of DataEnd, the first magic included; the summary ends with the fields of Footer in front of its CRC.
+// The data are everything before DataEnd, including the first magic. The summary ends with the fields of Footer before its CRC.
 void McapReader::check(const mcap::Record& record) {
     using mcap::Opcode;
     if (records_.position() == mcap::magic.size() + record.whole.size()) crc_.add(mcap::magic);
@@ -48,7 +48,7 @@ void McapReader::check(const mcap::Record& record) {
     if (!is_end && !is_footer) return crc_.add(record.whole);
     mcap::Fields fields{record.body};
     if (is_footer) {
-        const std::size_t in_front = 2 * sizeof(std::uint64_t);    // where the summary is, and its offsets
+        const std::size_t in_front = 2 * sizeof(std::uint64_t);    // offsets of the summary and of its SummaryOffset records
         fields.bytes(in_front);
         crc_.add(record.whole.substr(0, mcap::record_head + in_front));
     }
@@ -62,7 +62,7 @@ void McapReader::check(const mcap::Record& record) {
 
 void McapReader::take_outer(const mcap::Record& record) {
     check(record);
-    if (is_data_over_) {    // the summary repeats what was read, and what was in a chunk that could not be
+    if (is_data_over_) {    // the summary repeats known records, and those of skipped chunks
         if (skipped_.count > 0 && record.opcode == mcap::Opcode::channel) items_.add_channel(record.body);
         return;
     }
@@ -99,7 +99,7 @@ void McapReader::take_index_of_skipped(const mcap::Record& record) {
     const auto channel = fields.number<std::uint16_t>();
     const std::uint64_t count = fields.text().size() / entry_size;
     skipped_by_channel_[channel] += count;
-    if (skipped_.count > skipped_.first.size()) return;    // it is not told by itself
+    if (skipped_.count > skipped_.first.size()) return;    // it is not among `first`
     auto& messages = skipped_.first.back().messages;
     messages = messages.value_or(0) + count;
 }

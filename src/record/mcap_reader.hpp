@@ -1,7 +1,7 @@
-// What an MCAP file holds of frames, whoever wrote or saved it. No I/O.
+// Reads the frames of an MCAP file, whichever program wrote it. No I/O.
 //
-// What is read stands in the order of the file; indexes are not looked at. Nothing in a file makes it take more memory than its largest
-// record and the largest chunk, mcap::max_chunk.
+// Frames are returned in the order of the file; indexes are ignored. No file can make it use more memory than its largest record and the
+// largest chunk, mcap::max_chunk.
 #pragma once
 #include <record/crc32.hpp>
 #include <record/mcap_chunk.hpp>
@@ -19,7 +19,7 @@
 namespace anogate {
 
 namespace mcap {
-/// Of the Metadata mcap::head_name.
+/// Reads the Metadata mcap::head_name.
 RecordingHead recording_head_of(std::string_view metadata);
 }    // namespace mcap
 
@@ -31,7 +31,7 @@ public:
     RecordingFormat format() const noexcept override { return RecordingFormat::mcap; }
     const char* fault() const noexcept override { return records_.fault(); }
     SkippedParts skipped() const override;
-    /// Of DataEnd and Footer. A CRC of 0 is none.
+    /// The CRCs of DataEnd and Footer. A CRC of 0 is not checked.
     std::vector<std::string_view> mismatches() const override { return mismatches_; }
     std::uint64_t position() const noexcept override { return records_.position(); }
     std::size_t unfinished() const noexcept override { return records_.unfinished(); }
@@ -53,14 +53,14 @@ private:
     mcap::Items items_;
     RecordingHead head_;
     bool has_head_ = false, is_data_over_ = false;
-    std::string chunk_;               // its records
-    std::string_view rest_;           // of them
-    std::optional<Recorded> item_;    // of the record that was read last
+    std::string chunk_;               // the records of the current chunk
+    std::string_view rest_;           // the unread part of chunk_
+    std::optional<Recorded> item_;    // from the last record
     SkippedParts skipped_;
-    Crc32 crc_;    // of the data so far, and behind DataEnd of the summary
+    Crc32 crc_;    // of the data so far; after DataEnd, of the summary
     std::vector<std::string_view> mismatches_;
-    bool is_behind_skipped_ = false;    // indexes that come now are of the chunk that was left out last
-    std::map<std::uint16_t, std::uint64_t> skipped_by_channel_;    // messages, by those indexes
+    bool is_behind_skipped_ = false;                               // the next indexes belong to the last skipped chunk
+    std::map<std::uint16_t, std::uint64_t> skipped_by_channel_;    // numbers of messages from those indexes
 };
 
 }    // namespace anogate

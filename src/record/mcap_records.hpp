@@ -1,4 +1,4 @@
-// The records of an MCAP file that comes in pieces. No I/O.
+// Splits an MCAP file, given in pieces, into its records. No I/O.
 #pragma once
 #include <record/mcap_format.hpp>
 
@@ -10,7 +10,7 @@
 
 namespace anogate::mcap {
 
-/// Nothing in a file makes it take more memory than its largest record, max_record.
+/// No file can make it use more memory than its largest record, max_record.
 class Records {
 public:
     /// The next bytes of the file.
@@ -18,22 +18,22 @@ public:
     /// Valid until the next call.
     std::optional<Record> next();
 
-    /// In a clause; nullptr: it is not damaged.
+    /// What is damaged, in a clause; nullptr: nothing.
     const char* fault() const noexcept { return fault_; }
-    /// How many bytes of the file were taken: both magics and whole records.
+    /// Bytes of the file that were taken: the magics and complete records.
     std::uint64_t position() const noexcept { return position_; }
     std::size_t unfinished() const noexcept { return buffer_.size() - at_; }
-    /// Footer and magic were there.
+    /// Whether Footer and magic were read.
     bool is_ended() const noexcept { return place_ == Place::behind; }
-    /// Takes a record that next() gave last back: it is damaged.
+    /// Puts the last record of next() back, because it is damaged.
     void refuse(const char* why, const Record& record) noexcept;
 
 private:
-    enum class Place : std::uint8_t { before, among, at_end, behind };    // the records
+    enum class Place : std::uint8_t { before, among, at_end, behind };    // relative to the records
     bool take_magic();
 
     std::string buffer_;
-    std::size_t at_ = 0;    // in buffer_: what was taken ends
+    std::size_t at_ = 0;    // end of the taken part of buffer_
     std::uint64_t position_ = 0;
     const char* fault_ = nullptr;
     Place place_ = Place::before;

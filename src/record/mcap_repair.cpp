@@ -20,7 +20,7 @@ void McapRepair::take(const mcap::Record& record) {
     case mcap::Opcode::message_index: take_index(record); break;
     case mcap::Opcode::metadata: {
         const std::string_view name = mcap::name_of_metadata(record.body);
-        if (name == mcap::counts_name) break;    // made anew
+        if (name == mcap::counts_name) break;    // written again at the end
         if (name == mcap::head_name) is_ours_ = true;
         add_last_chunk();
         summary_.add_metadata(record.whole, records_.position() - record.whole.size());
@@ -60,7 +60,7 @@ void McapRepair::take_chunk(const mcap::Record& record) {
     keep();
 }
 
-// What is before it is kept, with its indexes; it itself only if something good comes behind it.
+// Keeps everything before it, with indexes. Keeps the damaged chunk itself only if a good one follows.
 void McapRepair::take_damaged(const mcap::Record& record, const mcap::ChunkFault& fault) {
     if (!fault.is_damage) return records_.refuse(fault.why, record);
     items_.miss_channels();
@@ -70,7 +70,7 @@ void McapRepair::take_damaged(const mcap::Record& record, const mcap::ChunkFault
     kept_crc_ = before_crc_;
 }
 
-// Also of one that stands in no chunk: it is counted, but no index tells where it is.
+// Also called for a record outside any chunk: it is counted, but has no index.
 void McapRepair::take_inner(const mcap::Record& record, std::uint64_t offset) {
     constexpr std::size_t id_size = 2;
     if (record.body.size() < id_size) return;
@@ -93,7 +93,7 @@ void McapRepair::take_index(const mcap::Record& record) {
     last_->index_size += record.whole.size();
 }
 
-// Where its indexes stand in the file.
+// Adds the last chunk with the offsets of its indexes to the summary.
 void McapRepair::add_last_chunk() {
     if (!last_) return;
     last_->place.compression = last_->compression;
@@ -101,7 +101,7 @@ void McapRepair::add_last_chunk() {
     last_.reset();
 }
 
-// What ends a file that is cut behind what is kept.
+// The bytes to be appended to the kept part.
 std::string McapRepair::ending() const {
     std::string ending;
     mcap::Summary summary = summary_;

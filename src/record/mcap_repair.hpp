@@ -1,7 +1,7 @@
-// Makes an MCAP file that was cut a whole one again. No I/O.
+// Repairs an MCAP file that was cut. No I/O.
 //
-// What is whole is kept as it is, to the end of the last chunk; its indexes and everything behind are made anew. Of a recording that was
-// ended, and then cut, that gives the same bytes again. A damaged chunk stays where a good one comes behind it, and no index leads there.
+// Keeps the file up to the end of the last good chunk; the indexes of that chunk and everything after it are written again. A complete
+// recording that was cut later gets the same bytes again. A damaged chunk stays if a good one follows; no index refers to it.
 #pragma once
 #include <record/crc32.hpp>
 #include <record/mcap_chunk.hpp>
@@ -19,12 +19,12 @@ namespace anogate {
 
 namespace mcap {
 
-/// A chunk that is kept. Its indexes are told to the summary when it is known where they are.
+/// A chunk that is kept. It is added to the summary when the offsets of its indexes are known.
 struct KeptChunk {
     ChunkPlace place;
     std::string compression;
     MessageIndexes indexes;
-    IndexOffsets offsets;    // of those that stand behind it
+    IndexOffsets offsets;    // of the indexes after it
     std::uint64_t index_size = 0;
 };
 
@@ -53,9 +53,9 @@ private:
     std::string chunk_;
     std::optional<mcap::KeptChunk> last_;
     std::uint64_t keep_ = 0;
-    std::string ending_;    // of the file that ends behind ending_of_ bytes
+    std::string ending_;    // for a file of ending_of_ bytes
     std::uint64_t ending_of_ = 0;
-    Crc32 before_crc_, read_crc_, kept_crc_;    // before the last record, behind it, and of what is kept
+    Crc32 before_crc_, read_crc_, kept_crc_;    // up to the last record, including it, and of the kept part
     bool is_ours_ = false, is_data_over_ = false;
 };
 

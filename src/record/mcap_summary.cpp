@@ -10,7 +10,7 @@ namespace {
 
 std::uint16_t id_of(std::string_view record) { return Fields{record.substr(record_head)}.number<std::uint16_t>(); }
 
-// Groups of records, one kind behind the other, and where each is.
+// Groups of records of one kind, with their offsets.
 class Groups {
 public:
     Groups(std::string& out, std::uint64_t at) : out_{out}, begin_{out.size()}, at_{at} {}
@@ -128,7 +128,7 @@ void Summary::append(std::string& out, std::uint64_t at, std::uint32_t data_crc)
     put(out, summary_start);
     put(out, offsets_start);
     ano::store(reinterpret_cast<std::uint8_t*>(out.data()) + footer - 8,
-               std::uint64_t{footer_size - record_head});    // the CRC is over it, too
+               std::uint64_t{footer_size - record_head});    // set before the CRC, which covers it
     put(out, crc32_of(std::string_view{out}.substr(begin)));
     out += magic;
 }

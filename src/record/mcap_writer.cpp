@@ -16,7 +16,7 @@ McapWriter::McapWriter(const RecordingHead& head, std::string& out, RecordingOpt
     const std::string_view program = text_that_fits(head.program);
     record_ = mcap::magic;
     const std::size_t begun = mcap::begin_record(record_, mcap::Opcode::header);
-    mcap::put_text(record_, encoding_ == DecodedEncoding::cdr ? "ros2" : "");    // all of it is as that profile wants it, or not
+    mcap::put_text(record_, encoding_ == DecodedEncoding::cdr ? "ros2" : "");    // the profile requires CDR in the whole file
     mcap::put_text(record_, program);
     mcap::end_record(record_, begun);
     append(out, record_);

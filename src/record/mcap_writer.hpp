@@ -1,7 +1,7 @@
-// A recording as MCAP, which Foxglove, PlotJuggler and ROS 2 open: frames as they were, and what they say decoded. No I/O.
+// Writes a recording as MCAP for Foxglove, PlotJuggler and ROS 2: the frames, and their decoded messages. No I/O.
 //
-// What is written waits for its chunk: flush() ends it. Chunks of a second or more are packed well; the summary takes about 100 bytes of
-// memory for a chunk, and 10 for each of its channels, until the recording is ended.
+// Frames are collected in a chunk; flush() ends it. Chunks of a second or more compress well. Until end() the summary uses about 100 bytes
+// of memory for each chunk, and 10 for each channel of it.
 #pragma once
 #include <record/crc32.hpp>
 #include <record/decoded_channels.hpp>
@@ -18,7 +18,7 @@ namespace anogate {
 
 class McapWriter final : public RecordingWriter {
 public:
-    /// A chunk of so many bytes is ended by itself; it may have one frame, and what that says, more.
+    /// A chunk is ended when it has this many bytes; it may exceed it by one frame with its decoded messages.
     static constexpr std::size_t enough = 1024 * 1024;
 
     /// Appends the head of the file to `out`.
@@ -42,13 +42,13 @@ private:
     mcap::Summary summary_;
     RecordingCounts counts_;
     std::uint64_t position_ = 0;              // bytes of the file
-    Crc32 crc_;                               // of them
-    std::vector<std::uint32_t> sequences_;    // of the next message, by channel; 0: the channel was not told yet
-    std::vector<bool> schemas_;               // that were told
+    Crc32 crc_;                               // of these bytes
+    std::vector<std::uint32_t> sequences_;    // of the next message, by channel; 0: no Channel record written yet
+    std::vector<bool> schemas_;               // by id: whether its record is written
     std::string lost_names_;
-    std::uint64_t lost_ = 0;          // not told yet
-    std::uint64_t last_ns_ = 0;       // of the frame before
-    std::string message_, record_;    // they keep their memory
+    std::uint64_t lost_ = 0;          // not written yet
+    std::uint64_t last_ns_ = 0;       // time of the last frame
+    std::string message_, record_;    // members only to reuse their memory
 };
 
 }    // namespace anogate

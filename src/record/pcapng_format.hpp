@@ -1,15 +1,15 @@
-// The numbers of pcapng (draft-ietf-opsawg-pcapng), and where a recording has what the format has no place for.
+// The constants of pcapng (draft-ietf-opsawg-pcapng), and how a recording is stored in it.
 //
 //   link                      an interface: if_name, if_description; timestamps in ns
-//   direction                 epb_flags; of a dropped frame, the direction in which it went
+//   direction                 epb_flags; for a dropped frame the direction it had
 //   cause of a drop           the comment "dropped: CAUSE": Wireshark lists comments as such and filters by frame.comment
-//   channel                   epb_queue, which Wireshark shows as the interface's queue; what its number means is told by the comment
-//                             "channel N: PEER" of the first frame that has it
-//   loss                      epb_dropcount of the next frame, and its comment "lost: NAMES"; behind the last frame, the statistics
+//   channel                   epb_queue, which Wireshark shows as the interface's queue; the comment "channel N: PEER" of the first
+//                             frame of a channel tells its peer
+//   loss                      epb_dropcount of the next frame, and its comment "lost: NAMES"; after the last frame in the statistics
 //                             of an interface
-//   clock since the start     an option for local use: no tool shows it, and those who save the file anew leave it out
+//   time since the start      an option for local use: no tool shows it, and programs that save the file again drop it
 //   program, both clocks      shb_userappl and the comment of the section
-//   the end                   the statistics of every interface: a file without them was not ended
+//   the end                   the statistics of every interface: a file without them was not ended properly
 #pragma once
 #include <cstdint>
 #include <string_view>
@@ -48,7 +48,7 @@ inline constexpr std::string_view channel_mark = "channel ";    // "channel 3: 1
 inline constexpr std::string_view unix_mark = "unix time ";     // "unix time 1763898044.123456789 s, boot time 1234.567890123 s"
 inline constexpr std::string_view boot_mark = " s, boot time ";
 
-/// An interface that is there only so that a recording without frames can be ended.
+/// The name of the interface that a recording without frames gets, so that it can have an end.
 inline constexpr std::string_view no_link = "-";
 
 }    // namespace anogate::pcapng

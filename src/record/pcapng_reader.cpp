@@ -13,15 +13,15 @@ namespace {
 using namespace pcapng;
 
 constexpr std::uint64_t second_ns = 1'000'000'000;
-constexpr std::size_t smallest_block = 12;
-constexpr std::size_t smallest_section_header = 28;
+constexpr std::size_t min_block = 12;
+constexpr std::size_t min_section_header = 28;
 
 std::string_view text_in(std::span<const std::uint8_t> bytes) {
     const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     return text.substr(0, text.find('\0'));
 }
 
-// if_tsresol; 0 for what no number of 64 bits holds.
+// From if_tsresol; 0: does not fit into 64 bits.
 std::uint64_t units_per_second(std::uint8_t resolution) {
     const unsigned exponent = resolution & 0x7F;
     if (resolution & 0x80) return exponent < 64 ? std::uint64_t{1} << exponent : 0;
@@ -41,7 +41,7 @@ std::uint64_t nanoseconds_of(std::uint64_t units, std::uint64_t per_second) {
     return units / per_second * second_ns + below;
 }
 
-// "1763898044.123456789", taken off the front.
+// Removes "1763898044.123456789" from the front; the result in ns.
 std::optional<std::uint64_t> take_seconds(std::string_view& text) {
     std::uint64_t seconds = 0, below = 0;
     const char* const end = text.data() + text.size();
@@ -76,7 +76,7 @@ std::uint64_t PcapngReader::u64(Bytes bytes, std::size_t at) const noexcept {
     return swapped_ ? __builtin_bswap64(number) : number;
 }
 
-// The list also ends where its block does, and where it is nonsense.
+// The list also ends with the block, and at an invalid option.
 std::optional<PcapngReader::Option> PcapngReader::take_option(Bytes& options) const noexcept {
     if (options.size() < 4) return std::nullopt;
     const std::uint16_t code = u16(options, 0);
@@ -99,8 +99,8 @@ void PcapngReader::give(std::string_view bytes) {
 // The body of the next block.
 std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type) {
     const Bytes rest{reinterpret_cast<const std::uint8_t*>(buffer_.data()) + at_, buffer_.size() - at_};
-    if (is_damaged() || rest.size() < smallest_block) return std::nullopt;
-    type = u32(rest, 0);    // of a section header the same in either order
+    if (is_damaged() || rest.size() < min_block) return std::nullopt;
+    type = u32(rest, 0);    // the type of a section header is the same in either byte order
     if (type == section_header) {
         const auto magic = ano::load<std::uint32_t>(rest.data() + 8);
         swapped_ = magic == __builtin_bswap32(byte_order_magic);
@@ -109,7 +109,7 @@ std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type)
         return damage("it is neither pcapng nor MCAP"), std::nullopt;
     }
     const std::size_t size = u32(rest, 4);
-    if (size < (type == section_header ? smallest_section_header : smallest_block) || size % 4 != 0)
+    if (size < (type == section_header ? min_section_header : min_block) || size % 4 != 0)
         return damage("a block has a length that no block has"), std::nullopt;
     if (size > max_block) return damage("a block is longer than 16 MiB"), std::nullopt;
     if (rest.size() < size) return std::nullopt;
@@ -117,7 +117,7 @@ std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type)
     at_ += size;
     position_ += size;
     block_size_ = size;
-    return rest.subspan(8, size - smallest_block);
+    return rest.subspan(8, size - min_block);
 }
 
 std::optional<Recorded> PcapngReader::next() {
@@ -135,13 +135,13 @@ std::optional<Recorded> PcapngReader::next() {
         case enhanced_packet: take_packet(*body); break;
         case old_packet:
         case simple_packet: ++foreign_; break;
-        default: break;    // names of hosts, keys, what other programs keep
+        default: break;    // host names, keys and blocks of other programs
         }
         if (skipped_.count == skipped_before && !is_damaged()) good_end_ = position_;
     }
 }
 
-// Both of its lengths are right: the next block is where it is.
+// Skips a damaged block. Its two lengths are equal, so the position of the next block is known.
 void PcapngReader::skip(const char* why, bool is_packet) {
     skipped_.add({position_ - block_size_, block_size_, is_packet ? 1 : 0, why});
     if (is_packet) ++skipped_.frames;
@@ -167,7 +167,7 @@ void PcapngReader::begin_section(Bytes body) {
 void PcapngReader::add_interface(Bytes body) {
     if (interfaces_.size() >= max_interfaces) return damage("it has more than 65536 interfaces");
     Interface interface;
-    if (body.size() < 8) {    // those behind it keep their numbers
+    if (body.size() < 8) {    // still added, so that the following interfaces keep their numbers
         interfaces_.push_back(std::move(interface));
         return skip("the description of an interface is too short", false);
     }

@@ -1,6 +1,6 @@
-// What a pcapng file holds, whoever wrote or saved it, in either byte order. No I/O.
+// Reads the frames of a pcapng file, whichever program wrote it, in either byte order. No I/O.
 //
-// Nothing in a file makes it take more memory than its largest block, max_block, and the names of its links.
+// No file can make it use more memory than its largest block, max_block, and the names of its links.
 #pragma once
 #include <record/recording_reader.hpp>
 
@@ -26,12 +26,12 @@ public:
     RecordingFormat format() const noexcept override { return RecordingFormat::pcapng; }
     const char* fault() const noexcept override { return fault_; }
     SkippedParts skipped() const override { return skipped_; }
-    /// Where the last block ends that is not damaged.
+    /// The end of the last block that is not damaged.
     std::uint64_t good_end() const noexcept { return good_end_; }
     std::uint64_t position() const noexcept override { return position_; }
     std::size_t unfinished() const noexcept override { return buffer_.size() - at_; }
 
-    /// Of the last section that began.
+    /// The head of the current section.
     const RecordingHead& head() const noexcept override { return head_; }
     bool has_end() const noexcept override { return has_end_; }
     std::uint64_t foreign() const noexcept override { return foreign_; }
@@ -42,7 +42,7 @@ private:
     struct Interface {
         std::string name, description;
         bool ours = false;               // LINKTYPE_USER0
-        std::uint64_t per_second = 0;    // units of its timestamps; 0: one that is not supported
+        std::uint64_t per_second = 0;    // units of its timestamps; 0: not supported
         std::uint64_t offset_s = 0;      // modulo 2^64
     };
     struct Option {
@@ -66,21 +66,21 @@ private:
     void skip(const char* why, bool is_packet);
 
     std::string buffer_;
-    std::size_t at_ = 0;    // in buffer_: what was understood ends
+    std::size_t at_ = 0;    // end of the part of buffer_ that was read
     std::uint64_t position_ = 0;
     const char* fault_ = nullptr;
-    std::size_t block_size_ = 0;    // of the block that was read last
+    std::size_t block_size_ = 0;    // of the last block
     std::uint64_t good_end_ = 0;
     SkippedParts skipped_;
 
     bool begun_ = false, swapped_ = false, has_end_ = false;
-    bool has_ours_ = false, has_strangers_ = false;    // interfaces
+    bool has_ours_ = false, has_strangers_ = false;    // interfaces of LINKTYPE_USER0, of others
     RecordingHead head_;
     std::vector<Interface> interfaces_;
     std::array<std::string, 256> peers_;
     std::uint64_t foreign_ = 0;
-    std::optional<RecordedLoss> loss_;      // of the block that was read last
-    std::optional<RecordedFrame> frame_;    // of it, behind that
+    std::optional<RecordedLoss> loss_;      // of the last block
+    std::optional<RecordedFrame> frame_;    // of the last block, after its loss
 };
 
 }    // namespace anogate

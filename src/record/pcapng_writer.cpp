@@ -18,7 +18,7 @@ void put_number(std::string& out, T number) {
 
 void pad(std::string& out) { out.append((4 - out.size() % 4) % 4, '\0'); }
 
-// Padded by itself: `out` may have any size.
+// Adds its own padding, so `out` may have any size.
 class Block {
 public:
     explicit Block(std::uint32_t type) {
@@ -71,7 +71,7 @@ std::uint32_t flags_of(const RecordedFrame& frame) {
 
 void append_interface(std::string_view name, std::string_view description, std::string& out) {
     Block block{interface_description};
-    block.number(link_type_user0).number(std::uint16_t{0}).number(std::uint32_t{0});    // without a limit of length
+    block.number(link_type_user0).number(std::uint16_t{0}).number(std::uint32_t{0});    // snap length: no limit
     block.option(if_name, name);
     if (!description.empty()) block.option(if_description, description);
     block.option(if_tsresol, std::uint8_t{9}).end(out);
@@ -82,7 +82,7 @@ void append_interface(std::string_view name, std::string_view description, std::
 PcapngWriter::PcapngWriter(const RecordingHead& head, std::string& out) {
     Block block{section_header};
     block.number(byte_order_magic).number(std::uint16_t{1}).number(std::uint16_t{0});
-    block.number(~std::uint64_t{0});    // the length of the section is not known
+    block.number(~std::uint64_t{0});    // section length: not known
     block.option(opt_comment, std::string{unix_mark} + seconds_text(head.time_ns) + std::string{boot_mark} +
                                   seconds_text(head.boottime_ns) + " s");
     block.option(shb_userappl, text_that_fits(head.program)).end(out);
@@ -150,7 +150,7 @@ void PcapngWriter::end(std::string& out) {
         block.number(static_cast<std::uint32_t>(i));
         block.number(static_cast<std::uint32_t>(interface.last_ns >> 32)).number(static_cast<std::uint32_t>(interface.last_ns));
         block.option(isb_ifrecv, interface.frames);
-        if (i == 0 && all_lost_ > 0) block.option(isb_ifdrop, all_lost_);    // of which link they were is not known
+        if (i == 0 && all_lost_ > 0) block.option(isb_ifdrop, all_lost_);    // the link of lost frames is not known
         if (i == 0 && lost_ > 0) block.option(isb_osdrop, lost_).option(opt_comment, take_lost_names());
         block.end(out);
     }

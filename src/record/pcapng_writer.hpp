@@ -1,8 +1,8 @@
-// A recording as pcapng, which Wireshark opens. No I/O.
+// Writes a recording as pcapng, for Wireshark. No I/O.
 //
 // Flow:    std::string bytes;
 //          PcapngWriter writer{head, bytes};
-//          writer.write(frame, bytes); ...    // append; each call appends whole blocks, so a file may be cut behind any of them
+//          writer.write(frame, bytes); ...    // appends complete blocks, so a file may be cut after any call
 //          writer.end(bytes);
 #pragma once
 #include <record/recording_writer.hpp>
@@ -22,10 +22,10 @@ public:
     /// Appends the head of the file to `out`.
     PcapngWriter(const RecordingHead& head, std::string& out);
 
-    /// Appends a frame, and its link when that is new. `peer` without `channel` is not kept.
+    /// Appends a frame, preceded by its link if that is new. `peer` is written only with `channel`.
     void write(const RecordedFrame& frame, std::string& out) override;
     void write(const RecordedLoss& loss) override;
-    void flush(std::string&) override {}    // it holds nothing back
+    void flush(std::string&) override {}    // everything is appended at once
     void end(std::string& out) override;
 
 private:
@@ -38,9 +38,9 @@ private:
     std::string take_lost_names();
 
     std::vector<Interface> interfaces_;
-    std::map<std::string, std::uint32_t, std::less<>> numbers_;    // of them, by name
-    std::array<std::string, 256> peers_;                           // that were told, by the number of the channel
-    std::uint64_t lost_ = 0;                                       // not told yet
+    std::map<std::string, std::uint32_t, std::less<>> numbers_;    // index in interfaces_, by name
+    std::array<std::string, 256> peers_;                           // by channel number: the peer already written
+    std::uint64_t lost_ = 0;                                       // not written yet
     std::string lost_names_;
     std::uint64_t all_lost_ = 0;
 };

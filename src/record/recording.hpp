@@ -1,4 +1,4 @@
-// What a recording holds, whatever its format.
+// The contents of a recording, for all formats.
 #pragma once
 #include <ano/frame.hpp>
 #include <gateway/frame_record.hpp>
@@ -12,11 +12,11 @@
 
 namespace anogate {
 
-/// A frame that passed a gateway. Texts are UTF-8; they and the frame are in somebody else's memory.
+/// A frame that passed a gateway. Texts are UTF-8; they and the frame refer to memory of the caller.
 struct RecordedFrame {
     std::uint64_t time_ns = 0;                 // since 1970
     std::uint64_t boottime_ns = 0;             // since the computer was started; 0: not known
-    std::string_view link = {};                // by name
+    std::string_view link = {};                // its name
     std::string_view link_description = {};    // "serial /dev/ttyUSB0"; empty: not known
     Direction direction = Direction::in;
     std::string_view cause = {};                 // why it was dropped: a name of frame_causes()
@@ -33,19 +33,19 @@ struct RecordedLoss {
 
 using Recorded = std::variant<RecordedFrame, RecordedLoss>;
 
-/// What recorded, and what both clocks said when it began.
+/// The recording program, and both clocks at the beginning.
 struct RecordingHead {
     std::string program;    // "anoctl 0.1.0"
     std::uint64_t time_ns = 0;
     std::uint64_t boottime_ns = 0;
 };
 
-/// Texts of a recording are cut behind so many bytes, and before a NUL.
+/// Texts of a recording are cut after this many bytes, and before a NUL.
 inline constexpr std::size_t max_recorded_text = 1024;
-/// What of it is recorded: never half a character.
+/// The part of `text` that is recorded, without an incomplete character at its end.
 std::string_view text_that_fits(std::string_view text) noexcept;
 
-/// Seconds in whole microseconds, as the frames of a gateway have them in JSON.
+/// Seconds in whole microseconds, as in the JSON of frames.
 double json_seconds(std::uint64_t ns) noexcept;
 /// "1763898044.123456789"
 std::string seconds_text(std::uint64_t ns);

@@ -11,13 +11,13 @@ namespace {
 
 using CountsJson = nlohmann::ordered_json;
 
-constexpr double clock_step = 0.1;    // seconds between both clocks, from which on one of them was set
+constexpr double clock_step = 0.1;    // seconds; from this difference between the clocks on, one was set
 
 double seconds_between(std::uint64_t from, std::uint64_t to) {
     return to >= from ? static_cast<double>(to - from) / 1e9 : -static_cast<double>(from - to) / 1e9;
 }
 
-// Throws what nlohmann's JSON throws when there is no such number.
+// Throws an exception of nlohmann::json if there is no such number.
 std::uint64_t number_at(const CountsJson& json, const char* key) {
     const CountsJson& number = json.at(key);
     if (!number.is_number_unsigned()) throw std::invalid_argument{key};

@@ -19,7 +19,7 @@ T loaded_at(std::string_view bytes, std::size_t at) {
     return ano::load<T>(reinterpret_cast<const std::uint8_t*>(bytes.data()) + at);
 }
 
-/// The block that ends where `bytes` do, taken off; nothing: none does.
+/// Removes the last block from `bytes` and returns it; std::nullopt: no block ends there.
 std::optional<std::string_view> take_last_block(std::string_view& bytes) {
     if (bytes.size() < block_ends) return std::nullopt;
     const auto size = loaded_at<std::uint32_t>(bytes, bytes.size() - 4);
@@ -31,15 +31,15 @@ std::optional<std::string_view> take_last_block(std::string_view& bytes) {
 }
 
 constexpr std::size_t before_times = 8 + 4,
-                      behind_times = before_times + 8;    // of a frame and of statistics: type, length, interface
+                      behind_times = before_times + 8;    // in blocks of frames and of statistics: type, length, interface
 
-/// 0: the block has none.
+/// 0: the block has no time.
 std::uint64_t time_of(std::string_view block) {
     if (block.size() < behind_times + 4) return 0;
     return std::uint64_t{loaded_at<std::uint32_t>(block, before_times)} << 32 | loaded_at<std::uint32_t>(block, before_times + 4);
 }
 
-/// The number `wanted` among the options of a block, which begin at `at`; 0: it is not there.
+/// The value of the option `wanted`; the options of the block begin at `at`. 0: there is none.
 std::uint64_t number_among_options(std::string_view block, std::size_t at, std::uint16_t wanted) {
     if (at + 4 > block.size()) return 0;
     std::string_view options = block.substr(at, block.size() - at - 4);
@@ -53,7 +53,7 @@ std::uint64_t number_among_options(std::string_view block, std::size_t at, std::
     return 0;
 }
 
-/// Of a frame; 0: it is none, or does not tell.
+/// The boot time of a frame; 0: the block is not a frame, or has none.
 std::uint64_t boottime_of(std::string_view block) {
     constexpr std::size_t at_size = behind_times, at_bytes = at_size + 8;
     if (block.size() < at_bytes + 4 || loaded_at<std::uint32_t>(block, 0) != enhanced_packet) return 0;
@@ -61,7 +61,7 @@ std::uint64_t boottime_of(std::string_view block) {
     return bytes > block.size() ? 0 : number_among_options(block, at_bytes + (bytes + 3) / 4 * 4, opt_boottime);
 }
 
-/// When a frame passed: since 1970, and since the computer was started; ns, 0 where it is not known.
+/// When a frame passed: ns since 1970, and ns since the computer was started; 0: not known.
 struct Passed {
     std::uint64_t time = 0, boottime = 0;
 };
@@ -72,7 +72,7 @@ std::optional<double> seconds_between(const Passed& first, const Passed& last) {
     return static_cast<double>(last.time - first.time) / 1e9;
 }
 
-// The gateway writes little endian.
+// Little endian only, as the gateway writes.
 RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) {
     RecordingGlance glance;
     PcapngReader reader;
@@ -98,7 +98,7 @@ RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) 
     return glance;
 }
 
-// Whose it is stands behind the Header, where a program that saved it again need not have left it.
+// The program is in the Metadata after the Header, where another program that saved the file may have removed it.
 RecordingHead head_of_mcap(std::string_view file) {
     if (!file.starts_with(mcap::magic)) return {};
     file.remove_prefix(mcap::magic.size());

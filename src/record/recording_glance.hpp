@@ -1,4 +1,4 @@
-// What a recording tells by its two ends, without reading what is between them. No I/O.
+// What the beginning and the end of a recording tell, without reading the rest. No I/O.
 #pragma once
 #include <record/recording_writer.hpp>
 
@@ -10,14 +10,14 @@
 namespace anogate {
 
 struct RecordingGlance {
-    RecordingHead head;    // without a program: it is no recording, or not one of ours
+    RecordingHead head;    // an empty program: not a recording of anogate
     bool is_ended = false;
-    std::optional<std::uint64_t> frames;    // where its end tells; of MCAP read_mcap_index() does
-    /// From its first frame to its last, where its ends tell; by the clock that nobody sets, where it has that. Of MCAP as well.
+    std::optional<std::uint64_t> frames;    // if the end tells it; for MCAP use read_mcap_index()
+    /// From the first frame to the last, if the ends tell it; by the boot-time clock if the recording has it. For MCAP as for `frames`.
     std::optional<double> seconds;
 };
 
-/// So many bytes of each end are enough; a file that has fewer is given as both.
+/// Bytes needed of each end; a smaller file is passed as both.
 inline constexpr std::size_t glance_size = 16 * 1024;
 RecordingGlance glance_at(RecordingFormat format, std::string_view first, std::string_view last);
 

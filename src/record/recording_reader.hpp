@@ -1,11 +1,11 @@
-// Reads a recording in one format or another. No I/O.
+// Reads a recording of either format. No I/O.
 //
-// Flow:    const auto reader = make_recording_reader(first_piece);    // which may be all there is yet, but not nothing
+// Flow:    const auto reader = make_recording_reader(first_piece);    // not empty
 //          for (each piece of the file) { reader->give(piece); while (const auto item = reader->next()) ...; }
 //          if (reader->is_damaged()) ...
 //
-// Of a file that was cut, all that is whole before the cut is given. A part whose damage does not hide where the next one begins is left
-// out, and told in skipped().
+// Of a file that was cut, everything complete before the cut is returned. A damaged part is skipped and listed in skipped() if the
+// beginning of the next part is known.
 #pragma once
 #include <record/recording_writer.hpp>
 
@@ -18,11 +18,11 @@
 
 namespace anogate {
 
-/// A chunk of MCAP or a block of pcapng that is damaged and was left out.
+/// A damaged chunk of MCAP or block of pcapng that was skipped.
 struct SkippedPart {
     std::uint64_t at = 0, size = 0;             // bytes of the file
-    std::optional<std::uint64_t> messages{};    // that it has, as the index behind it or its kind tells; nothing: none does
-    std::string_view why;                       // in a clause; lives as long as the program
+    std::optional<std::uint64_t> messages{};    // in it, from the index after it or its type; std::nullopt: unknown
+    std::string_view why;                       // a clause; valid as long as the program runs
 
     friend bool operator==(const SkippedPart&, const SkippedPart&) = default;
 };
@@ -31,8 +31,8 @@ struct SkippedParts {
     static constexpr std::size_t max_told = 16;
 
     std::uint64_t count = 0, bytes = 0;
-    std::uint64_t frames = 0;            // of which it is known that they were in there
-    std::vector<SkippedPart> first{};    // of them, max_told at most
+    std::uint64_t frames = 0;            // known to be in skipped parts
+    std::vector<SkippedPart> first{};    // of these parts, at most max_told
 
     void add(const SkippedPart& part) {
         ++count;
@@ -48,33 +48,33 @@ public:
 
     /// The next bytes of the file.
     virtual void give(std::string_view bytes) = 0;
-    /// Nothing: all that is whole was given, or the file is damaged. Valid until the next call.
+    /// Valid until the next call. std::nullopt: more bytes are needed, or the file is damaged.
     virtual std::optional<Recorded> next() = 0;
 
     virtual RecordingFormat format() const noexcept = 0;
-    /// In a clause, why nothing more is read behind position(); nullptr: it is not damaged.
+    /// Why nothing after position() can be read, in a clause; nullptr: not damaged.
     virtual const char* fault() const noexcept = 0;
     bool is_damaged() const noexcept { return fault() != nullptr; }
-    /// How many bytes of the file were understood.
+    /// Bytes of the file that were read.
     virtual std::uint64_t position() const noexcept = 0;
-    /// What before position() was left out.
+    /// The skipped parts before position().
     virtual SkippedParts skipped() const = 0;
-    /// In clauses, which checksums over parts of the file do not match, where nothing that was left out explains it; they live as
-    /// long as the program. What was given is right where its own checksums are.
+    /// Checksums over parts of the file that do not match although nothing was skipped there, as clauses; valid as long as the program
+    /// runs. The returned frames are correct if their own checksums are.
     virtual std::vector<std::string_view> mismatches() const { return {}; }
-    /// Bytes behind position(): the begin of something whose end is not there.
+    /// Bytes after position(): the beginning of an incomplete part.
     virtual std::size_t unfinished() const noexcept = 0;
 
     virtual const RecordingHead& head() const noexcept = 0;
-    /// What tells that the recording was ended came behind the last frame.
+    /// Whether the end mark of the recording came after the last frame.
     virtual bool has_end() const noexcept = 0;
-    /// Packets that are no whole frame: of another program, or damaged.
+    /// Number of packets that are not complete frames: of another program, or damaged.
     virtual std::uint64_t foreign() const noexcept = 0;
-    /// It is of the format, but nothing in it tells of frames: another program wrote it.
+    /// Whether the file has the right format but nothing of anogate: another program wrote it.
     virtual bool is_strange() const noexcept = 0;
 };
 
-/// By how the file begins.
+/// `begin`: the first bytes of the file, which tell the format.
 std::unique_ptr<RecordingReader> make_recording_reader(std::string_view begin);
 
 }    // namespace anogate

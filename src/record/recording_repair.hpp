@@ -1,9 +1,9 @@
-// Makes a recording that was cut, by a loss of power or by force, a whole one again. No I/O.
+// Repairs a recording that was cut by a power failure or a kill. No I/O.
 //
 // Flow:    RecordingRepair repair{format};
 //          for (each piece of the file) repair.give(piece);
 //          const RecordingRepair::Result result = repair.finish();
-//          // the file is cut to result.keep bytes, then result.append is appended
+//          // cut the file to result.keep bytes, then append result.append
 #pragma once
 #include <record/recording_writer.hpp>
 
@@ -17,11 +17,11 @@ namespace anogate {
 class RecordingRepair {
 public:
     struct Result {
-        std::uint64_t keep = 0;      // bytes of the file, from its begin
-        std::string append;          // what ends it
-        std::uint64_t frames = 0;    // that are in it
-        bool is_whole = false;       // it was ended: nothing is to be done
-        bool is_recording = true;    // false: it is none, or damaged before its first frame, and is left as it is
+        std::uint64_t keep = 0;      // bytes of the file, from its beginning
+        std::string append;          // its new end
+        std::uint64_t frames = 0;    // in the repaired file
+        bool is_whole = false;       // it was ended properly: nothing to repair
+        bool is_recording = true;    // false: not a recording, or damaged before its first frame; leave it as it is
     };
 
     explicit RecordingRepair(RecordingFormat format);
@@ -31,10 +31,10 @@ public:
 
     /// The next bytes of the file.
     void give(std::string_view bytes);
-    /// As if the file ended here; more may be given afterwards.
+    /// The result if the file ends here; give() may be called again afterwards.
     Result finish();
 
-    /// Of one format.
+    /// The repair of one format.
     class Reading {
     public:
         virtual ~Reading() = default;

@@ -1,10 +1,10 @@
-// Writes a recording in one format or another. No I/O.
+// Writes a recording in either format. No I/O.
 //
 // Flow:    std::string bytes;
 //          const auto writer = make_recording_writer(RecordingFormat::pcapng, head, bytes);
 //          writer->write(frame, bytes); ...    // each call may append
-//          writer->flush(bytes);               // now all that was written is in the bytes
-//          writer->end(bytes);                 // nothing is written behind it
+//          writer->flush(bytes);               // now everything written is in `bytes`
+//          writer->end(bytes);                 // no calls afterwards
 #pragma once
 #include <record/decoded_channels.hpp>
 #include <record/recording.hpp>
@@ -19,9 +19,9 @@ namespace anogate {
 
 enum class RecordingFormat : std::uint8_t { pcapng, mcap };
 
-/// "pcapng", "mcap": also the end of the name of a file, behind its dot.
+/// "pcapng", "mcap": also the extension of a file name, without the dot.
 std::string_view text(RecordingFormat format) noexcept;
-/// Of a file's name, whose end may be in capitals.
+/// By the extension of a file name, in lower or upper case; std::nullopt: another one.
 std::optional<RecordingFormat> recording_format_of(std::string_view file);
 
 class RecordingWriter {
@@ -29,18 +29,18 @@ public:
     virtual ~RecordingWriter() = default;
 
     virtual void write(const RecordedFrame& frame, std::string& out) = 0;
-    /// Frames that are not in it; is told with the next frame, or at the end.
+    /// Frames that could not be recorded; written with the next frame, or at the end.
     virtual void write(const RecordedLoss& loss) = 0;
-    /// Appends what it holds back: whatever was written until now is read of a file that ends here.
+    /// Appends everything held back, so that a file that ends here contains all that was written.
     virtual void flush(std::string& out) = 0;
-    /// Appends what tells that the recording was ended; nothing is written behind it.
+    /// Appends the end mark of the recording. Nothing may be written afterwards.
     virtual void end(std::string& out) = 0;
 };
 
-/// Of MCAP: pcapng has frames alone, and packs nothing.
+/// For MCAP only: pcapng has no decoded messages and no compression.
 struct RecordingOptions {
-    DecodedEncoding encoding = DecodedEncoding::cdr;    // of what frames say
-    bool packed = true;                                 // by zstd
+    DecodedEncoding encoding = DecodedEncoding::cdr;    // of decoded messages
+    bool packed = true;                                 // compressed by zstd
 };
 
 /// Appends the head of the file to `out`.

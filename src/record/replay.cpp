@@ -10,7 +10,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::uint64_t max_ns = 1'000'000'000ull * 3600 * 24 * 365;    // of any file: what is beyond can't be told apart
+constexpr std::uint64_t max_ns = 1'000'000'000ull * 3600 * 24 * 365;    // a year; longer times of a file are not distinguished
 
 constexpr std::size_t max_seen = 16;    // names of links
 
@@ -22,7 +22,7 @@ std::string list_of(const std::vector<std::string>& words, const std::string& la
     return text;
 }
 
-/// "0.4 s", "20 s": of a day too.
+/// "0.4 s", "20 s"; always in seconds.
 std::string seconds_text(ano::Duration time) {
     const auto tenths = std::chrono::duration_cast<std::chrono::milliseconds>(time + std::chrono::milliseconds{50}).count() / 100;
     std::string text = std::to_string(tenths / 10);
@@ -30,7 +30,7 @@ std::string seconds_text(ano::Duration time) {
     return text + " s";
 }
 
-// What can't be read may be anything.
+// A tunnel frame that can't be read may contain anything.
 bool may_hide_a_risk(ano::FrameView tunnel_frame) noexcept {
     const auto content = unwrap(tunnel_frame, {});
     if (!content) return true;

@@ -1,4 +1,4 @@
-// What of a recording is said again, and when. No I/O.
+// Which frames of a recording are replayed, and when. No I/O.
 #pragma once
 #include <ano/time.hpp>
 #include <record/recording.hpp>
@@ -10,28 +10,28 @@
 
 namespace anogate {
 
-/// Why a frame is better not said again: a replay must not start a vehicle.
+/// Why a frame should not be replayed: a replay must not start a vehicle.
 enum class Risk : std::uint8_t {
     none,
-    of_host,    // a host said it
+    of_host,    // sent by a host
     command,    // it commands or changes a vehicle
-    tunnel,     // a tunnel frame that has such a frame in it, or may have one
+    tunnel,     // a tunnel frame that contains or may contain such a frame
 };
 Risk risk_of(ano::FrameView frame) noexcept;
 inline bool may_command(ano::FrameView frame) noexcept { return risk_of(frame) != Risk::none; }
 
-/// When each frame is due. By the clock that nobody sets, where the recording has it: otherwise by the other one, which may have been
-/// set: what is earlier than the frame before is due with it.
+/// When each frame is due. Uses the boot-time clock if the recording has it. The system clock may have been set: then a frame that is
+/// earlier than the one before is due at the same time as that.
 class ReplayClock {
 public:
-    /// `rate` times as fast as it was; 0: at once.
+    /// `rate`: speed relative to the recording; 0: all frames at once.
     explicit ReplayClock(double rate) noexcept : rate_{rate} {}
 
-    /// Since the first frame; of each frame once, in their order.
+    /// Time since the first frame. To be called once for each frame, in order.
     ano::Duration due(const RecordedFrame& frame) noexcept { return at_rate(elapsed(frame)); }
-    /// The same as the recording has it, at rate 1. Of each frame one of both.
+    /// The same at rate 1. For each frame call either this or due().
     ano::Duration elapsed(const RecordedFrame& frame) noexcept;
-    /// How long so much of the recording takes.
+    /// How long `elapsed` of the recording takes at the rate.
     ano::Duration at_rate(ano::Duration elapsed) const noexcept;
 
 private:
@@ -41,28 +41,28 @@ private:
     std::uint64_t elapsed_ns_ = 0;
 };
 
-/// Chooses the frames of a replay: those that came in, by the links that are asked for, between two times, without risk.
+/// Chooses the frames of a replay: received frames of the chosen links, within a time range, without Risk.
 class ReplayPlan {
 public:
     struct Options {
-        double rate = 1;                        // as of ReplayClock
-        ano::Duration from{}, to{};             // since the first frame of the recording; `to` 0: up to its end
+        double rate = 1;                        // see ReplayClock
+        ano::Duration from{}, to{};             // since the first frame of the recording; `to` 0: until its end
         std::vector<std::string> links = {};    // by name; empty: all
-        bool commands = false;                  // frames with a risk as well
+        bool commands = false;                  // frames with a Risk as well
     };
-    /// Frames that were asked for and are kept back, by their risk.
+    /// Number of otherwise chosen frames that are left out, by their Risk.
     struct KeptBack {
         std::uint64_t of_hosts = 0, commands = 0, tunnels = 0;
     };
 
     explicit ReplayPlan(Options options) : options_{std::move(options)}, clock_{options_.rate} {}
 
-    /// When it is to be said, since `from`; nothing: it stays out. Of every frame of the recording, in their order.
+    /// When the frame is due, since `from`; std::nullopt: it is left out. To be called for every frame of the recording, in order.
     std::optional<ano::Duration> due(const RecordedFrame& frame);
-    /// The frames from here on are behind `to`.
+    /// Whether all further frames are after `to`.
     bool is_over() const noexcept { return is_over_; }
     const KeptBack& kept_back() const noexcept { return kept_back_; }
-    /// Behind the last frame: why not one was to be said, in a clause, "there is no link radio in it; there is fc". Empty: one was.
+    /// After the last frame: why no frame was chosen, in a clause: "there is no link radio in it; there is fc". Empty: at least one was.
     std::string why_nothing() const;
 
 private:
@@ -74,10 +74,10 @@ private:
     KeptBack kept_back_;
     bool is_over_ = false;
 
-    bool says_some_ = false;    // behind that nothing of the following is noted
+    bool says_some_ = false;    // from then on the members below are not updated
     bool has_frames_ = false;
-    ano::Duration length_{};           // up to the last frame
-    std::vector<std::string> seen_;    // the names of links, at most 16
+    ano::Duration length_{};           // of the recording so far
+    std::vector<std::string> seen_;    // names of links, at most 16
 };
 
 }    // namespace anogate

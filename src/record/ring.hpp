@@ -1,7 +1,7 @@
-// What is remembered of the last while, within a bound: arithmetic, no I/O.
+// Remembers items of the last while, within a limit of memory. No I/O.
 //
 // Flow:    ring.push(batch, cost, now);            // as it comes
-//          ring.forget_until(now); ring.items()    // what there is of the last while, the oldest first
+//          ring.forget_until(now); ring.items()    // the items of the last while, oldest first
 #pragma once
 #include <ano/time.hpp>
 
@@ -11,7 +11,7 @@
 
 namespace anogate {
 
-/// Items go when they are older than the span, and the oldest when all of them cost more than the bound.
+/// Items are dropped when they are older than `span`, and the oldest when all together cost more than `max_cost`.
 template <class Item>
 class Ring {
 public:
@@ -21,13 +21,13 @@ public:
         ano::TimePoint at{};
     };
 
-    Ring(ano::Duration span, std::size_t most) : span_{span}, most_{most} {}
+    Ring(ano::Duration span, std::size_t max_cost) : span_{span}, max_cost_{max_cost} {}
 
-    /// One that costs more than the bound by itself is not kept, nor is anything before it: nothing is missing in the middle.
+    /// An item that costs more than `max_cost` by itself is dropped together with all before it, so that there is never a gap.
     void push(Item item, std::size_t cost, ano::TimePoint now) {
         kept_.push_back({std::move(item), cost, now});
         cost_ += cost;
-        while (cost_ > most_) drop_oldest();
+        while (cost_ > max_cost_) drop_oldest();
         forget_until(now);
     }
     void forget_until(ano::TimePoint now) {
@@ -40,7 +40,7 @@ public:
     const std::deque<Kept>& items() const noexcept { return kept_; }
     std::size_t cost() const noexcept { return cost_; }
     ano::Duration span() const noexcept { return span_; }
-    /// For how long it remembers at `now`.
+    /// How far back it remembers at `now`.
     ano::Duration reach(ano::TimePoint now) const noexcept { return kept_.empty() ? ano::Duration{} : now - kept_.front().at; }
 
 private:
@@ -50,7 +50,7 @@ private:
     }
 
     ano::Duration span_;
-    std::size_t most_;
+    std::size_t max_cost_;
     std::deque<Kept> kept_;
     std::size_t cost_ = 0;
 };

@@ -1,4 +1,4 @@
-// When a file of a recording is ended and the next begun, and what it is called. No I/O.
+// When to begin the next file of a recording, and the names of the files. No I/O.
 #pragma once
 #include <ano/time.hpp>
 #include <record/recording_writer.hpp>
@@ -14,20 +14,20 @@ struct RotationLimits {
     ano::Duration time{};
 };
 
-/// A file that is written.
+/// The file being written.
 struct FileSoFar {
     std::uint64_t bytes = 0;
     std::uint64_t frames = 0;
-    ano::Duration age{};    // by a clock that nobody sets
+    ano::Duration age{};    // by the steady clock
 };
 
-/// A file without frames stays: otherwise a gateway that hears nothing would fill its folder with empty files.
+/// False for a file without frames: otherwise a gateway that receives nothing would fill its folder with empty files.
 constexpr bool is_time_for_the_next(const RotationLimits& limits, const FileSoFar& file) noexcept {
     if (file.frames == 0) return false;
     return (limits.bytes > 0 && file.bytes >= limits.bytes) || (limits.time > ano::Duration::zero() && file.age >= limits.time);
 }
 
-/// "flight.pcapng", "flight-2.pcapng": `number` begins with 1.
+/// "flight.pcapng", "flight-2.pcapng": `number` counts from 1.
 inline std::string recording_file_name(const std::string& name, unsigned number, RecordingFormat format) {
     std::string file = number > 1 ? name + "-" + std::to_string(number) : name;
     return file.append(".").append(text(format));

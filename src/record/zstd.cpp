@@ -8,8 +8,8 @@
 namespace anogate {
 namespace {
 
-constexpr int pack_level = 1;     // 400 MB/s and more: a recording must keep up
-constexpr int max_window = 26;    // 2^26 bytes: more than a chunk may have
+constexpr int pack_level = 1;     // at least 400 MB/s, because a recording must keep up
+constexpr int max_window = 26;    // 2^26 bytes; chunks are not larger
 constexpr std::size_t unpack_step = 1024 * 1024;
 
 }    // namespace
@@ -31,7 +31,7 @@ void ZstdPacker::pack(std::string_view bytes, std::string& out) {
     out.resize(before + ZSTD_compressBound(bytes.size()));
     const std::size_t size = ZSTD_compressCCtx(context_->zstd.get(), out.data() + before, out.size() - before, bytes.data(),
                                                bytes.size(), pack_level);
-    if (ZSTD_isError(size)) throw std::bad_alloc{};    // there is no other reason: the room is enough
+    if (ZSTD_isError(size)) throw std::bad_alloc{};    // the only possible reason: the buffer is large enough
     out.resize(before + size);
 }
 
@@ -53,7 +53,7 @@ bool ZstdUnpacker::unpack(std::string_view packed, std::size_t size, std::string
     ZSTD_DCtx* const zstd = context_->zstd.get();
     ZSTD_DCtx_reset(zstd, ZSTD_reset_session_only);
     ZSTD_inBuffer in{packed.data(), packed.size(), 0};
-    std::size_t left = 1;    // 0: the end was reached
+    std::size_t left = 1;    // 0: at the end
     while (left != 0) {
         const std::size_t before = out.size(), room = std::min(unpack_step, size - before);
         out.resize(before + room);
@@ -62,7 +62,7 @@ bool ZstdUnpacker::unpack(std::string_view packed, std::size_t size, std::string
         left = ZSTD_decompressStream(zstd, &to, &in);
         out.resize(to.pos);
         if (ZSTD_isError(left)) return false;
-        if (left != 0 && to.pos == before && in.pos == begun) return false;    // it is cut, or longer
+        if (left != 0 && to.pos == before && in.pos == begun) return false;    // incomplete, or longer than `size`
     }
     return in.pos == packed.size() && out.size() == size;
 }

@@ -1,4 +1,4 @@
-// Compression by zstd, which no other source knows.
+// Compression by zstd. Only its source includes the library.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -14,7 +14,7 @@ public:
     ZstdPacker(const ZstdPacker&) = delete;
     ZstdPacker& operator=(const ZstdPacker&) = delete;
 
-    /// Appends `bytes`, packed. Throws std::bad_alloc.
+    /// Appends `bytes`, compressed. Throws std::bad_alloc.
     void pack(std::string_view bytes, std::string& out);
 
 private:
@@ -29,8 +29,8 @@ public:
     ZstdUnpacker(const ZstdUnpacker&) = delete;
     ZstdUnpacker& operator=(const ZstdUnpacker&) = delete;
 
-    /// Makes `out` of what was packed; false: that is not whole, or not `size` bytes long. Takes memory for what it gives only, not for
-    /// what is said of its size.
+    /// Sets `out` to the decompressed bytes. False: the data are incomplete, or not `size` bytes long. Allocates for real data only, not
+    /// for a claimed size.
     bool unpack(std::string_view packed, std::size_t size, std::string& out);
 
 private:

@@ -15,7 +15,7 @@ template <class T>
 T number_of(const ano::Value& value) noexcept {
     if (const auto* real = std::get_if<double>(&value)) {
         if constexpr (std::is_floating_point_v<T>) return static_cast<T>(*real);
-        else return T{};    // no field of whole numbers is given one
+        else return T{};    // integer fields never get a real number
     }
     if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<T>(*whole);
     if (const auto* whole = std::get_if<std::uint64_t>(&value)) return static_cast<T>(*whole);
@@ -36,7 +36,7 @@ constexpr std::size_t size_of(RosType type) noexcept {
     }
 }
 
-constexpr std::size_t largest_gap = 8;
+constexpr std::size_t max_gap = 8;
 
 }    // namespace
 
@@ -68,7 +68,7 @@ void CdrEncoder::write_field(const RosField& field) {
     if (field.shape == RosField::Shape::array && !values_.empty() && std::holds_alternative<ano::Bytes>(values_.front()))
         return write_raw(std::get<ano::Bytes>(next()), size_of(field.type), count * size_of(field.type));
     if (field.shape == RosField::Shape::sequence) {
-        // No more elements than there are values: the number came with them.
+        // The number comes with the values and may be wrong: at most as many elements as values.
         count = number_of<std::uint32_t>(next());
         count = std::min(count, values_.size());
         write(static_cast<std::uint32_t>(count));
@@ -110,7 +110,7 @@ void CdrEncoder::write_bytes(const RosField& field) {
     write_raw(bytes, 1, bytes.size());
 }
 
-// Cut, or with zeros behind it.
+// Writes exactly `size` bytes: cuts, or appends zeros.
 void CdrEncoder::write_raw(ano::Bytes bytes, std::size_t alignment, std::size_t size) {
     bytes = bytes.first(std::min(bytes.size(), size));
     char* const at = room(alignment, size);
@@ -130,10 +130,10 @@ void CdrEncoder::write(T value) {
 
 char* CdrEncoder::room(std::size_t alignment, std::size_t size) {
     const std::size_t gap = (cdr_head.size() - size_) & (alignment - 1);
-    if (data_.size() < size_ + largest_gap + size) [[unlikely]]
-        grow(size_ + largest_gap + size);
+    if (data_.size() < size_ + max_gap + size) [[unlikely]]
+        grow(size_ + max_gap + size);
     char* const at = data_.data() + size_;
-    std::memset(at, 0, largest_gap);
+    std::memset(at, 0, max_gap);
     size_ += gap + size;
     return at + gap;
 }

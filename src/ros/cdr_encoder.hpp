@@ -1,5 +1,5 @@
-// The values of a ROS message as CDR: little-endian, as ROS 2 sends it (XCDR1, encapsulation header 00 01 00 00). Numbers stand at
-// multiples of their size, counted from behind the header.
+// The values of a ROS message as CDR: little-endian, as ROS 2 sends it (XCDR1, encapsulation header 00 01 00 00). Numbers are
+// aligned to their size, counted from the end of the header.
 #pragma once
 #include <ano/reading.hpp>
 #include <ros/ros_message.hpp>
@@ -12,16 +12,16 @@
 
 namespace anogate {
 
-/// Allocates only for a message that is longer than every one before.
+/// Allocates only for a message longer than all before.
 class CdrEncoder {
 public:
-    /// `values` are those of the fields in their order, of a message in a message in its place:
-    ///   a number      as such; Nothing is NaN, and 0 where the type has none
+    /// `values` has the values of all fields in order, including those of nested messages:
+    ///   a number      the number; Nothing becomes NaN, or 0 for an integer type
     ///   text          UTF-8 without NUL
-    ///   several uint8 their bytes, as one value
-    ///   an array      so many values, or of numbers their bytes, little-endian, as one
-    ///   a sequence    their number as std::uint64_t, then the values
-    /// What is missing is Nothing; what does not fit its field is 0 or empty. Valid until the next call.
+    ///   several uint8 the bytes, as one value
+    ///   an array      one value for each element, or for numbers all their bytes, little-endian, as one value
+    ///   a sequence    the number of elements as std::uint64_t, then the values
+    /// Missing values count as Nothing; a value that does not fit its field becomes 0 or empty. Valid until the next call.
     std::string_view encode(const RosMessage& message, std::span<const ano::Value> values);
 
 private:
@@ -39,7 +39,7 @@ private:
     void grow(std::size_t size);
 
     std::span<const ano::Value> values_;
-    std::string data_;    // longer than the longest message so far
+    std::string data_;    // a buffer larger than the longest message so far
     std::size_t size_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What is to be known of a field's values, in a line.
+// A comment on the values of a field, in one line.
 #pragma once
 #include <ano/schema.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace anogate {
 
-/// "°; clockwise from the nose", and with `meanings` "0: locked; 1: unlocked" behind it.
+/// "°; clockwise from the nose"; with `meanings` followed by "0: locked; 1: unlocked".
 inline std::string comment_of(const ano::Field& f, bool meanings) {
     std::string text;
     const auto add = [&](std::string_view part) {

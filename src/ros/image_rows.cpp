@@ -47,7 +47,7 @@ const WholeImage* ImageRows::hear(std::uint64_t sender, const ano::Reading& read
     return &whole_;
 }
 
-// Its own, an empty one, or that which was quiet the longest.
+// The sender's own entry, or an unused one, or the one without frames for the longest time.
 ImageRows::Begun& ImageRows::place_for(std::uint64_t sender) {
     Begun* best = &begun_.front();
     for (Begun& one : begun_) {
@@ -58,7 +58,7 @@ ImageRows::Begun& ImageRows::place_for(std::uint64_t sender) {
     return *best;
 }
 
-// Of one bit a pixel the leftmost is the highest.
+// With one bit for each pixel the leftmost pixel is the highest bit.
 void ImageRows::append_rows(const Head& head, ano::Bytes rows, std::vector<std::uint8_t>& pixels) {
     if (head.color == grey) {
         pixels.insert(pixels.end(), rows.begin(), rows.end());

@@ -1,7 +1,7 @@
-// Images out of the frames that bring their rows (0xB0). No I/O.
+// Assembles images from the frames with their rows (0xB0). No I/O.
 //
-// Frames of one image have the same flag, colour and size, and come in the order of the rows, which have no numbers. So an image is whole
-// when it has as many rows as it is high; one of which a frame is missing gives way to the next, or to whatever comes a second later.
+// Frames of one image have the same flag, colour and size, and come in the order of the rows, which have no numbers. So an image is
+// complete when it has as many rows as its height. An image with a missing frame is dropped when the next one begins, or after a second.
 #pragma once
 #include <ano/reading.hpp>
 
@@ -13,7 +13,7 @@
 
 namespace anogate {
 
-/// A byte a pixel, 0 to 255; of a picture of one bit a pixel 0 and 255.
+/// One byte for each pixel, 0 to 255; 0 or 255 for a picture with one bit for each pixel.
 struct WholeImage {
     std::uint32_t width = 0, height = 0;
     ano::Bytes pixels{};    // valid until the next call of ImageRows::hear()
@@ -21,11 +21,11 @@ struct WholeImage {
 
 class ImageRows {
 public:
-    static constexpr std::size_t max_pixels = 1024 * 1024;    // of an image; larger ones are left alone
-    static constexpr std::size_t max_begun = 8;               // at a time; the one that was quiet the longest gives way
+    static constexpr std::size_t max_pixels = 1024 * 1024;    // of an image; larger ones are ignored
+    static constexpr std::size_t max_begun = 8;    // incomplete images; the one without frames for the longest time is dropped
     static constexpr std::uint64_t pause_ns = 1'000'000'000;
 
-    /// Of a frame that `sender`, whatever number that is, sent. Nullptr: no image is whole by it.
+    /// To be called for each frame; `sender` is any number that identifies the device. nullptr: no image is complete.
     const WholeImage* hear(std::uint64_t sender, const ano::Reading& reading, std::uint64_t time_ns);
 
 private:
@@ -38,7 +38,7 @@ private:
     struct Begun {
         std::uint64_t sender = 0, heard_ns = 0;
         Head head{};
-        std::vector<std::uint8_t> pixels{};    // empty: nobody's
+        std::vector<std::uint8_t> pixels{};    // empty: unused
     };
     Begun& place_for(std::uint64_t sender);
     static void append_rows(const Head& head, ano::Bytes rows, std::vector<std::uint8_t>& pixels);

@@ -1,5 +1,5 @@
-// A message of the table as JSON: the `fields` of its frame (ano_json/frame_json.hpp). What is "no data" has no key: the programs that
-// read these schemas know no type that may be null.
+// A message of the table as JSON: the `fields` of its frame (ano_json/frame_json.hpp). A field with "no data" has no key, because
+// programs that read these schemas do not support null.
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano/reading.hpp>
@@ -11,11 +11,11 @@
 
 namespace anogate {
 
-/// The JSON Schema for all of these layouts of one message.
+/// The JSON Schema for all layouts of one message.
 std::string json_schema_of(std::span<const ano::Message> layouts);
 std::string json_schema_of(const ano::FlexibleLayout& layout);
 
-/// `reading` has fields.
+/// `reading` must have fields.
 std::string json_message(const ano::Reading& reading, const ano::JsonOptions& options);
 
 }    // namespace anogate

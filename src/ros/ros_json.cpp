@@ -48,7 +48,7 @@ Json value_json(RosType type, const ano::Value& value) {
     return type == RosType::boolean ? Json(whole != 0) : Json(whole);
 }
 
-// Takes the values off, one field after the other.
+// Reads the values field by field.
 class RosJson {
 public:
     explicit RosJson(std::span<const ano::Value> values) : values_{values} {}
@@ -90,7 +90,7 @@ private:
         for (std::size_t i = 0; i < count; ++i) array.push_back(one(field));
         return array;
     }
-    // Of float64: no message has others as bytes.
+    // Of float64 only: no message has other numbers as bytes.
     static Json array_of(ano::Bytes bytes, std::size_t count) {
         Json array = Json::array();
         for (std::size_t i = 0; i < count && (i + 1) * sizeof(double) <= bytes.size(); ++i)

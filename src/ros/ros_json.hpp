@@ -1,5 +1,5 @@
-// The values of a ROS message as JSON, as rosbridge has them: the names of the definition, numbers as such, bytes as base64. What is no
-// finite number has no key, and is null among others in an array: the programs that read these schemas know no type that may be null.
+// The values of a ROS message as JSON in the form of rosbridge: names of the definition, plain numbers, bytes as base64. A number that is
+// not finite has no key, because programs that read these schemas do not support null; in an array it is null.
 #pragma once
 #include <ano/reading.hpp>
 #include <ros/ros_message.hpp>
@@ -9,10 +9,10 @@
 
 namespace anogate {
 
-/// `values` as of CdrEncoder::encode().
+/// `values`: as for CdrEncoder::encode().
 std::string ros_json(const RosMessage& message, std::span<const ano::Value> values);
 
-/// The JSON Schema for that.
+/// The JSON Schema of ros_json().
 std::string ros_json_schema(const RosMessage& message);
 
 }    // namespace anogate

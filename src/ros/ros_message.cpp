@@ -6,7 +6,7 @@
 namespace anogate {
 namespace {
 
-// Each once, in the order in which they are needed.
+// Each nested message once, in the order of first use.
 void collect(const RosMessage& message, std::vector<const RosMessage*>& all) {
     for (const RosField& f : message.fields) {
         if (f.message == nullptr || std::find(all.begin(), all.end(), f.message) != all.end()) continue;
@@ -22,7 +22,7 @@ std::string type_text(const RosField& f) {
     return text;
 }
 
-// What people write may hold anything; a line break would end the comment.
+// Texts of a configuration may hold anything, and a line break would end the comment.
 void append_comment(std::string_view comment, std::string& out) {
     out += "# ";
     for (const char c : comment) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? ' ' : c;

@@ -1,4 +1,4 @@
-// A message type of ROS 2 as a description, from which its definition and the encoder of its values come.
+// The description of a ROS 2 message type. Its definition text and the encoders are derived from it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -29,7 +29,7 @@ std::string_view name_of(RosType type) noexcept;
 
 struct RosMessage;
 
-/// A value with a name, of the type of the field that it stands before.
+/// A named value. It precedes a field and has the type of that field.
 struct RosConstant {
     std::string name;
     std::int64_t value = 0;
@@ -41,8 +41,8 @@ struct RosField {
     RosType type = RosType::float64;
     std::string name;
     Shape shape = Shape::one;
-    std::size_t count = 1;                  // of an array
-    const RosMessage* message = nullptr;    // where the type is one; outlives this
+    std::size_t count = 1;                  // elements of an array
+    const RosMessage* message = nullptr;    // if type is RosType::message; must outlive this
     std::vector<RosConstant> constants{};
     std::string comment{};    // one line
 };
@@ -57,8 +57,8 @@ struct RosMessage {
 /// "sensor_msgs/msg/Imu"
 std::string full_name(const RosMessage& message);
 
-/// The definition as `ros2msg` has it: the fields of the message, and behind it, each behind a line of 80 "=", those of every message in
-/// it. A message without fields has the one that ROS 2 gives it.
+/// The definition in the format `ros2msg`: the fields of the message, then those of every nested message, each after a line of 80 "=".
+/// A message without fields gets the dummy field that ROS 2 adds.
 std::string definition_of(const RosMessage& message);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Names as ROS 2 allows them, from any text.
+// Makes names that ROS 2 allows from any text.
 #pragma once
 #include <set>
 #include <string>
@@ -6,18 +6,18 @@
 
 namespace anogate {
 
-/// Letters, digits and single underscores, of which the first is a letter and the last is no underscore; at most 64 bytes. `instead` is
-/// such a name: it stands before a digit, and for a text in which nothing can stay.
+/// Letters, digits and single underscores, beginning with a letter and not ending with an underscore; at most 64 bytes. `instead` must be
+/// such a name: it is put before a leading digit, and used if no character of `text` is allowed.
 std::string ros_name(std::string_view text, std::string_view instead);
 
-/// For fields and constants: the same in one case.
+/// The same in lower case for fields, in upper case for constants.
 std::string lower_case_name(std::string_view text, std::string_view instead);
 std::string upper_case_name(std::string_view text, std::string_view instead);
 
 /// "flight_controller" as "FlightController": for the name of a message.
 std::string camel_case(std::string_view name);
 
-/// `name`, or with a number behind it where `taken` has it; `taken` has it then.
+/// `name`, with a number appended if it is in `taken`. Adds the result to `taken`.
 std::string unique_name(const std::string& name, std::set<std::string>& taken);
 
 }    // namespace anogate

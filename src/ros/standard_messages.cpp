@@ -15,12 +15,12 @@ using ano::id_of;
 using Rotation = StandardMessages::Rotation;
 using Vector = StandardMessages::Vector;
 
-constexpr double radian = std::numbers::pi / 180;    // of a degree
-constexpr double metre = 0.01;                       // of a centimetre
-constexpr double tesla = 1e-7;                       // of a milligauss
+constexpr double radian = std::numbers::pi / 180;    // per degree
+constexpr double metre = 0.01;                       // per centimetre
+constexpr double tesla = 1e-7;                       // per milligauss
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// About x, then y, then z: each turns to the right as seen along its axis.
+// Rotates about x, then y, then z; positive angles are clockwise as seen along the axis.
 Rotation rotation_of(double roll, double pitch, double yaw) noexcept {
     const double cr = std::cos(roll / 2), sr = std::sin(roll / 2);
     const double cp = std::cos(pitch / 2), sp = std::sin(pitch / 2);
@@ -28,7 +28,7 @@ Rotation rotation_of(double roll, double pitch, double yaw) noexcept {
     return {cy * cp * cr + sy * sp * sr, cy * cp * sr - sy * sp * cr, cy * sp * cr + sy * cp * sr, sy * cp * cr - cy * sp * sr};
 }
 
-// What it was before the rotation.
+// The inverse rotation of `v`.
 Vector turned_back(const Rotation& q, const Vector& v) noexcept {
     const auto [w, x, y, z] = q;
     return {(1 - 2 * (y * y + z * z)) * v.x + 2 * (x * y + w * z) * v.y + 2 * (x * z - w * y) * v.z,
@@ -47,7 +47,7 @@ void append(const Rotation& q, ValueList& out) {
 void append(std::string_view text, ValueList& out) { out.push(ano::Value{text}); }
 void append_whole(std::int64_t number, ValueList& out) { out.push(ano::Value{number}); }
 
-// Zeros: how good it is, is not known; -1 on the diagonal: there is no value.
+// As in sensor_msgs: all zeros mean an unknown covariance, -1 on the diagonal a missing value.
 template <std::size_t Size>
 struct Covariance {
     std::array<std::uint8_t, Size * sizeof(double)> bytes{};
@@ -72,7 +72,7 @@ void append(const Covariance<Size>& covariance, ValueList& out) {
     out.push(ano::Value{ano::Bytes{covariance.bytes}});
 }
 
-bool is_fix(double fix_sta) noexcept { return fix_sta >= 2 && fix_sta <= 4; }    // of UBX: 2D, 3D, 3D with dead reckoning
+bool is_fix(double fix_sta) noexcept { return fix_sta >= 2 && fix_sta <= 4; }    // UBX: 2D, 3D, 3D with dead reckoning
 
 }    // namespace
 
@@ -153,14 +153,14 @@ std::span<const StandardTopic> StandardMessages::hear(const ano::Reading& readin
     return {told_.data(), told_count_};
 }
 
-// A device that sends quaternions too has said it better.
+// Ignored if the device sends quaternions too: those are more exact.
 void StandardMessages::hear_euler() {
     if (is_fresh(by_quaternion_)) return;
     by_euler_ = {rotation_of(number("rol") * radian, number("pit") * radian, number("yaw") * radian), now_ns_};
     tell(StandardTopic::orientation);
 }
 
-// Far from length 1 it is no rotation: a device that has none sends zeros.
+// A quaternion with a length far from 1 is ignored: devices without one send zeros.
 void StandardMessages::hear_quaternion() {
     const Rotation q{number("v0"), number("v1"), number("v2"), number("v3")};
     const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
@@ -170,7 +170,7 @@ void StandardMessages::hear_quaternion() {
 }
 
 void StandardMessages::hear_position() {
-    if (reading_->field("pos_z") == nullptr) return;    // neither message can lack a height
+    if (reading_->field("pos_z") == nullptr) return;    // both messages need a height
     tell(StandardTopic::point);
     if ((is_fresh(by_quaternion_) || is_fresh(by_euler_)) && is_fresh(velocity_)) tell(StandardTopic::odometry);
 }
@@ -180,7 +180,7 @@ void StandardMessages::hear_gps() {
     if (is_fix(number("fix_sta"))) tell(StandardTopic::fix_velocity);
 }
 
-// The layout of one distance at an angle says no direction that a frame could be named by.
+// The layout with one distance at an angle is not converted: it has no fixed direction for a frame_id.
 void StandardMessages::hear_ranging() {
     if (reading_->message()->ends_in_list()) tell(StandardTopic::scan);
     if (!reading_->message()->is_base()) return;
@@ -297,7 +297,7 @@ void StandardMessages::append_fix(ValueList& out) const {
     append_whole(0, out);
 }
 
-// Angles are clockwise from the nose. A distance of 0 is none.
+// Angles are clockwise from the nose. A distance of 0 means no measurement.
 void StandardMessages::append_scan(ValueList& out) const {
     constexpr std::size_t point_size = 3 * sizeof(float);
     constexpr std::int64_t float32 = 7;
@@ -345,7 +345,7 @@ void StandardMessages::append_image(ValueList& out) const {
 }
 
 void StandardMessages::append_range(StandardTopic topic, ValueList& out) const {
-    constexpr std::int64_t neither = 255;    // ultrasound nor infrared: the device does not tell
+    constexpr std::int64_t neither = 255;    // neither ultrasound nor infrared: not known
     const double dist = 0.001 * number("dist");
     append_header(range_frames_[static_cast<std::size_t>(topic) - static_cast<std::size_t>(StandardTopic::range_down)], out);
     append_whole(neither, out);

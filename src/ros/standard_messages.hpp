@@ -1,5 +1,5 @@
-// What a device says as standard messages of ROS 2: metres, radians, tesla, and the axes of REP 103. What stands for what, and what is
-// taken for granted: README.md.
+// Converts the messages of a device to standard ROS 2 messages: metres, radians, tesla, and the axes of REP 103. For the mapping and its
+// assumptions see README.md.
 //
 // Flow:    StandardMessages device{"fc/device_220"};
 //          for (const StandardTopic topic : device.hear(reading, time_ns)) {
@@ -37,7 +37,7 @@ enum class StandardTopic : std::uint8_t {
     external_velocity,
     scan,
     image_raw,
-    range_down,    // from here in the order of the `type` of ranging (0x34); 6 is down as well
+    range_down,    // from here on in the order of `type` of ranging (0x34); 6 is down as well
     range_forward,
     range_back,
     range_left,
@@ -47,7 +47,7 @@ enum class StandardTopic : std::uint8_t {
 inline constexpr std::size_t standard_topics = 20;
 
 struct StandardRow {
-    std::string_view name;    // of its topic; no message of the table is called so
+    std::string_view name;    // of its topic; different from all names in the message table
     const RosMessage* type;
 };
 const StandardRow& standard_row(StandardTopic topic);
@@ -55,22 +55,23 @@ const StandardRow& standard_row(StandardTopic topic);
 /// Of one device on one link.
 class StandardMessages {
 public:
-    /// What is older than this is not put beside what is new.
+    /// Older values are not combined with new ones.
     static constexpr std::uint64_t fresh_ns = 1'000'000'000;
 
-    /// `frame` names the device in headers. `images`, which outlives it, has the rows of all devices, of which this one has the number
-    /// `sender`; nullptr: there are no images.
+    /// `frame`: frame_id of the device in headers. `images`, which must outlive this object, collects the rows of all devices; `sender`
+    /// identifies this one there. nullptr: no images.
     explicit StandardMessages(std::string_view frame, ImageRows* images = nullptr, std::uint64_t sender = 0);
 
-    /// The messages that this frame of the device makes. Valid until the next call, and append_values() as long as the frame.
+    /// The messages made from this frame of the device. Valid until the next call; append_values() may be called as long as the frame
+    /// is valid.
     std::span<const StandardTopic> hear(const ano::Reading& reading, std::uint64_t time_ns);
-    /// `topic` is one of those. The texts in `out` are the device's.
+    /// `topic`: one of those. Texts in `out` refer to this object.
     void append_values(StandardTopic topic, ValueList& out) const;
 
     struct Vector {
         double x = 0, y = 0, z = 0;
     };
-    /// Turns what is said in the device's axes into the ground's.
+    /// A quaternion: rotates a vector from the axes of the device to those of the ground.
     struct Rotation {
         double w = 1, x = 0, y = 0, z = 0;
     };
@@ -110,9 +111,9 @@ private:
 
     ImageRows* images_;
     std::uint64_t sender_;
-    const WholeImage* image_ = nullptr;    // that the last frame ended
+    const WholeImage* image_ = nullptr;    // completed by the last frame
 
-    std::optional<ano::Reading> reading_;    // of the last frame
+    std::optional<ano::Reading> reading_;    // the last frame
     std::uint64_t now_ns_ = 0;
     std::array<StandardTopic, 2> told_{};
     std::size_t told_count_ = 0;

@@ -1,10 +1,10 @@
-// The messages of ROS 2 (Jazzy) that something of the protocol fits.
+// The messages of ROS 2 (Jazzy) to which messages of the protocol are converted.
 #pragma once
 #include <ros/ros_message.hpp>
 
 namespace anogate {
 
-/// Live as long as the program.
+/// Valid as long as the program runs.
 struct StandardTypes {
     const RosMessage *imu, *magnetic_field, *temperature, *nav_sat_fix, *battery_state, *range, *quaternion_stamped,
         *vector3_stamped, *point_stamped, *odometry, *point_cloud, *image;

@@ -38,7 +38,7 @@ Shape shape_of(const Field& f) noexcept {
     return f.is_open() ? Shape::sequence : Shape::array;
 }
 
-// Of a field that is a whole number. Programs show the name that stands before the field.
+// For a field of whole numbers. Programs show the names of the constants before the field.
 std::vector<RosConstant> constants_of(const Field& f, const std::string& name) {
     std::vector<RosConstant> constants;
     std::set<std::string> taken;
@@ -105,7 +105,7 @@ void TableMessage::build(const std::string& name) {
     }
 }
 
-// Layouts share what they both have, in the same unit.
+// Layouts share the columns of fields with the same name and unit.
 void TableMessage::add_column(std::size_t layout, const Field& field) {
     for (Column& column : columns_) {
         const Field& f = column.sample();

@@ -1,9 +1,9 @@
-// A message of the table as a message of ROS 2, ano_msgs/msg/NAME: the fields of all of its layouts, one behind the other.
+// A message of the table as a ROS 2 message, ano_msgs/msg/NAME, with the fields of all its layouts.
 //
-// A number without scale has the type that it has on the wire; with a scale it is a float64, in its unit. An address is text, bytes are
-// uint8[], a list is a sequence of messages. What is not in a frame is never shown as a value: a number that some layout lacks, or
-// that has a value for "no data", is a floating-point number, and NaN then; anything else is empty. A field that layouts give in
-// different units is one field a unit, with the name of the layout behind its own.
+// A number without a scale keeps its type on the wire; with a scale it becomes a float64 in its unit. An address is text, bytes are
+// uint8[], a list is a sequence of messages. Missing values are never shown as a value: a number that some layout lacks, or that has a
+// value for "no data", has a floating-point type and is NaN if missing; other types are empty. A field whose unit differs between
+// layouts becomes one field for each unit, with the name of the layout appended.
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano/reading.hpp>
@@ -21,9 +21,9 @@ namespace anogate {
 
 class TableMessage {
 public:
-    /// Of the message with this id, which is listed and not flexible.
+    /// For the message `id`, which must be in the table and not flexible.
     explicit TableMessage(std::uint8_t id);
-    /// Outlived by the layout.
+    /// `layout` must outlive this object.
     explicit TableMessage(const ano::FlexibleLayout& layout);
 
     const RosMessage& type() const noexcept { return type_; }
@@ -33,12 +33,12 @@ public:
 
 private:
     struct Column {
-        std::vector<const ano::Field*> fields;    // a layout each; null: it has none
+        std::vector<const ano::Field*> fields;    // one for each layout; nullptr: the layout lacks it
         const ano::Field& sample() const noexcept;
         bool is_everywhere() const noexcept;
     };
     struct Layout {
-        const ano::Message* row = nullptr;    // null: flexible
+        const ano::Message* row = nullptr;    // nullptr: flexible
         std::span<const ano::Field> fields;
     };
     void build(const std::string& name);
@@ -48,7 +48,7 @@ private:
     void append_value(const ano::Field& field, const RosField& as, const ano::Reading& reading, ValueList& out) const;
 
     std::vector<Layout> layouts_;
-    std::vector<Column> columns_;    // of type_.fields
+    std::vector<Column> columns_;    // in the order of type_.fields
     RosMessage type_;
     std::unique_ptr<RosMessage> element_;
 };

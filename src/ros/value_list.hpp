@@ -1,4 +1,4 @@
-// The values of one message, in the order of its fields, for CdrEncoder. Keeps its memory.
+// The values of one message in the order of its fields, for CdrEncoder. clear() keeps the memory.
 #pragma once
 #include <ano/reading.hpp>
 
@@ -19,18 +19,18 @@ public:
         values_.clear();
         texts_used_ = 0;
     }
-    /// What it refers to outlives the list's use.
+    /// What `value` refers to must stay valid as long as the list is used.
     void push(const ano::Value& value) { values_.push_back(value); }
     void push(double value) { values_.emplace_back(value); }
     void push_count(std::size_t count) { values_.emplace_back(std::uint64_t{count}); }
-    /// A text that nobody else keeps.
+    /// A text that the list keeps.
     void push_copy(std::string text) {
         if (texts_used_ == texts_.size()) texts_.emplace_back();
         std::string& kept = texts_[texts_used_++];
         kept = std::move(text);
         values_.emplace_back(std::string_view{kept});
     }
-    /// So many bytes, as one value, to be written before it is used.
+    /// Adds `size` bytes as one value and returns them; the caller must write them before the list is used.
     std::span<std::uint8_t> push_bytes(std::size_t size) {
         if (texts_used_ == texts_.size()) texts_.emplace_back();
         std::string& kept = texts_[texts_used_++];

@@ -66,7 +66,7 @@ protected:
 
 TEST_F(Datagrams, are_no_more_than_may_leave_at_once) {
     push(5);
-    way.most = 100;
+    way.max_bytes = 100;
     EXPECT_EQ(send().result, SendResult::done);
     EXPECT_EQ(received(), (Sizes{40, 40}));
     EXPECT_EQ(outbox.waiting(), 3u);
