@@ -50,13 +50,13 @@ export function numberText(value: number | bigint, field: FieldRow): string {
   return field.scale !== undefined && field.scale < 1 ? value.toFixed(digitsOf(field.scale)) : String(value);
 }
 
-const longest = 400; // characters of a text that a device sent
+const maxText = 400; // characters of a text that a device sent
 
 /** Without its unit. Whatever a device sends stays text. */
 export function valueText(value: Value, field: FieldRow): string {
   if (value === null) return "–";
   if (typeof value === "number" || typeof value === "bigint") return numberText(value, field);
-  if (typeof value === "string") return value.length > longest ? value.slice(0, longest) + "…" : value;
+  if (typeof value === "string") return value.length > maxText ? value.slice(0, maxText) + "…" : value;
   if (Array.isArray(value)) {
     const shown = value.slice(0, 16).map((one) => valueText(one, field));
     return "[" + shown.join(", ") + (value.length > 16 ? `, … ${value.length}` : "") + "]";

@@ -3,7 +3,7 @@
 export const askEvery = 400; // while nothing else is heard
 export const askAtLeastEvery = 1000; // for what the answer says
 export const lostAfter = 940; // with what drawing it takes, people see it within a second
-export const mostOutstanding = 3;
+export const maxOutstanding = 3;
 
 export type Contact = "never" | "live" | "lost";
 
@@ -44,7 +44,7 @@ export class Liveness {
     const patience = 5000;
     for (const [question, at] of this.outstanding) if (now - at > patience) this.outstanding.delete(question);
     const silent = Math.min(now - this.askedAt, now - this.heardAt);
-    if ((silent < askEvery && now - this.askedAt < askAtLeastEvery) || this.outstanding.size >= mostOutstanding) return undefined;
+    if ((silent < askEvery && now - this.askedAt < askAtLeastEvery) || this.outstanding.size >= maxOutstanding) return undefined;
     this.askedAt = now;
     this.outstanding.set(++this.asked, now);
     return this.asked;

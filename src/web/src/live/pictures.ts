@@ -13,7 +13,7 @@ export interface Picture {
   began: number; // Unix seconds
 }
 
-const mostBytes = 16 * 1024 * 1024;
+const maxBytes = 16 * 1024 * 1024;
 const pause = 1; // seconds behind which a picture is another
 
 export const rowBytes = (picture: { colour: number; width: number }): number => (picture.colour === 0 ? picture.width : (picture.width + 7) >> 3);
@@ -32,7 +32,7 @@ export class Pictures {
     const field = reading.row.fields.find((one) => one.name === "pixels");
     const rows = field ? reading.data.subarray(field.offset) : new Uint8Array(0);
     const row = rowBytes(picture), size = row * picture.height;
-    if (picture.colour > 6 || size === 0 || size > mostBytes || rows.length === 0 || rows.length % row !== 0 || rows.length > size) {
+    if (picture.colour > 6 || size === 0 || size > maxBytes || rows.length === 0 || rows.length % row !== 0 || rows.length > size) {
       ++this.refused;
       return [];
     }

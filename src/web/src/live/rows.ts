@@ -22,7 +22,7 @@ export class FrameRow {
 }
 
 /** A hostile sender can name 254 sources × 256 messages; so many rows a page can show. */
-const mostRows = 2000;
+const maxRows = 2000;
 
 export class FrameRows {
   private readonly all = new Map<string, FrameRow>();
@@ -43,7 +43,7 @@ export class FrameRows {
     const key = `${record.from}.${record.id}.${variant}.${record.link}`;
     let row = this.all.get(key);
     if (!row) {
-      if (this.all.size >= mostRows) {
+      if (this.all.size >= maxRows) {
         ++this.left_out;
         return undefined;
       }

@@ -3,8 +3,8 @@ import type { Place } from "./datum";
 
 const equator = 2 * Math.PI * 6378137; // m
 const tileSize = 256; // pixels that a tile is best seen with
-const smallest = 64; // pixels: farther away there would be too many of them
-const farthest = 85; // degrees of latitude that such maps have
+const minSize = 64; // pixels: farther away there would be too many of them
+const maxLatitude = 85; // degrees of latitude that such maps have
 
 export interface PlacedTile {
   zoom: number;
@@ -22,12 +22,12 @@ export function onSquare({ lng, lat }: Place): { x: number; y: number } {
 }
 
 /** `middle` is in the middle of `width` × `height` pixels. Of zooms that the map has, the one whose tiles are nearest their own size. */
-export function tilesUnder(middle: Place, metresPerPixel: number, width: number, height: number, least: number, most: number): PlacedTile[] {
-  if (Math.abs(middle.lat) > farthest || !(metresPerPixel > 0)) return [];
+export function tilesUnder(middle: Place, metresPerPixel: number, width: number, height: number, minZoom: number, maxZoom: number): PlacedTile[] {
+  if (Math.abs(middle.lat) > maxLatitude || !(metresPerPixel > 0)) return [];
   const square = (equator * Math.cos((middle.lat * Math.PI) / 180)) / metresPerPixel; // pixels of the whole map
-  const zoom = Math.min(Math.max(Math.round(Math.log2(square / tileSize)), least), most);
+  const zoom = Math.min(Math.max(Math.round(Math.log2(square / tileSize)), minZoom), maxZoom);
   const count = 2 ** zoom, size = square / count;
-  if (size < smallest) return [];
+  if (size < minSize) return [];
   const at = onSquare(middle);
   const left = width / 2 - at.x * square, top = height / 2 - at.y * square;
   const all: PlacedTile[] = [];

@@ -12,8 +12,8 @@ export interface MapHeader {
   tiles: Part;
   packed: boolean; // directories and metadata, by gzip
   type: string; // of the pictures
-  least: number; // zoom
-  most: number;
+  minZoom: number;
+  maxZoom: number;
 }
 
 export interface Entry {
@@ -24,8 +24,8 @@ export interface Entry {
 }
 
 export const headerSize = 127;
-const greatestZoom = 26; // beyond that, numbers of tiles are not whole in a double
-const mostEntries = 1 << 20;
+const maxWholeZoom = 26; // beyond that, numbers of tiles are not whole in a double
+const maxEntries = 1 << 20;
 const pictures: Record<number, string> = { 2: "image/png", 3: "image/jpeg", 4: "image/webp", 5: "image/avif" };
 
 /** In a clause for people why a file can't be shown. */
@@ -45,9 +45,9 @@ export function headerOf(bytes: ArrayBuffer): MapHeader {
   const packing = view.getUint8(97), type = pictures[view.getUint8(99)];
   if (packing !== 1 && packing !== 2) throw new MapFault("its directories are packed otherwise than by gzip");
   if (!type) throw new MapFault("its tiles are no pictures: only raster tiles can be shown");
-  const least = view.getUint8(100), most = view.getUint8(101);
-  if (least > most || most > greatestZoom) throw new MapFault(`it has zooms ${least} to ${most}`);
-  return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, least, most };
+  const minZoom = view.getUint8(100), maxZoom = view.getUint8(101);
+  if (minZoom > maxZoom || maxZoom > maxWholeZoom) throw new MapFault(`it has zooms ${minZoom} to ${maxZoom}`);
+  return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, minZoom, maxZoom };
 }
 
 /** Numbers of seven bits a byte, the lowest first. */
@@ -71,7 +71,7 @@ class Numbers {
 export function directoryOf(bytes: Uint8Array): Entry[] {
   const numbers = new Numbers(bytes);
   const count = numbers.next();
-  if (count > mostEntries || count > bytes.length) throw new MapFault("a directory has too many entries");
+  if (count > maxEntries || count > bytes.length) throw new MapFault("a directory has too many entries");
   const entries: Entry[] = [];
   let tile = 0;
   for (let i = 0; i < count; ++i) entries.push({ tile: (tile += numbers.next()), run: 0, size: 0, at: 0 });

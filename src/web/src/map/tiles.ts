@@ -4,8 +4,8 @@ import { Store } from "../live/store";
 import { MapFile } from "./map_file";
 import { MapFault, type Part } from "./pmtiles";
 
-const mostKept = 160; // pictures: of 256 × 256 pixels, 40 MB
-const mostAtOnce = 6; // requests; others are made when these have ended, if they are still looked at
+const maxKept = 160; // pictures: of 256 × 256 pixels, 40 MB
+const maxRequests = 6; // requests; others are made when these have ended, if they are still looked at
 const againAfter = 5000; // milliseconds after one failed
 
 type Kept = { picture?: ImageBitmap; asked?: boolean; failedAt?: number; none?: boolean };
@@ -25,7 +25,7 @@ export class MapTiles {
   attribution = "";
 
   /** What the map has; nothing while that is not known. */
-  get zooms(): { least: number; most: number } | undefined {
+  get zooms(): { minZoom: number; maxZoom: number } | undefined {
     if (!this.file) void this.open().catch(() => undefined);
     return this.file?.header;
   }
@@ -40,7 +40,7 @@ export class MapTiles {
       return known.picture;
     }
     const mayAsk = !known || (!known.asked && !known.none && performance.now() - (known.failedAt ?? 0) > againAfter);
-    if (ask && mayAsk && this.asking < mostAtOnce) void this.ask(key, zoom, x, y);
+    if (ask && mayAsk && this.asking < maxRequests) void this.ask(key, zoom, x, y);
     return undefined;
   }
 
@@ -66,7 +66,7 @@ export class MapTiles {
 
   private forgetOldest(): void {
     for (const [key, one] of this.kept) {
-      if (this.kept.size <= mostKept) return;
+      if (this.kept.size <= maxKept) return;
       if (one.asked) continue;
       one.picture?.close();
       this.kept.delete(key);

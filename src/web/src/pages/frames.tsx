@@ -11,7 +11,7 @@ import { directions, type Direction, type Tables } from "../protocol/records";
 import { hexByte, hexOf, type MessageTable, type Reading, type Unreadable } from "../protocol/table";
 import { SendForm } from "../parts/send_form";
 
-const mostShown = 300;
+const maxShown = 300;
 
 export const unreadableText = (why: Unreadable): string => t(why);
 
@@ -134,12 +134,12 @@ export function Frames() {
       {rows.left_out > 0 && <p class="note warn">{t("rows_left_out", { n: rows.left_out })}</p>}
       {found.length === 0 ? <p class="muted">{t("no_frames_yet")}</p> : (
         <ul class="rows">
-          {found.slice(0, mostShown).map((row) => (
+          {found.slice(0, maxShown).map((row) => (
             <Row key={row.key} row={row} of={of} open={open.has(row.key)} onToggle={() => toggle(row.key)} now={now} tables={tables} />
           ))}
         </ul>
       )}
-      {found.length > mostShown && <p class="muted">{t("rows_more", { n: found.length - mostShown })}</p>}
+      {found.length > maxShown && <p class="muted">{t("rows_more", { n: found.length - maxShown })}</p>}
     </div>
   );
 }

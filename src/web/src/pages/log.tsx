@@ -18,8 +18,8 @@ export interface Entry {
   text: string;
 }
 
-const mostEntries = 2000;
-const longest = 2000; // characters of one: a device can send more than anybody reads
+const maxEntries = 2000;
+const maxText = 2000; // characters of one: a device can send more than anybody reads
 
 /** They stay while the page is open. */
 const entries: Entry[] = [];
@@ -27,7 +27,7 @@ let count = 0;
 
 function add(entry: Omit<Entry, "number">): void {
   entries.push({ ...entry, number: ++count });
-  if (entries.length > mostEntries) entries.splice(0, entries.length - mostEntries);
+  if (entries.length > maxEntries) entries.splice(0, entries.length - maxEntries);
 }
 
 let leftAt: number | undefined; // when the page went elsewhere
@@ -71,7 +71,7 @@ export function Log() {
         const reading = of.read(record.id, record.from, record.data);
         if (!(reading instanceof Reading)) return;
         const text = reading.get("str"), value = reading.get("val"), colour = reading.get("color");
-        add({ time: record.time, from: record.from, colour: typeof colour === "number" ? colour : 0, value: typeof value === "number" ? value : undefined, text: typeof text === "string" ? text.slice(0, longest) : "" });
+        add({ time: record.time, from: record.from, colour: typeof colour === "number" ? colour : 0, value: typeof value === "number" ? value : undefined, text: typeof text === "string" ? text.slice(0, maxText) : "" });
       },
     });
     return () => {

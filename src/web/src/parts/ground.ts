@@ -20,9 +20,9 @@ export interface Scene {
 
 /** A step of the grid that leaves lines at least 45 pixels apart: 1, 2 or 5 times a power of ten. */
 export function gridStep(metresPerPixel: number): number {
-  const least = metresPerPixel * 45;
-  const power = 10 ** Math.floor(Math.log10(least));
-  return power * ([1, 2, 5, 10].find((n) => n * power >= least) ?? 10);
+  const minStep = metresPerPixel * 45;
+  const power = 10 ** Math.floor(Math.log10(minStep));
+  return power * ([1, 2, 5, 10].find((n) => n * power >= minStep) ?? 10);
 }
 
 /** Between the marks and where it began. */
@@ -65,13 +65,13 @@ function sheetOn(canvas: HTMLCanvasElement, middle: Point, scale: number): Sheet
   return { pen, width, height, scale, middle, px, py, colour: (name) => style.getPropertyValue(name).trim() };
 }
 
-const farthestUp = 4; // zooms above, from which a part is shown meanwhile
+const maxZoomsUp = 4; // zooms above, from which a part is shown meanwhile
 
 function drawMap({ pen, width, height, scale, middle }: Sheet, origin: Place, datum: Datum): void {
   const zooms = mapTiles.zooms;
   if (!zooms) return;
-  for (const { zoom, x, y, left, top, size } of tilesUnder(onMap(onEarth(origin, middle), datum), scale, width, height, zooms.least, zooms.most))
-    for (let up = 0; up <= Math.min(farthestUp, zoom - zooms.least); ++up) {
+  for (const { zoom, x, y, left, top, size } of tilesUnder(onMap(onEarth(origin, middle), datum), scale, width, height, zooms.minZoom, zooms.maxZoom))
+    for (let up = 0; up <= Math.min(maxZoomsUp, zoom - zooms.minZoom); ++up) {
       const picture = mapTiles.picture(zoom - up, x >> up, y >> up, up === 0);
       if (!picture) continue;
       const part = picture.width / 2 ** up, mask = 2 ** up - 1;

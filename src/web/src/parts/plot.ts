@@ -4,7 +4,7 @@ import type { Line } from "../live/chart_data";
 import { columnTimes, envelope, wentOver } from "../live/series";
 
 export const colours = ["#1f77d0", "#d9541e", "#2a9d4a", "#a13fc4", "#c49a00", "#d43a6b", "#0a9aa8", "#7a5a3a", "#6a72e8", "#7d8b00", "#b0402f", "#3d7f6a"];
-const mostAxes = 4;
+const maxAxes = 4;
 
 const css = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const scaleOf = (unit: string): string => "y" + unit;
@@ -87,7 +87,7 @@ export class Plot {
       scales: { x: { time: true, auto: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), { auto: true }])) },
       axes: [
         { stroke: ink, grid, ticks: grid, values: (_, all, __, ___, step) => all.map((at) => clock(at, step)) },
-        ...units.slice(0, mostAxes).map((unit, i): uPlot.Axis => ({ scale: scaleOf(unit), side: i % 2 === 0 ? 3 : 1, stroke: ink, ticks: grid, grid: i === 0 ? grid : { show: false }, label: unit || "–", labelSize: 18, size: 54 })),
+        ...units.slice(0, maxAxes).map((unit, i): uPlot.Axis => ({ scale: scaleOf(unit), side: i % 2 === 0 ? 3 : 1, stroke: ink, ticks: grid, grid: i === 0 ? grid : { show: false }, label: unit || "–", labelSize: 18, size: 54 })),
       ],
       series: [{}, ...lines.map((line, i): uPlot.Series => ({ label: line.label, scale: scaleOf(line.unit), stroke: colours[i % colours.length]!, paths: () => null, points: { show: false } }))],
       hooks: {

@@ -3,9 +3,9 @@ import type { Place } from "../map/datum";
 import type { Point } from "./ground";
 import { onGround } from "./waypoint_set";
 
-const mostPoints = 6000;
+const maxPoints = 6000;
 const nearest = 0.05; // m: nearer ones are the same point
-const farthest = 100_000; // m from where a track began: flat ground ends
+const maxDistance = 100_000; // m from where a track began: flat ground ends
 
 /** By what the device says of itself, from where it took off. */
 const tracks = new Map<number, Point[]>();
@@ -26,7 +26,7 @@ export const earthTrackOf = (device: number): EarthTrack | undefined => earthTra
 export function addPlace(device: number, place: Place): void {
   let track = earthTracks.get(device);
   const from = track && onGround(track.origin, place);
-  if (!track || Math.hypot(from!.x, from!.y) > farthest) earthTracks.set(device, (track = { origin: place, points: [] }));
+  if (!track || Math.hypot(from!.x, from!.y) > maxDistance) earthTracks.set(device, (track = { origin: place, points: [] }));
   addPoint(track.points, onGround(track.origin, place));
 }
 
@@ -35,8 +35,8 @@ export function addPoint(track: Point[], point: Point): void {
   if (last && Math.hypot(last.x - point.x, last.y - point.y) < nearest) return;
   track.push(point);
   // Every second point of the older half goes: the way stays.
-  if (track.length > mostPoints) {
-    const half = track.splice(0, mostPoints / 2).filter((_, i) => i % 2 === 0);
+  if (track.length > maxPoints) {
+    const half = track.splice(0, maxPoints / 2).filter((_, i) => i % 2 === 0);
     track.unshift(...half);
   }
 }
