@@ -32,10 +32,10 @@ private:
     public:
         Kept() { batches_.reserve(max_kept / min_kept); }
 
-        /// nullptr: there is none, or the next one has more than `most` bytes.
-        std::unique_ptr<std::string> take(std::size_t most) noexcept {
+        /// nullptr: there is none, or the next one has a capacity above `max_capacity`.
+        std::unique_ptr<std::string> take(std::size_t max_capacity) noexcept {
             const std::unique_lock lock{mutex_, std::try_to_lock};
-            if (!lock || batches_.empty() || batches_.back()->capacity() > most) return nullptr;
+            if (!lock || batches_.empty() || batches_.back()->capacity() > max_capacity) return nullptr;
             std::unique_ptr<std::string> batch = std::move(batches_.back());
             batches_.pop_back();
             bytes_ -= batch->capacity();

@@ -21,16 +21,16 @@ std::string name_of(std::uint8_t id) {
 }
 
 std::string words_of(const LostFrames& lost) {
-    constexpr std::size_t most = 8;    // names
+    constexpr std::size_t max_names = 8;
     std::vector<std::pair<std::uint32_t, std::uint8_t>> many;
     for (unsigned id = 0; id < lost.by_id.size(); ++id)
         if (lost.by_id[id] > 0) many.emplace_back(lost.by_id[id], static_cast<std::uint8_t>(id));
     std::sort(many.rbegin(), many.rend());
     std::string words = std::to_string(lost.count) + " frames of the last " + std::to_string(lost.since.count()) +
                         " ms are not shown, for this client takes too little:";
-    for (std::size_t i = 0; i < many.size() && i < most; ++i)
+    for (std::size_t i = 0; i < many.size() && i < max_names; ++i)
         words.append(i > 0 ? ", " : " ").append(name_of(many[i].second) + " " + std::to_string(many[i].first));
-    return words + (many.size() > most ? ", ..." : "");
+    return words + (many.size() > max_names ? ", ..." : "");
 }
 
 }    // namespace

@@ -79,9 +79,9 @@ Fault read_format(std::string_view word, FrameFormat& format) {
 }
 
 Fault read_batch(std::string_view word, ano::Duration& batch) {
-    constexpr ano::Duration shortest = std::chrono::milliseconds{1}, longest = std::chrono::seconds{1};
+    constexpr ano::Duration min_batch = std::chrono::milliseconds{1}, max_batch = std::chrono::seconds{1};
     const auto time = parse_duration(word);
-    if (!time || *time < shortest || *time > longest) return is_not("batch", word, "is no time from 1ms to 1s");
+    if (!time || *time < min_batch || *time > max_batch) return is_not("batch", word, "is no time from 1ms to 1s");
     batch = *time;
     return {};
 }

@@ -47,12 +47,12 @@ std::string keep_file(const std::string& path, std::span<const std::uint8_t> byt
     return error_text(path, errno);
 }
 
-std::optional<std::string> read_kept_file(const std::string& path, std::size_t most, std::string& fault) {
+std::optional<std::string> read_kept_file(const std::string& path, std::size_t max_bytes, std::string& fault) {
     std::error_code ec;
     const fs::file_status status = path.empty() ? fs::file_status{fs::file_type::not_found} : fs::status(path, ec);
     if (status.type() == fs::file_type::not_found) return std::nullopt;
     if (!ec && !fs::is_regular_file(status)) fault = path + ": is not a file";
-    std::string text = ec || !fault.empty() ? std::string{} : read_file(path, most, ec);
+    std::string text = ec || !fault.empty() ? std::string{} : read_file(path, max_bytes, ec);
     if (ec) fault = path + ": " + ec.message();
     return fault.empty() ? std::optional{std::move(text)} : std::nullopt;
 }

@@ -45,7 +45,7 @@ bool KeptFramesWriting::next(std::string& into) {
 }
 
 FrameMemory::FrameMemory(Gateway& gateway, FrameWatch& watch, const FrameFilterSettings& filter, ano::Duration span)
-    : gateway_{gateway}, watch_{watch}, ring_{span, most} {
+    : gateway_{gateway}, watch_{watch}, ring_{span, max_bytes} {
     watch_.add(*this, filter);
 }
 

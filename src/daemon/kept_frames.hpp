@@ -51,7 +51,7 @@ private:
 /// Watches, and remembers. No frame is copied for it alone, and none allocated.
 class FrameMemory final : private Watcher {
 public:
-    static constexpr std::size_t most = 16 * 1024 * 1024;    // bytes
+    static constexpr std::size_t max_bytes = 16 * 1024 * 1024;
 
     FrameMemory(Gateway& gateway, FrameWatch& watch, const FrameFilterSettings& filter, ano::Duration span);
     ~FrameMemory();

@@ -58,8 +58,8 @@ public:
 // Opens the file, when one is configured and can be opened. May block, above all on a disk that hangs.
 std::shared_ptr<spdlog::logger> open_file(const LogSettings& settings, std::string& fault) {
     constexpr std::size_t files = 3;
-    constexpr std::uint64_t most = std::numeric_limits<std::size_t>::max();
-    const auto size = static_cast<std::size_t>(settings.rotate == 0 ? most : std::min(settings.rotate, most));
+    constexpr std::uint64_t max_size = std::numeric_limits<std::size_t>::max();
+    const auto size = static_cast<std::size_t>(settings.rotate == 0 ? max_size : std::min(settings.rotate, max_size));
     std::error_code ec;
     if (settings.file.empty()) return {};
     if (std::filesystem::is_fifo(settings.file, ec)) fault = settings.file + " is a pipe, not a file";

@@ -28,7 +28,7 @@ std::optional<std::uint64_t> count_of_fds() {
     return count - 1;    // the folder itself
 }
 
-std::uint64_t most_fds() {
+std::uint64_t max_fds() {
     rlimit limit{};
     return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
 }
@@ -74,7 +74,7 @@ ProcessFigures this_process() {
         figures.resident_bytes = times->resident_pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
     }
     figures.open_fds = count_of_fds();
-    figures.max_fds = most_fds();
+    figures.max_fds = max_fds();
     return figures;
 }
 

@@ -26,9 +26,9 @@ constexpr int nice_of_thread = 5;
 
 UniqueFd recorder_event() { return UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}; }
 
-bool wait_for_event(int event, int most) {
+bool wait_for_event(int event, int max_ms) {
     pollfd one{event, POLLIN, 0};
-    return ::poll(&one, 1, most) > 0;
+    return ::poll(&one, 1, max_ms) > 0;
 }
 
 }    // namespace
@@ -86,8 +86,8 @@ void RecorderThread::abandon() {
     end();
 }
 
-bool RecorderThread::wait_for_end(std::chrono::milliseconds most) const {
-    return wait_for_event(ended_.get(), static_cast<int>(most.count()));
+bool RecorderThread::wait_for_end(std::chrono::milliseconds max_wait) const {
+    return wait_for_event(ended_.get(), static_cast<int>(max_wait.count()));
 }
 
 ano::Duration RecorderThread::silence(ano::TimePoint now) const noexcept {

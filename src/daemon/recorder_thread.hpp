@@ -49,7 +49,7 @@ public:
     /// What is not written yet stays so: the file is ended when the disk takes that.
     void abandon();
     /// Waits until nothing more will be written, at most so long.
-    bool wait_for_end(std::chrono::milliseconds most) const;
+    bool wait_for_end(std::chrono::milliseconds max_wait) const;
     const DiskProgress& progress() const noexcept { return progress_; }
     /// How long the disk has not answered.
     ano::Duration silence(ano::TimePoint now) const noexcept;

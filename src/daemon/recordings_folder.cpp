@@ -35,8 +35,8 @@ bool may_be_in_name(char c) noexcept {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
 }
 
-bool is_name(std::string_view name, std::size_t most) noexcept {
-    return !name.empty() && name.size() <= most && name.front() != '.' && std::all_of(name.begin(), name.end(), may_be_in_name);
+bool is_name(std::string_view name, std::size_t max_length) noexcept {
+    return !name.empty() && name.size() <= max_length && name.front() != '.' && std::all_of(name.begin(), name.end(), may_be_in_name);
 }
 
 UniqueFd opened_folder(const std::string& folder) { return UniqueFd{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)}; }

@@ -120,10 +120,10 @@ StoredState::OfLink link_of(const nlohmann::json& from, const ClockReading& unre
 void keep_newest(StoredState& state) {
     const auto links = std::count_if(state.links.begin(), state.links.end(),
                                      [](const auto& link) { return !link.brought.empty(); });
-    const std::size_t most = max_stored_frames / static_cast<std::size_t>(std::max<std::ptrdiff_t>(links, 1));
+    const std::size_t max_frames = max_stored_frames / static_cast<std::size_t>(std::max<std::ptrdiff_t>(links, 1));
     for (StoredState::OfLink& link : state.links) {
         std::sort(link.brought.begin(), link.brought.end(), [](const auto& a, const auto& b) { return a.at > b.at; });
-        link.brought.resize(std::min(link.brought.size(), most));
+        link.brought.resize(std::min(link.brought.size(), max_frames));
     }
 }
 

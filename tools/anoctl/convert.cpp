@@ -66,11 +66,11 @@ public:
 
 /// " into 19 tables: a.csv, b.csv, …"; only the first are named.
 std::string places(const std::vector<std::string>& files) {
-    constexpr std::size_t most = 5;
+    constexpr std::size_t max_named = 5;
     if (files.size() == 1) return files[0] == "-" ? "" : " into " + files[0];
     std::string text = files.empty() ? ": there is no table" : " into " + counted(files.size(), "table") + ": ";
-    for (std::size_t i = 0; i < std::min(files.size(), most); ++i) text += (i > 0 ? ", " : "") + files[i];
-    return files.size() > most ? text + ", \u2026" : text;
+    for (std::size_t i = 0; i < std::min(files.size(), max_named); ++i) text += (i > 0 ? ", " : "") + files[i];
+    return files.size() > max_named ? text + ", \u2026" : text;
 }
 
 /// OUT-MESSAGE.csv for each message, or one file for the only one.

@@ -15,9 +15,9 @@ namespace anoctl {
 inline constexpr std::size_t usual_datagram = 1400;
 
 /// Numbers alone: what is text or "no data" can't be plotted. None: nothing of the frame can be. `link` is where it came by. What does
-/// not fit into one object of `most` bytes is told by several of the same time, each with some of the fields. A field stays whole,
+/// not fit into one object of `max_bytes` is told by several of the same time, each with some of the fields. A field stays whole,
 /// also one that is longer by itself: the elements of a list are told apart by their places.
 std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options,
-                                   std::size_t most = usual_datagram);
+                                   std::size_t max_bytes = usual_datagram);
 
 }    // namespace anoctl

@@ -125,7 +125,7 @@ struct Table::Column {
 };
 
 std::vector<Table::Column> Table::columns(std::size_t indent, std::size_t width) const {
-    constexpr std::size_t least = 16;    // cells: a text that is narrower is hard to read
+    constexpr std::size_t min_cells = 16;    // cells: a text that is narrower is hard to read
     std::vector<Column> all;
     std::size_t at = indent, line = 0;
     for (std::size_t i = 0; i < heading_.size(); ++i) {
@@ -137,7 +137,7 @@ std::vector<Table::Column> Table::columns(std::size_t indent, std::size_t width)
         cells = std::max(cells, cells_of(heading_[i]) - (is_right ? 1u : 0u));
         const bool may_shrink = i + 1 == heading_.size() && !is_right;
         const auto room = [&] { return width - std::min(width, at); };
-        const bool fits = width == 0 || cells <= room() || (may_shrink && room() >= least);
+        const bool fits = width == 0 || cells <= room() || (may_shrink && room() >= min_cells);
         if (!fits && !all.empty()) {
             at = indent + 4;
             ++line;

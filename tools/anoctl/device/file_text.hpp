@@ -7,8 +7,8 @@ namespace anoctl {
 
 struct Streams;
 
-/// "-" is standard input. Throws UsageError when it can't be read or has more than `most` bytes.
-std::string text_of_file(const std::string& path, std::size_t most = 64 * 1024 * 1024);
+/// "-" is standard input. Throws UsageError when it can't be read or has more than `max_bytes`.
+std::string text_of_file(const std::string& path, std::size_t max_bytes = 64 * 1024 * 1024);
 
 /// The same of what somebody gives: at a terminal, standard input says that it waits for `what`.
 std::string given_text(const std::string& path, const std::string& what, Streams& streams);
