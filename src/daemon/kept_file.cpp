@@ -40,7 +40,7 @@ std::string keep_file(const std::string& path, std::span<const std::uint8_t> byt
     fs::create_directories(fs::path{path}.parent_path(), ec);
     if (ec) return error_text(fs::path{path}.parent_path().string(), ec.value());
     const std::string unfinished = path + ".new";
-    ::unlink(unfinished.c_str());    // whatever it is: a pipe would keep us waiting
+    ::unlink(unfinished.c_str());    // it may be anything: opening a pipe would block
     const UniqueFd file{::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600)};
     if (file && write_all(file.get(), bytes) && std::rename(unfinished.c_str(), path.c_str()) == 0 && sync_folder(path))
         return {};

@@ -16,7 +16,7 @@ namespace anogate {
 
 namespace {
 
-// A queue that is full has room again when systemd has had its turn.
+// The longest wait for room in the queue, until systemd has read from it.
 constexpr timeval room_within{0, 200'000};
 
 bool send(std::string_view message, msghdr& header, int flags) noexcept {
