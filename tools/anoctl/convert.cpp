@@ -35,7 +35,7 @@ using anogate::RecordingHead;
 
 constexpr std::size_t batch = 64 * 1024;
 
-/// Writes when enough came together. Throws Failure when that can't be done.
+/// Collects text, and writes it when there is enough. Throws Failure when a write fails.
 class Collected {
 public:
     Collected(const std::string& path, bool force, Streams& streams) : path_{path}, output_{path, force, streams} {}
@@ -54,13 +54,13 @@ private:
     RecordingOutput output_;
 };
 
-/// Where items go.
+/// The destination of items.
 class Target {
 public:
     virtual ~Target() = default;
     virtual void take(const Recorded& item, const RecordingHead& head) = 0;
     virtual void end() = 0;
-    /// The files that it wrote, when it has ended.
+    /// The files that were written; valid after end().
     virtual std::vector<std::string> files() const = 0;
 };
 
@@ -138,7 +138,7 @@ private:
     ano::JsonOptions options_;
 };
 
-/// What of it is wanted, as a recording of its own: of all of it, the same bytes.
+/// Writes the wanted part as a recording; when everything is wanted, the same bytes.
 class RecordingTarget final : public Target {
 public:
     RecordingTarget(const std::string& out, bool force, anogate::RecordingFormat format, anogate::RecordingOptions options,

@@ -257,7 +257,7 @@ std::string lua_text(std::string_view text) {
     return out + '"';
 }
 
-// Wireshark takes ASCII letters, digits, '-', '_' and '.' in a filter name.
+// Wireshark permits ASCII letters, digits, '-', '_' and '.' in a filter name.
 std::string filter_part(std::string_view name, std::size_t position) {
     std::string out;
     for (const char c : name) {

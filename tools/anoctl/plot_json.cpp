@@ -13,7 +13,7 @@ using ano::Json;
 
 bool is_plotted(const Json& value) { return value.is_number() || value.is_boolean(); }
 
-// Nothing is left of what has no numbers; a list stays one, so that its elements keep their places.
+// Removes everything without numbers; lists keep their elements, so that the positions stay the same.
 Json numbers_of(const Json& value) {
     if (is_plotted(value)) return value;
     if (!value.is_structured()) return {};
@@ -47,7 +47,7 @@ std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link
     std::vector<std::string> objects;
     std::size_t size = around;
     for (auto field = numbers.begin(); field != numbers.end(); ++field) {
-        const std::size_t more = text_of(Json{{field.key(), field.value()}}).size() - 1;    // a brace gives way to a comma
+        const std::size_t more = text_of(Json{{field.key(), field.value()}}).size() - 1;    // a brace is replaced by a comma
         if (size + more > max_bytes && !place.empty()) {
             objects.push_back(text_of(plot));
             place = Json::object();
