@@ -1,11 +1,11 @@
-// The map of the gateway, read by ranges: what is looked at, and no more.
+// Reads the map of the gateway by ranges: only the parts that are needed.
 import { headerOf, headerSize, directoryOf, entryFor, MapFault, tileNumber, type Entry, type MapHeader, type Part } from "./pmtiles";
 
-/** Reads so many bytes; fewer where the file ends. */
+/** Reads the bytes of a part; fewer at the end of the file. */
 export type ReadPart = (part: Part) => Promise<ArrayBuffer>;
 
 const firstBytes = 16384; // the header and the root directory are in these
-const maxDirectory = 4 << 20; // bytes, unpacked
+const maxDirectory = 4 << 20; // bytes, uncompressed
 const maxTile = 4 << 20;
 const maxAbout = 1 << 20;
 const maxLevels = 4; // of directories
@@ -25,7 +25,7 @@ async function unpacked(bytes: ArrayBuffer, maxBytes: number): Promise<Uint8Arra
   return all;
 }
 
-/** Words without their marks: what a file says of itself is shown as text. */
+/** Removes HTML tags: the attribution of a file is shown as text. */
 const plain = (html: string): string => html.replace(/<[^>]*>/g, "").replace(/&copy;/g, "©").replace(/&amp;/g, "&").trim().slice(0, 200);
 
 export class MapFile {
@@ -49,7 +49,7 @@ export class MapFile {
     return file;
   }
 
-  /** Who made it, as its maker wants to be named. */
+  /** The attribution that the maker of the map asks for. */
   async attribution(): Promise<string> {
     const { about } = this.header;
     if (about.size === 0 || about.size > maxAbout) return "";
@@ -58,7 +58,7 @@ export class MapFile {
     return typeof json.attribution === "string" ? plain(json.attribution) : "";
   }
 
-  /** The picture; undefined where the map has none. */
+  /** The picture; undefined: the map has none there. */
   async tile(zoom: number, x: number, y: number): Promise<Blob | undefined> {
     const number = tileNumber(zoom, x, y);
     let directory: Part = this.header.root;
@@ -92,7 +92,7 @@ export class MapFile {
     if (this.directories.size > keptDirectories) this.directories.delete([...this.directories.keys()].find((at) => at !== this.header.root.at)!);
     known = this.read(part).then((bytes) => this.entriesIn(bytes));
     this.directories.set(part.at, known);
-    known.catch(() => this.directories.delete(part.at)); // asked for again
+    known.catch(() => this.directories.delete(part.at)); // read again the next time
     return known;
   }
 }

@@ -1,4 +1,4 @@
-// What is where in a .pmtiles file of version 3. Pure. A file may be anything: each number is checked before it is used.
+// Reads the structure of .pmtiles files of version 3. Pure. A file may contain anything: each number is checked before it is used.
 
 export interface Part {
   at: number; // bytes from the begin of the file
@@ -18,17 +18,17 @@ export interface MapHeader {
 
 export interface Entry {
   tile: number;
-  run: number; // so many tiles in a row are the same picture; 0: of them a directory tells more
+  run: number; // this number of consecutive tiles have the same picture; 0: the entry is a directory
   size: number;
   at: number;
 }
 
 export const headerSize = 127;
-const maxWholeZoom = 26; // beyond that, numbers of tiles are not whole in a double
+const maxWholeZoom = 26; // above this, a double can't hold the numbers of tiles exactly
 const maxEntries = 1 << 20;
 const pictures: Record<number, string> = { 2: "image/png", 3: "image/jpeg", 4: "image/webp", 5: "image/avif" };
 
-/** In a clause for people why a file can't be shown. */
+/** A clause for people: why a file can't be shown. */
 export class MapFault extends Error {}
 
 function whole(view: DataView, at: number): number {
@@ -50,7 +50,7 @@ export function headerOf(bytes: ArrayBuffer): MapHeader {
   return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, minZoom, maxZoom };
 }
 
-/** Numbers of seven bits a byte, the lowest first. */
+/** Numbers with seven bits per byte, the lowest first (varints). */
 class Numbers {
   private at = 0;
 
@@ -77,7 +77,7 @@ export function directoryOf(bytes: Uint8Array): Entry[] {
   for (let i = 0; i < count; ++i) entries.push({ tile: (tile += numbers.next()), run: 0, size: 0, at: 0 });
   for (const entry of entries) entry.run = numbers.next();
   for (const entry of entries) entry.size = numbers.next();
-  let end = 0; // of the one before: most lie one behind the other
+  let end = 0; // of the entry before: most are contiguous
   for (const [i, entry] of entries.entries()) {
     const said = numbers.next();
     if (said === 0 && i === 0) throw new MapFault("a directory begins nowhere");
@@ -87,9 +87,9 @@ export function directoryOf(bytes: Uint8Array): Entry[] {
   return entries;
 }
 
-/** The entry that `tile` falls under; undefined: there is no such tile. */
+/** The entry that contains `tile`; undefined: there is no such tile. */
 export function entryFor(entries: readonly Entry[], tile: number): Entry | undefined {
-  let low = 0, high = entries.length; // all before `low` begin at or before it
+  let low = 0, high = entries.length; // all entries before `low` begin at or before `tile`
   while (low < high) {
     const middle = (low + high) >> 1;
     if (entries[middle]!.tile <= tile) low = middle + 1;
@@ -99,7 +99,7 @@ export function entryFor(entries: readonly Entry[], tile: number): Entry | undef
   return entry && (entry.run === 0 || tile < entry.tile + entry.run) ? entry : undefined;
 }
 
-/** Tiles are counted zoom after zoom, and in each along Hilbert's curve, so that neighbours lie together. */
+/** Tiles are numbered zoom after zoom, and within a zoom along the Hilbert curve, so that neighbours have close numbers. */
 export function tileNumber(zoom: number, x: number, y: number): number {
   let number = (4 ** zoom - 1) / 3;
   for (let side = 2 ** (zoom - 1); side >= 1; side /= 2) {
