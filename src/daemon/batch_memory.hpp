@@ -1,4 +1,4 @@
-// The memory of batches of records that nobody needs any more, for the next ones.
+// Reuses the memory of batches of records that are no longer in use.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -9,21 +9,21 @@
 
 namespace anogate {
 
-/// Batches come from one thread; whichever thread lets go of one last gives its memory back. Neither waits for the other: memory that
-/// can't be given back at once is freed.
+/// One thread takes batches; the thread that drops the last reference to one returns its memory. Neither thread waits for the other:
+/// memory that can't be returned at once is freed.
 class BatchMemory {
 public:
     static constexpr std::size_t max_kept = 2 * 1024 * 1024;    // bytes
-    static constexpr std::size_t min_kept = 4096;               // of a batch: smaller ones are not worth it
+    static constexpr std::size_t min_kept = 4096;               // of a batch: smaller ones are not worth keeping
 
-    /// `size` bytes, of any content, in at most twice as much memory. Throws std::bad_alloc.
+    /// `size` bytes of unspecified content; the capacity is at most twice that. Throws std::bad_alloc.
     std::shared_ptr<std::string> take(std::size_t size) {
         std::unique_ptr<std::string> batch = kept_->take(2 * size);
         if (!batch) batch = std::make_unique<std::string>();
         batch->resize(size);
         return {batch.release(), [kept = kept_](std::string* used) { kept->give(std::unique_ptr<std::string>{used}); }};
     }
-    /// Frees what is kept, and what is in use when that is let go of.
+    /// Frees the memory that is kept. Batches in use are freed, not kept, when they are released.
     void clear() { kept_ = std::make_shared<Kept>(); }
     std::size_t bytes_kept() const { return kept_->bytes(); }
 
@@ -32,10 +32,10 @@ private:
     public:
         Kept() { batches_.reserve(max_kept / min_kept); }
 
-        /// nullptr: there is none, or the next one has more than `most` bytes.
-        std::unique_ptr<std::string> take(std::size_t most) noexcept {
+        /// nullptr: there is none, the next one has a capacity above `max_capacity`, or another thread holds the lock.
+        std::unique_ptr<std::string> take(std::size_t max_capacity) noexcept {
             const std::unique_lock lock{mutex_, std::try_to_lock};
-            if (!lock || batches_.empty() || batches_.back()->capacity() > most) return nullptr;
+            if (!lock || batches_.empty() || batches_.back()->capacity() > max_capacity) return nullptr;
             std::unique_ptr<std::string> batch = std::move(batches_.back());
             batches_.pop_back();
             bytes_ -= batch->capacity();
@@ -56,7 +56,7 @@ private:
     private:
         mutable std::mutex mutex_;
         std::vector<std::unique_ptr<std::string>> batches_;
-        std::size_t bytes_ = 0;    // of these
+        std::size_t bytes_ = 0;    // capacity of batches_
     };
 
     std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();

@@ -20,7 +20,7 @@ std::string temporary_folder() {
     return folder && *folder != '\0' ? folder : "/tmp";
 }
 
-// Some file systems have no files without names.
+// O_TMPFILE is not supported by all file systems.
 int unnamed_file(const std::string& folder) {
     const int fd = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
     if (fd >= 0 || (errno != EOPNOTSUPP && errno != EISDIR)) return fd;

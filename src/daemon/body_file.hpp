@@ -1,4 +1,4 @@
-// Large bodies of requests in files.
+// Keeps large request bodies in files.
 #pragma once
 #include <daemon/errand.hpp>
 #include <http/large_body.hpp>
@@ -14,14 +14,14 @@
 
 namespace anogate {
 
-/// A file without a name: it is gone when nobody has it any more, also when the program ends.
+/// A file without a name: the system deletes it when it is closed, also when the program is killed.
 class BodyFile final : public http::StoredBody {
 public:
-    /// In `folder`, which is made if need be; or why there can be none.
+    /// In `folder`, which is created when it is missing; or the reason why no file can be made.
     static Expected<std::shared_ptr<BodyFile>> make(const std::string& folder);
     explicit BodyFile(UniqueFd fd) : fd_{std::move(fd)} {}
 
-    /// Why not, in words; nothing: it is done.
+    /// Empty: done; otherwise the reason of the failure, in words.
     std::string append(std::string_view bytes);
     std::uint64_t size() const override { return size_; }
     bool read(std::uint64_t at, std::span<std::uint8_t> into) const override;
@@ -31,7 +31,7 @@ private:
     std::uint64_t size_ = 0;
 };
 
-/// In the state folder, or where that can't be in $TMPDIR or /tmp. Its disk is waited for beside the loop.
+/// Makes files in the state folder, or in $TMPDIR or /tmp when that is impossible. Blocking calls of the disk are made in a thread.
 class FileKeeper final : public http::BodyKeeper {
 public:
     explicit FileKeeper(asio::io_context& io) : io_{io}, errand_{io} {}
@@ -45,7 +45,7 @@ private:
     };
 
     asio::io_context& io_;
-    std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();    // with the thread
+    std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();    // shared with the thread
     Errand errand_;
 };
 

@@ -1,11 +1,11 @@
-// The files that the network door of the control interface needs.
+// Checks the files that the TCP access to the control interface needs.
 #pragma once
 #include <config/config.hpp>
 
 namespace anogate {
 
-/// Adds a warning, in the words that the door will have, for TLS files that it can't use and for a file of tokens that it can't
-/// read or make. Changes none of them. Where they are for the service, what only the service may read is not judged.
+/// Adds a warning for TLS files that can't be used and for a token file that can't be read or made, in the same words that the gateway
+/// would log. Changes no file. With `is_for_service`, files that only the service may read are not checked.
 void warn_of_door(Draft& draft, bool is_for_service);
 
 }    // namespace anogate

@@ -32,7 +32,7 @@ std::string fault_of_port(const std::string& device) {
     return there == fs::file_type::regular ? "is an ordinary file, no serial port" : "";
 }
 
-// It may come while the program runs.
+// The map file may also be added while the program runs.
 std::string fault_of_map(const std::string& file) {
     const fs::file_type there = type_of(file);
     if (there == fs::file_type::not_found) return "is not there: the page shows a grid";

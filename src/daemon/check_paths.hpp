@@ -1,11 +1,11 @@
-// Paths of a configuration that this machine has nothing for, or something else.
+// Checks whether the paths of a configuration exist on this machine and are of the right kind.
 #pragma once
 #include <config/config.hpp>
 
 namespace anogate {
 
 /// Adds a warning for every pty and log file whose folder is missing or whose place is taken, and for every serial device
-/// that is a folder or an ordinary file. No faults: it may be another machine's, or the disk comes later.
+/// that is a folder or an ordinary file. Warnings, not errors: the configuration may be for another machine, or the disk is mounted later.
 void warn_of_paths(Draft& draft);
 
 }    // namespace anogate

@@ -22,14 +22,14 @@ namespace {
 
 constexpr char ad_hoc[] = "anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333";
 
-/// What stands on the command line, not looked into yet.
+/// The content of the command line, not checked yet.
 struct Arguments {
     std::vector<std::string> configs, links, routes;
     std::vector<std::pair<const KeyFacts*, std::string>> values;    // of the options that set a key
     bool check = false, print_config = false;
 };
 
-/// An option for every key that has one; its value is put into `arguments.values`.
+/// Adds the options of all keys that have one; their values go into `arguments.values`.
 template <class Section>
 void add_options(CLI::App& app, Keys<Section> keys, Arguments& arguments) {
     for (const Key<Section>& key : keys) {
@@ -68,7 +68,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
     return names;
 }
 
-/// What to do about an option that is none.
+/// A suggestion for an unknown option.
 std::string meant_option(const std::string& name, const std::vector<std::string_view>& known) {
     const std::string bare = name.substr(std::min(name.find_first_not_of('-'), name.size()));
     if (const Key<LinkSettings>* key = find_key_of_any(link_kinds(), bare))
@@ -77,7 +77,7 @@ std::string meant_option(const std::string& name, const std::vector<std::string_
     return nearest.empty() ? "; --help has them all" : nearest;
 }
 
-/// One error for every option that is none.
+/// One error for each unknown option.
 ConfigErrors reject_unknown_options(const CLI::App& app) {
     const auto names = option_names(app);
     const std::vector<std::string_view> known{names.begin(), names.end()};
@@ -89,7 +89,7 @@ ConfigErrors reject_unknown_options(const CLI::App& app) {
     return errors;
 }
 
-/// One error for every option that was given the next one for its value.
+/// One error for each option whose value is the next option.
 ConfigErrors missing_values(const Arguments& arguments) {
     ConfigErrors errors;
     const auto look = [&](std::string_view option, const std::string& value) {
@@ -103,7 +103,7 @@ ConfigErrors missing_values(const Arguments& arguments) {
 
 Exit failure(const ConfigErrors& errors) { return {exit_config, lines(errors), errors}; }
 
-/// Nothing, or why there is no more to do.
+/// std::nullopt: the program is to run.
 std::optional<Exit> parse(CLI::App& app, int argc, const char* const* argv) {
     try {
         app.parse(argc, argv);
@@ -153,7 +153,7 @@ std::vector<ConfigText> read_files(const std::string& path, bool by_default, Dra
     return files;
 }
 
-/// A configuration file that stands where a LINK should.
+/// Whether a LINK argument is a configuration file instead.
 bool is_config_file(const std::string& text) {
     std::error_code ec;
     const bool has_kind = find_link_kind(link_kinds(), text.substr(0, text.find(':'))) != nullptr;
@@ -171,7 +171,7 @@ void read_links(const std::vector<std::string>& links, Draft& draft) {
     }
 }
 
-/// A control socket that somebody named must be possible: he will look for it there.
+/// A configured path of the control socket must be possible, since its users connect there.
 void check_control(Draft& draft) {
     const std::string& socket = draft.settings.control.socket;
     if (socket.empty() || socket == "none") return;

@@ -11,23 +11,23 @@
 namespace anogate {
 
 struct CommandLine {
-    Settings settings;                // file, LINKs and options together, without fault
-    std::string config_file;          // that was read; empty: none
-    std::vector<ConfigText> files;    // that one and the others of conf.d, as they were read
-    bool has_links = false;           // the line itself names some
-    std::string warnings;             // a line each
+    Settings settings;                // file, LINKs and options together, checked
+    std::string config_file;          // the file that was read; empty: none
+    std::vector<ConfigText> files;    // config_file and those of conf.d, as they were read
+    bool has_links = false;           // the command line itself names links
+    std::string warnings;             // one line for each warning
     bool check = false;
     bool print_config = false;
 };
 
-/// There is nothing to run: `text` belongs on standard output when `code` is 0, else on standard error.
+/// The program is to end: `text` goes to standard output when `code` is 0, else to standard error.
 struct Exit {
     int code = 0;
     std::string text;
-    ConfigErrors faults{};    // of which `text` tells
+    ConfigErrors faults{};    // the ones that `text` lists
 };
 
-/// An option as --help shows it; without names: the LINKs.
+/// An option as --help shows it; an entry without names stands for the LINK arguments.
 struct OptionText {
     std::vector<std::string> names;    // "-c", "--config"
     std::string value;                 // "FILE"; empty: a flag
@@ -37,8 +37,8 @@ struct OptionText {
 /// Every option that there is, in the order of --help.
 std::vector<OptionText> option_texts(const std::string& default_file);
 
-/// Reads the configuration file too. `default_file` is read when neither a file nor a link is named. `instead`, where it is given,
-/// takes the place of what would be read.
+/// Reads the configuration files too: `default_file` when the command line names neither a file nor a link. With `instead`, these texts
+/// are used and nothing is read from the disk.
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv,
                                                    const std::string& default_file = default_config_file(),
                                                    const std::vector<ConfigText>* instead = nullptr);

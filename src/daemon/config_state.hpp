@@ -1,4 +1,4 @@
-// Whether what runs is what the configuration file says.
+// Whether the running configuration is that of the configuration file.
 #pragma once
 #include <ano/time.hpp>
 
@@ -12,14 +12,14 @@ namespace anogate {
 
 struct ConfigState {
     enum class Runs {
-        file,            // what was read last
-        unconfirmed,     // the same, until the time to confirm it is over
-        not_the_file,    // what the file says was not confirmed: what ran before
+        file,            // the configuration that was read last
+        unconfirmed,     // the same, but it is undone when it is not confirmed in time
+        not_the_file,    // the earlier one: that of the file was not confirmed
     };
-    std::string file;    // empty: all is from the command line
+    std::string file;    // empty: the configuration is from the command line
     Runs runs = Runs::file;
     std::optional<ano::TimePoint> confirm_by{};
-    std::vector<std::string> needs_restart{};    // what the file says and takes effect at the next start
+    std::vector<std::string> needs_restart{};    // settings of the file that take effect at the next start
 };
 
 /// {"file", "state": "file|unconfirmed|not the file|command line", …}

@@ -1,4 +1,4 @@
-// That two devices may have one id, or one device two ways: for people.
+// The message for a conflict: two devices may have the same id, or one device is heard on two links.
 #pragma once
 #include <string>
 

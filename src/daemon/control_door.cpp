@@ -21,14 +21,14 @@ namespace anogate {
 namespace {
 
 constexpr Duration retry = std::chrono::milliseconds{500};
-constexpr std::size_t request_memory = 384 * 1024;    // for one request with its answer: without it, they are not begun
+constexpr std::size_t request_memory = 384 * 1024;    // bytes for a request with its response: no request is begun without them
 
 std::string host_name() {
     char name[HOST_NAME_MAX + 1] = {};
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-/// For who runs in another folder.
+/// The absolute path, for programs that run in another folder.
 std::string whole_path(const std::string& path) {
     std::error_code ec;
     const std::filesystem::path whole = std::filesystem::absolute(path, ec);
@@ -90,7 +90,7 @@ void ControlDoor::open_network() {
     try_network();
 }
 
-// Without tokens or certificate it stays shut: an open door is worse than none.
+// Without tokens or certificate it stays closed: access without protection would be worse than no access.
 bool ControlDoor::shut(std::string why) {
     log_error("control.http stays shut: {}", why);
     network_door_.state = NetworkDoor::State::shut;
@@ -141,7 +141,7 @@ void ControlDoor::try_again() {
     if (!awaits_local_ && !awaits_network_) again_.stop();
 }
 
-// Whoever has the socket may end, and then this one is to be found there.
+// The program that has the socket may end; then this one takes its place.
 void ControlDoor::try_local() {
     const http::Server::Outcome outcome = server_.start(socket_);
     if (!outcome.error.empty()) return;

@@ -1,4 +1,4 @@
-// The doors of the control interface: its Unix socket, and TCP where that is asked for.
+// The listening sockets of the control interface: its Unix socket, and TCP when that is configured.
 #pragma once
 #include <daemon/network_door.hpp>
 #include <daemon/ticker.hpp>
@@ -11,25 +11,25 @@
 
 namespace anogate {
 
-/// Whether a client of TCP at `address` needs a token: no where `user` started the gateway for himself and nobody comes from elsewhere.
+/// Whether a TCP client at `address` needs a token. Not when an ordinary `user` started the gateway and only this machine can connect.
 bool network_needs_token(const std::string& address, uid_t user);
 
-/// What can't be had now is tried again: a path or a port that another program has, an address that is not there yet.
+/// Tries again when a path or port is in use by another program, or an address is not available yet.
 class ControlDoor {
 public:
     ControlDoor(asio::io_context& io, ControlSettings settings);
 
     http::Routes& routes() noexcept { return server_.routes(); }
     void add_login_route();
-    /// Reads tokens and certificate. False: there can be no socket at the path that was asked for, which was told; of TCP it is
-    /// told, and that door stays shut.
+    /// Reads tokens and certificate. False: the Unix socket can't be made at the configured path; the reason was logged. Faults of TCP are
+    /// logged only, and TCP stays closed.
     bool open();
-    /// Nobody is heard any more; what is being answered is answered to its end, or for `patience`.
+    /// Accepts no more requests. Answers that are being sent are completed, for at most `patience`.
     void finish(Duration patience);
-    /// At once.
+    /// Closes everything at once.
     void close();
 
-    /// How it is with that of TCP just now.
+    /// The present state of the TCP access.
     const NetworkDoor& network_door() const noexcept { return network_door_; }
 
 private:
@@ -42,7 +42,7 @@ private:
     void try_local();
     void try_network();
 
-    const ControlSettings settings_;    // of the start: what is changed later counts from the next start on
+    const ControlSettings settings_;    // as of the start: later changes take effect at the next start
     http::Server server_;
     Ticker again_;
     std::string socket_;

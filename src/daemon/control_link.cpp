@@ -14,13 +14,13 @@ namespace {
 
 using Kind = http::WebSocket::Kind;
 
-constexpr std::size_t message_size = 16 * 1024;    // of what leaves at once, but for a frame that is larger
+constexpr std::size_t message_size = 16 * 1024;    // bytes of a message to a program, unless one frame is larger
 constexpr std::size_t frames_per_message = 64;
 constexpr std::uint16_t going_away = 1001, policy_violation = 1008,
                         try_again_later = 1013;    // why a WebSocket is closed (RFC 6455)
 constexpr std::size_t max_name = 64;
 
-// Not one that can be configured as a link.
+// Not a kind that can be configured.
 constinit const LinkKind control_kind{.name = "control", .carries = Carries::datagrams};
 
 }    // namespace
@@ -65,7 +65,7 @@ public:
         host().flush();
     }
 
-    /// The link goes: nothing of it is used any more.
+    /// The link is being destroyed: it must not be used any more.
     void detach() {
         channel_ = nullptr;
         alive_.reset();
@@ -74,7 +74,7 @@ public:
 
     std::uint8_t port_id() const { return port_id_; }
 
-    /// The program's place goes, the link stays.
+    /// Closes the channel of the program; the link stays.
     void leave(const std::string& why) {
         Channel* const channel = std::exchange(channel_, nullptr);
         alive_.reset();
@@ -86,7 +86,7 @@ public:
         if (channel_) flush();
     }
 
-    // One message is under way, what comes meanwhile waits in the outbox and follows its rules.
+    // Only one message is under way; frames that are queued meanwhile wait in the outbox, by its rules.
     void flush() {
         Outbox& outbox = channel_->outbox;
         if (socket_->waiting() > 0) return outbox.set_congested();
@@ -111,7 +111,7 @@ private:
         socket_->send(std::make_shared<const std::string>("{\"error\": \"" + what + "\"}"), Kind::text);
     }
 
-    // What waited through a standstill is as old as that: until a whole turn of the loop brought nothing.
+    // Frames that waited during a standstill are as old as it: all that come until a whole turn of the loop brought none.
     void look_for_more() {
         reads_then_ = socket_->reads();
         const auto clocks = host().turn().clocks();
@@ -133,7 +133,7 @@ private:
     std::shared_ptr<int> alive_ = std::make_shared<int>();
 };
 
-// A frame may be as large as any link of ours carries.
+// A frame may be as large as the links permit.
 LinkSettings ControlLink::link_settings(const Settings& settings) {
     LinkSettings link;
     link.kind = &control_kind;
@@ -197,7 +197,7 @@ http::Response ControlLink::join(const http::Request& request, std::uint8_t own_
     return response;
 }
 
-// The way of every byte: through a parser, counted there.
+// Passes through a parser like every received byte, so that it is counted.
 void ControlLink::send(ano::FrameView frame) {
     const TimePoint now = context_.host.now();
     if (!sender_) {

@@ -1,4 +1,4 @@
-// The link `control`: what programs send by the control interface. Each WebSocket of GET /link is a channel of it.
+// The link `control`: frames that programs send through the control interface. Each WebSocket of GET /link is a channel of it.
 #pragma once
 #include <gateway/forwarder.hpp>
 #include <http/response.hpp>
@@ -17,7 +17,7 @@ class ControlLink final : public Link {
 public:
     ControlLink(LinkId id, LinkSettings settings, const LinkContext& context, Forwarder& forwarder);
     ~ControlLink() override;
-    /// Its own settings, as if it stood among the links.
+    /// Its settings, as if it were one of the configured links.
     static LinkSettings link_settings(const Settings& settings);
 
     void start() override { context_.host.link_up(*this); }
@@ -26,11 +26,11 @@ public:
     void flush(Channel& channel) override;
     UnassignedTraffic unassigned_traffic() const override;
 
-    /// GET /link?name=N&id=P: the program becomes a channel.
+    /// GET /link?name=N&id=P: makes the program a channel.
     http::Response join(const http::Request& request, std::uint8_t own_id);
-    /// Closes the programs whose port id is another link's now, or the gateway's own.
+    /// Closes the connections of programs whose port id now belongs to another link or to the gateway itself.
     void give_up_ports(std::uint8_t own_id);
-    /// POST /send: one frame, that is no program's, goes to whom it concerns. It teaches no address.
+    /// POST /send: forwards one frame that belongs to no connected program. Its source address is not learned.
     void send(ano::FrameView frame);
 
 private:
@@ -40,7 +40,7 @@ private:
     LinkContext context_;
     Forwarder& forwarder_;
     std::array<LinkSocket*, max_channels> sockets_{};    // by channel
-    std::unique_ptr<Channel> sender_;                    // of what was sent; nullptr: nothing yet
+    std::unique_ptr<Channel> sender_;                    // of the frames of send(); nullptr: nothing was sent yet
     bool reads_ = true;
 };
 

@@ -47,12 +47,12 @@ std::vector<NamedDescriptor> take_descriptors() {
     return descriptors;
 }
 
-// What systemd watches it closes when something is wrong there: of a UDP socket, that nobody listens at a peer's port.
+// FDPOLL=0: otherwise systemd closes a stored descriptor on an error, for example a UDP socket when nobody listens at the peer's port.
 bool store_descriptors(const std::string& name, std::span<const int> descriptors) {
     return notify_systemd("FDSTORE=1\nFDPOLL=0\nFDNAME=" + name, descriptors, Patience::some);
 }
 
-// It has, when it closes the other end.
+// systemd has processed everything when it closes the other end.
 bool await_systemd() {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) return false;

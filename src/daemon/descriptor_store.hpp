@@ -1,5 +1,5 @@
-// The file descriptor store of systemd (sd_notify(3), FDSTORE=1; sd_listen_fds(3)): what a service leaves there, the next start of it
-// has. FileDescriptorStoreMax= of the unit says how much.
+// The file descriptor store of systemd (sd_notify(3), FDSTORE=1; sd_listen_fds(3)): descriptors that a service stores there are passed
+// to its next start. FileDescriptorStoreMax= in the unit limits their number.
 #pragma once
 #include <link/unique_fd.hpp>
 
@@ -12,15 +12,15 @@ namespace anogate {
 
 using NamedDescriptor = std::pair<std::string, UniqueFd>;
 
-/// What is there for this process, and is taken out. The environment knows nothing of it afterwards. To be called once, before
-/// another thread runs. What LISTEN_PID says is for another process, whose child we are, stays as it is, as sd_listen_fds(3) leaves
-/// it: it is open as long as we run, nothing uses it, and no program that we start could inherit it, for we start none.
+/// Takes out the descriptors that were passed to this process, and removes their variables from the environment. Call it once, before
+/// another thread runs. When LISTEN_PID is another process (our parent), its descriptors are left as they are, like sd_listen_fds(3)
+/// does: they stay open and unused while we run, and no program can inherit them, since we start none.
 std::vector<NamedDescriptor> take_descriptors();
 
-/// Puts copies there, all of one name; at most 253. False: systemd does not take them in time, or there is none.
+/// Stores copies of at most 253 descriptors under one name. False: systemd did not take them in time, or there is no systemd.
 bool store_descriptors(const std::string& name, std::span<const int> descriptors);
 
-/// Returns when systemd has all that was sent to it, or does not take it in time: false.
+/// Waits until systemd has processed everything that was sent to it. False: it did not in time.
 bool await_systemd();
 
 }    // namespace anogate

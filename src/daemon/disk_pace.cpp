@@ -5,11 +5,11 @@
 namespace anogate {
 
 ano::Duration DiskPace::silence_that_is_told() const noexcept {
-    const bool is_told_of = has_lost_ || longest_ > ano::Duration::zero();    // more than behind: a hang begins so
+    const bool is_told_of = has_lost_ || longest_ > ano::Duration::zero();    // not if only behind: a hang begins so
     return is_troubled_ && is_told_of ? std::max(hang_told, 2 * longest_) : silence_told;
 }
 
-// The first look behind a silence that was told is no sign of slowness: what waited through it is still on its way.
+// The first look() after a reported silence does not show slowness: what waited during the silence is still being written.
 DiskPace::State DiskPace::look(ano::TimePoint now, const Signs& signs) noexcept {
     const bool is_quiet = signs.silence >= silence_told, was_silent = state_ == State::silent;
     if (signs.fails || (is_troubled_ && now >= troubled_until_)) {

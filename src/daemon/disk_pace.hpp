@@ -1,4 +1,4 @@
-// Whether a disk keeps up with what is recorded, in a word that holds for a while.
+// Whether a disk keeps up with a recording, as a state that does not change with every write.
 #pragma once
 #include <ano/time.hpp>
 
@@ -7,24 +7,24 @@
 
 namespace anogate {
 
-/// A disk that takes a second for each write is silent again and again, and behind in between: that is one trouble, and is told as
-/// one. Asked every 150 ms or so while something is under way.
+/// A disk that takes a second for each write is silent again and again, and behind in between: this counts as one trouble and is
+/// reported once. look() is called about every 150 ms while a recording runs.
 class DiskPace {
 public:
     static constexpr ano::Duration silence_told = std::chrono::milliseconds{750};
-    static constexpr ano::Duration hang_told = std::chrono::seconds{30};    // a silence of one that is told of as slow
-    static constexpr ano::Duration holds = std::chrono::seconds{10};        // what is told, behind the last sign of it
+    static constexpr ano::Duration hang_told = std::chrono::seconds{30};    // minimum silence of a disk already reported as slow
+    static constexpr ano::Duration holds = std::chrono::seconds{10};        // how long a state lasts after its last sign
 
     enum class State : std::uint8_t {
         well,
-        slow,    // it takes less than comes, or is silent once more
-        silent    // it takes nothing: for silence_told, or behind another silence or a loss for hang_told and twice as long as before
+        slow,    // it writes less than is recorded, or is silent again
+        silent    // it writes nothing for silence_told; after an earlier silence or a loss: for hang_told and twice the longest silence
     };
     struct Signs {
-        ano::Duration silence{};    // since the disk answered last, while something is asked of it; 0: nothing is
-        bool is_behind = false;     // by a second, or it lost frames:
+        ano::Duration silence{};    // since the last answer of the disk, while a request is pending; 0: none is
+        bool is_behind = false;     // by a second or more, or frames were lost
         bool loses = false;
-        bool fails = false;    // there is an error that says it all
+        bool fails = false;    // an error is reported, which explains the rest
     };
 
     State look(ano::TimePoint now, const Signs& signs) noexcept;
@@ -33,11 +33,11 @@ private:
     ano::Duration silence_that_is_told() const noexcept;
 
     State state_ = State::well;
-    State before_ = State::well;             // it was silent
-    bool is_troubled_ = false;               // or was, just before
-    bool has_lost_ = false;                  // in this trouble
-    ano::TimePoint troubled_until_{};        // where it is
-    ano::Duration silence_{}, longest_{};    // of this trouble, that is under way; of those before it
+    State before_ = State::well;             // the state before `silent`
+    bool is_troubled_ = false;               // slow or silent, or was within `holds`
+    bool has_lost_ = false;                  // frames, during this trouble
+    ano::TimePoint troubled_until_{};        // valid while is_troubled_
+    ano::Duration silence_{}, longest_{};    // of this trouble: the present silence, the longest earlier one
 };
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// What is asked of a disk, some of it at once: the loop never waits for a disk that hangs.
+// Runs disk operations in a few threads, so that the loop never waits for a disk that hangs.
 #pragma once
 #include <daemon/errand.hpp>
 #include <http/response.hpp>
@@ -12,20 +12,20 @@
 
 namespace anogate {
 
-/// Each piece of work has a thread that ends with it; what comes while all are busy waits for its turn.
+/// Each operation has a thread of its own, which ends with it. At most four run at once; further ones wait.
 class DiskWorks {
 public:
     explicit DiskWorks(asio::io_context& io);
     DiskWorks(const DiskWorks&) = delete;
     DiskWorks& operator=(const DiskWorks&) = delete;
 
-    /// Whoever wants the result holds it: `done` is not called when it is gone, and what has not begun is not done.
+    /// Must be held until `done` is called. When it is released earlier, `done` is not called, and work that has not begun is dropped.
     using Ticket = std::shared_ptr<void>;
-    /// As of Errand. `done` is never called at once.
+    /// As Errand::run(). `done` is never called from within this call.
     Ticket run(std::function<void()> work, std::function<void(std::string fault)> done);
-    /// The same when nobody need wait for it.
+    /// The same without a ticket: the work is done in any case, until stop().
     void run_for_nobody(std::function<void()> work, std::function<void(std::string fault)> done);
-    /// Nothing is begun or told any more.
+    /// Begins no more work, and calls no more `done`.
     void stop();
 
 private:
@@ -44,7 +44,7 @@ private:
     bool stopped_ = false;
 };
 
-/// What `work` makes, in a thread: it touches nothing that others have.
+/// The response that `work` makes in a thread. `work` must not touch data that other threads use.
 http::Response answer_from(DiskWorks& disk, std::function<http::Response()> work);
 
 }    // namespace anogate

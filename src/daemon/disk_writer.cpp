@@ -17,7 +17,7 @@ std::string room_text(std::uint64_t bytes) {
     return text;
 }
 
-// Another file may do where this one does not.
+// With these errors, another file may work.
 bool is_of_the_file(int error) noexcept {
     return error == EIO || error == EFBIG || error == ESTALE || error == ENODEV || error == ENXIO || error == EBADF;
 }
@@ -26,7 +26,7 @@ bool is_of_the_file(int error) noexcept {
 
 std::uint64_t RecorderItem::frames() const noexcept { return batch ? count_of_records(*batch) : 0; }
 
-// Kept first: what it becomes can be made again.
+// The item is kept first: its bytes can be made again.
 void DiskWriter::take(RecorderItem item) {
     try {
         unsafe_.push_back(std::move(item));
@@ -52,7 +52,7 @@ void DiskWriter::encode(const RecorderItem& item) {
 void DiskWriter::turn(ano::TimePoint now) {
     if (!error_.empty() && now < try_again_at_) return;
     error_ = work(now);
-    if (!error_.empty() && !file_) error_ = work(now);    // that file was left: perhaps the next one does
+    if (!error_.empty() && !file_) error_ = work(now);    // that file was given up: the next one may work
     if (!error_.empty()) try_again_at_ = now + try_again_after;
     report();
 }
@@ -64,10 +64,10 @@ void DiskWriter::finish(ano::TimePoint now) {
     if (!error_.empty()) give_up();
 }
 
-// The writer may be in the middle of something: of its file stays what is safe, and all else goes into the next one.
+// The RecordingWriter may have stopped in the middle of a record: its file is cut to the synced part, and the rest goes into the next one.
 void DiskWriter::lacks_memory(ano::TimePoint now) noexcept {
     if (file_) leave_file();
-    error_ = "out of memory";    // so short that it needs none
+    error_ = "out of memory";    // short enough to need no allocation
     try_again_at_ = now + try_again_after;
     if (is_finishing_) give_up();
     report();
@@ -80,7 +80,7 @@ void DiskWriter::give_up() noexcept {
     progress_.not_written += given_up;
 }
 
-// Why not, in a clause; empty: all is well.
+// Returns empty, or a clause with the reason of the failure.
 std::string DiskWriter::work(ano::TimePoint now) {
     if (file_ && now >= look_for_file_at_) {
         look_for_file_at_ = now + look_time;
@@ -130,7 +130,7 @@ std::string DiskWriter::begin(ano::TimePoint now) {
 
 static_assert(room_needed(1) > DiskWriter::room_between_looks + 4 * DiskWriter::much);
 
-// Looked at every few MiB.
+// Checked every few MiB.
 std::string DiskWriter::look_for_room(ano::TimePoint now) {
     const std::uint64_t size = file_ ? file_->size() + waiting_.size() : 0;
     if (now < look_for_room_at_ && size < look_for_room_behind_) return {};
@@ -157,7 +157,7 @@ std::string DiskWriter::write(ano::TimePoint now) {
     if (file_->size() == safe_size_ || (!is_ending_ && now - safe_at_ < sync_time && safe_size_ > 0)) return {};
     if (const int error = file_->sync(); error != 0) {
         std::string fault = failed(error);
-        if (file_) leave_file();    // the kernel takes for written what it could not write
+        if (file_) leave_file();    // the kernel marks pages as clean that it failed to write
         return fault;
     }
     progress_.is_busy();
@@ -198,7 +198,7 @@ void DiskWriter::leave_file() noexcept {
     waiting_frames_ = written_frames_ = 0;
 }
 
-// What a file that was left had is written once more: it is counted already. At the end it may be given up.
+// The unsynced items of a file that was given up are written again, but were counted already. At the end they may be given up.
 void DiskWriter::report() {
     const std::uint64_t frames = safe_frames_ + written_frames_;
     if (is_finishing_ || frames > progress_.frames) progress_.frames = frames;

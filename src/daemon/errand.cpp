@@ -19,14 +19,14 @@ constexpr int patience_at_the_end = 200;    // ms
 
 }    // namespace
 
-/// With the thread, which may be left behind.
+/// Shared with the thread, which may be left behind.
 struct Errand::Shared {
     std::function<void()> work;
-    std::function<void(std::string)> done;    // for the loop alone
+    std::function<void(std::string)> done;    // used by the loop only
     std::string fault;
     UniqueFd event;
     std::atomic<bool> is_done{false};
-    bool is_stopped = false;    // for the loop alone
+    bool is_stopped = false;    // used by the loop only
 };
 
 Errand::Errand(asio::io_context& io) : io_{io}, said_{io} {}
@@ -58,7 +58,7 @@ bool Errand::run(std::function<void()> work, std::function<void(std::string)> do
     return true;
 }
 
-// `done` may send the next one, which is not to change what calls it.
+// `done` may call run() again, which must not change the function that is being called.
 void Errand::look() {
     if (!shared_->is_done.load(std::memory_order_acquire)) return;
     said_.close();

@@ -1,4 +1,4 @@
-// What may block (a disk) is done in a thread of its own, and what came of it is taken up in the loop.
+// Runs work that may block (on a disk) in a thread of its own, and continues in the loop with its result.
 #pragma once
 #include <link/descriptor.hpp>
 
@@ -8,7 +8,7 @@
 
 namespace anogate {
 
-/// One at a time, each in a thread that ends with it. No mutex: the thread has what it needs, and hands it back when it is done.
+/// One piece of work at a time, each in a thread that ends with it. No mutex: the thread owns its data and hands it back at the end.
 class Errand {
 public:
     explicit Errand(asio::io_context& io);
@@ -16,11 +16,11 @@ public:
     Errand(const Errand&) = delete;
     Errand& operator=(const Errand&) = delete;
 
-    /// Calls `work` in the thread, where it touches nothing that others have, and then `done` in the loop, with what it threw in words
-    /// or nothing. False: no thread can be had, and neither is called.
+    /// Calls `work` in the thread, where it must not touch data of others, and then `done` in the loop; `fault` is the message of the
+    /// exception that `work` threw, or empty. False: no thread could be started, and neither is called.
     bool run(std::function<void()> work, std::function<void(std::string fault)> done);
     bool is_running() const noexcept { return shared_ != nullptr; }
-    /// `done` is not called any more. Waits for the thread for a moment; what still hangs then is left behind.
+    /// `done` is not called any more. Waits briefly for the thread; a thread that still hangs then is left behind.
     void stop() noexcept;
 
 private:

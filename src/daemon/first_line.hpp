@@ -10,11 +10,11 @@
 
 namespace anogate {
 
-/// Version, where the configuration is from, how many links; and what to type into a ground station, for every udp-listen link. `own`
-/// are the networks of our interfaces, with our addresses in them.
+/// Version, source of the configuration, number of links; and for every udp-listen link the address to type into a ground station.
+/// `own`: the networks of our interfaces, with our addresses in them.
 std::string first_line(const Settings& settings, std::string_view source, const std::vector<Network>& own);
 
-/// Why it ends, how long it ran, how many frames passed.
+/// The reason of the end, the running time, the number of frames.
 std::string last_line(std::string_view why, Duration uptime, std::uint64_t frames_in, std::uint64_t frames_out);
 
 }    // namespace anogate

@@ -7,13 +7,13 @@ ForwarderLink forwarder_link(const LinkSettings& s, std::uint8_t group, const st
     ForwarderLink link;
     const bool takes = !s.kind->replays;
     link.route = {s.id, takes && s.flood, takes && s.broadcast, group, takes};
-    // The rate tells when the rest of a frame is overdue.
+    // From the rate follows when the rest of a frame is overdue.
     link.parser = {s.max_data, line_rate_of(s).bytes_per_second, quiet_of(*s.kind)};
     link.outbox = {s.queue, s.effective_max_data_out(), s.age};
     link.rules = s.rules;
     link.takes_few_questions = s.profile == Profile::vendor;
     link.sends_empty = !link.takes_few_questions;
-    // Never to devices, nor to those who do not take broadcasts.
+    // Probes are never sent to devices, nor to links without broadcasts.
     link.takes_probes = link.route.broadcast && !s.kind->devices_only;
     for (const AliasSettings& alias : aliases)
         if (alias.link == s.name) link.aliases.push_back({alias.device, alias.as});

@@ -1,4 +1,4 @@
-// Which channels there are, found by looking at frames now and then. No I/O.
+// Finds out which channels exist, by looking at samples of the frames. No I/O.
 #pragma once
 #include <ano/flexible.hpp>
 #include <record/decoded_channels.hpp>
@@ -17,7 +17,7 @@
 
 namespace anogate {
 
-/// What frames that say the same have in common: the link by which they come, who sends them, and their id.
+/// Frames of the same kind come by the same link, from the same sender, with the same id.
 struct FrameKind {
     std::string link;
     std::uint8_t source = 0, id = 0;
@@ -25,22 +25,23 @@ struct FrameKind {
 };
 FrameKind kind_of(const RecordedFrame& frame);
 
-/// A channel, and one of the kinds of frames that it comes of. It refers to what found it.
+/// A channel, and one kind of frames that has messages for it. Valid as long as the FoundChannels that made it.
 struct FoundChannel {
     const DecodedChannel* channel;
     const DecodedSchema* schema;
     FrameKind kind;
 };
 
-/// What a frame showed that was new.
+/// The new channels that a frame has messages for.
 class FirstFrame {
 public:
-    /// `is_of_new_link`: the frame is kept.
+    /// `is_of_new_link`: it is the first frame of its link, and is kept.
     FirstFrame(const RecordedFrame& frame, std::vector<FoundChannel> found, bool is_of_new_link);
-    /// The first of its link: whoever decodes these, in their order, calls the links as they are called here. Valid as long as this.
+    /// The first frame of its link, otherwise std::nullopt. A decoder that is given these frames in the same order names the links in the
+    /// same way as here. Valid as long as this object.
     std::optional<RecordedFrame> frame() const;
     const std::vector<FoundChannel>& found() const noexcept { return found_; }
-    /// What it showed is no more.
+    /// The channels no longer exist.
     void forget() noexcept { found_.clear(); }
 
 private:
@@ -54,10 +55,10 @@ public:
     /// `flexible` outlives it.
     FoundChannels(DecodedEncoding encoding, const ano::FlexibleLayouts& flexible) : decoded_{encoding, &flexible} {}
 
-    /// Null: it showed nothing new.
+    /// nullptr: no new channel.
     const FirstFrame* look_at(const RecordedFrame& frame);
     const std::deque<FirstFrame>& first_frames() const noexcept { return first_frames_; }
-    /// There is no such link any more: what comes by one of that name later is new.
+    /// The link was removed: channels of a later link of the same name are new ones.
     void forget(std::string_view link);
 
 private:

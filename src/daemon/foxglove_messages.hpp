@@ -1,4 +1,4 @@
-// The messages of the Foxglove WebSocket protocol, v1: what its clients say, read, and what they are told, made. No I/O.
+// The messages of the Foxglove WebSocket protocol, v1: parses those of clients and makes those of the server. No I/O.
 #pragma once
 #include <record/decoded_channels.hpp>
 
@@ -13,25 +13,25 @@
 
 namespace anogate::foxglove {
 
-/// The two names that its subprotocol has; they say the same of all that is here.
+/// The two names of its subprotocol; for the messages in this file there is no difference between them.
 inline constexpr std::array<std::string_view, 2> subprotocols{"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
-/// How bad what a status says is.
+/// The severity of a status message.
 enum class Level : std::uint8_t { info, warning, error };
 
 struct Subscription {
-    std::uint32_t id = 0;    // the client chose it
+    std::uint32_t id = 0;    // chosen by the client
     std::uint32_t channel = 0;
 };
 
-/// A parameter of a device, by a name of its own: "fc/220/PID_ROLL_P".
+/// A parameter of a device, under a unique name: "fc/220/PID_ROLL_P".
 struct Parameter {
     std::string name;
     std::string value;    // JSON: a number or a text
     bool operator==(const Parameter&) const = default;
 };
 
-// What a client says.
+// Messages of a client.
 struct Subscribe {
     std::vector<Subscription> subscriptions;
 };
@@ -39,15 +39,15 @@ struct Unsubscribe {
     std::vector<std::uint32_t> ids;
 };
 struct GetParameters {
-    std::vector<std::string> names;    // none: all that are known
-    std::optional<std::string> id;     // of the question, that the answer bears
+    std::vector<std::string> names;    // empty: all known parameters
+    std::optional<std::string> id;     // of the request, repeated in the answer
 };
 struct WatchParameters {
-    std::vector<std::string> names;    // none: all
-    bool ends = false;                 // they are watched no longer
+    std::vector<std::string> names;    // empty: all
+    bool ends = false;                 // unsubscribe
 };
 struct Wrong {
-    std::string words;    // in a clause: what is wrong with it, or why it is not done
+    std::string words;    // a clause: what is wrong with the message, or why it is refused
 };
 using Said = std::variant<Subscribe, Unsubscribe, GetParameters, WatchParameters, Wrong>;
 
@@ -55,7 +55,7 @@ Said read(std::string_view text);
 
 struct ServerInfo {
     std::string name;
-    std::string session;    // another one after each start of the gateway
+    std::string session;    // differs after each start of the gateway
 };
 std::string server_info(const ServerInfo& server);
 
@@ -66,9 +66,9 @@ struct Channel {
 std::string advertise(std::span<const Channel> channels);
 std::string unadvertise(std::span<const std::uint32_t> channels);
 std::string status(Level level, std::string_view words);
-/// `values` are complete JSON each.
+/// Each value is complete JSON.
 std::string parameter_values(std::span<const Parameter> parameters, const std::optional<std::string>& id);
-/// Binary: what stands on a channel.
+/// A binary message: the payload of a channel.
 std::string message_data(std::uint32_t subscription, std::uint64_t time_ns, std::string_view payload);
 
 }    // namespace anogate::foxglove

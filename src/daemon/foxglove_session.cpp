@@ -10,10 +10,10 @@ namespace {
 
 using foxglove::Level;
 
-// Channels of the protocol: the whole frames, as a recording in MCAP has them, and behind it what they say.
+// The numbers of channels in the protocol: one with the whole frames, as in a recording in MCAP, then those with decoded messages.
 constexpr std::uint32_t raw_channel = 1, first_decoded = 2;
 
-constexpr std::string_view own_messages = "ano_msgs/";    // before the names of their schemas
+constexpr std::string_view own_messages = "ano_msgs/";    // prefix of the names of their schemas
 
 std::string name_of(std::uint8_t id) {
     const ano::Message* const message = ano::find_message(id);
@@ -21,16 +21,16 @@ std::string name_of(std::uint8_t id) {
 }
 
 std::string words_of(const LostFrames& lost) {
-    constexpr std::size_t most = 8;    // names
+    constexpr std::size_t max_names = 8;
     std::vector<std::pair<std::uint32_t, std::uint8_t>> many;
     for (unsigned id = 0; id < lost.by_id.size(); ++id)
         if (lost.by_id[id] > 0) many.emplace_back(lost.by_id[id], static_cast<std::uint8_t>(id));
     std::sort(many.rbegin(), many.rend());
     std::string words = std::to_string(lost.count) + " frames of the last " + std::to_string(lost.since.count()) +
                         " ms are not shown, for this client takes too little:";
-    for (std::size_t i = 0; i < many.size() && i < most; ++i)
+    for (std::size_t i = 0; i < many.size() && i < max_names; ++i)
         words.append(i > 0 ? ", " : " ").append(name_of(many[i].second) + " " + std::to_string(many[i].first));
-    return words + (many.size() > most ? ", ..." : "");
+    return words + (many.size() > max_names ? ", ..." : "");
 }
 
 }    // namespace
@@ -111,7 +111,7 @@ void FoxgloveSession::find_wanted() {
     wants_others_ = true;
 }
 
-// A standard message may have what other frames of its device said before: of those, all that have such messages themselves.
+// A standard message may contain values of earlier frames of its device: so all its frames with standard messages are wanted.
 void FoxgloveSession::want(const Known& channel) {
     wanted_.insert(channel.kinds.begin(), channel.kinds.end());
     if (!channel.is_standard) return;
@@ -145,7 +145,7 @@ std::size_t FoxgloveSession::number_of(const DecodedChannel& channel, const Deco
     return known->second;
 }
 
-// Nothing: it was not learned.
+// std::nullopt: it was not learned.
 std::optional<std::size_t> FoxgloveSession::number_of(const DecodedMessage& message) {
     if (numbers_.size() <= message.channel) numbers_.resize(message.channel + 1);
     std::optional<std::size_t>& number = numbers_[message.channel];
@@ -156,7 +156,7 @@ std::optional<std::size_t> FoxgloveSession::number_of(const DecodedMessage& mess
 }
 
 void FoxgloveSession::learn(const FirstFrame& first) {
-    if (const auto frame = first.frame()) decoded_.decode(*frame);    // so its link is called the same
+    if (const auto frame = first.frame()) decoded_.decode(*frame);    // so that decoded_ names its link in the same way
     for (const FoundChannel& found : first.found()) {
         const std::size_t number = number_of(*found.channel, *found.schema);
         Known& channel = channels_[number];
@@ -166,7 +166,7 @@ void FoxgloveSession::learn(const FirstFrame& first) {
     if (!by_channel_.empty()) find_wanted();
 }
 
-// A subscription of what is gone stays until he ends it: he may not know yet.
+// The subscription of a removed channel stays until the client ends it: the client may not know of the removal yet.
 void FoxgloveSession::forget(std::string_view link) {
     for (std::size_t number = 0; number < channels_.size(); ++number) {
         Known& channel = channels_[number];
@@ -214,7 +214,7 @@ void FoxgloveSession::changed(const std::vector<foxglove::Parameter>& values) {
         if (watches_all_ || watched_.contains(one.name)) changed_.insert_or_assign(one.name, one.value);
 }
 
-// Channels come before what stands on them.
+// Channels are announced before their messages.
 std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
     if (!greeting_.empty()) return Message{std::exchange(greeting_, {})};
     if (!statuses_.empty()) {
@@ -229,7 +229,7 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
     if (!messages_.empty()) {
         Message message = std::move(messages_.front());
         messages_.pop_front();
-        if (message.is_answer) --open_questions_;    // who takes none gets no more of them
+        if (message.is_answer) --open_questions_;    // a client that reads no answers gets no more of them
         return message;
     }
     if (changed_.empty()) return std::nullopt;

@@ -1,10 +1,10 @@
-// One client of the Foxglove WebSocket protocol: what he is told, what he wants, and what of that he gets. No I/O.
+// The session of one client of the Foxglove WebSocket protocol: its subscriptions, and the messages for it. No I/O.
 //
 // Flow:    FoxgloveSession session{server, encoding};
 //          session.learn(first_frame);                // which channels there are
-//          session.hear(text);                        // what the client says
+//          session.hear(text);                        // a message of the client
 //          if (session.wants_other_frames()) watch(session.take_filter());
-//          session.show(frame);                       // one of these
+//          session.show(frame);                       // a frame that passed the filter
 //          while (auto message = session.next()) ...  // to be sent, in this order
 #pragma once
 #include <ano/flexible.hpp>
@@ -28,61 +28,61 @@ namespace anogate {
 
 class FoxgloveSession {
 public:
-    static constexpr std::size_t max_statuses = 32;         // that wait to be sent; of more their number is told
-    static constexpr std::size_t max_questions = 16;        // that wait for their answer, or whose answer waits to be taken
-    static constexpr std::size_t max_watched = 16384;       // parameters by their names
-    static constexpr std::size_t max_watched_name = 256;    // bytes: none has a longer one
-    static constexpr std::size_t part_size = 32 * 1024;     // bytes of channels in one message, but for one that is longer
+    static constexpr std::size_t max_statuses = 32;         // waiting to be sent; of further ones only the number is sent
+    static constexpr std::size_t max_questions = 16;        // without an answer, or whose answer was not sent yet
+    static constexpr std::size_t max_watched = 16384;       // names of parameters
+    static constexpr std::size_t max_watched_name = 256;    // bytes: no parameter has a longer name
+    static constexpr std::size_t part_size = 32 * 1024;     // bytes of channels in a message, unless one alone needs more
 
     struct Message {
         std::string data;
         bool is_text = true;
-        bool is_answer = false;    // to one of his questions
+        bool is_answer = false;    // to a request of the client
     };
 
-    /// `flexible`, which outlives it, has the layouts of flexible messages.
+    /// `flexible`: the layouts of flexible messages; outlives the session.
     FoxgloveSession(const foxglove::ServerInfo& server, DecodedEncoding encoding, const ano::FlexibleLayouts& flexible);
 
-    /// A text of the client.
+    /// A text message of the client.
     void hear(std::string_view text);
-    /// Bytes of his: nothing that he may send.
+    /// A binary message of the client: none is allowed.
     void hear_bytes();
 
-    /// He is to know of its channels; all in the order in which they were found. What found them outlives this.
+    /// Announces these channels to the client; to be called in the order in which they were found. Their FoundChannels outlive the session.
     void learn(const FirstFrame& first);
-    /// There is no such link any more: its channels are taken back. Behind it, learn() of the same topic makes another channel.
+    /// The link was removed: unadvertises its channels. A later learn() of the same topic makes a new channel.
     void forget(std::string_view link);
-    /// A frame that passed filter(): its messages on the channels that he subscribed.
+    /// A frame that passed filter(): makes its messages for the subscribed channels.
     void show(const RecordedFrame& frame);
-    /// Frames that were not shown, for he takes too little.
+    /// Frames that were not shown, since the client reads too slowly.
     void lose(const LostFrames& lost);
 
-    /// filter() is another one than that which was taken last.
+    /// filter() has changed since the last take_filter().
     bool wants_other_frames() const noexcept { return wants_others_; }
-    /// What he subscribed may stand in these frames; nothing: he subscribed nothing.
+    /// The frames that may contain the subscribed channels; std::nullopt: nothing is subscribed.
     std::optional<FrameFilterSettings> filter() const;
     std::optional<FrameFilterSettings> take_filter() {
         wants_others_ = false;
         return filter();
     }
 
-    /// Parameters that he asks for. Each question has its answer by answer(), in whatever order.
+    /// The next request for parameters. Each must be answered by answer(), in any order.
     std::optional<foxglove::GetParameters> next_question();
     void answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values);
-    /// These were read or written: he is told of those that he watches.
+    /// These parameters were read or written: the client is sent those that it watches.
     void changed(const std::vector<foxglove::Parameter>& values);
     void warn(std::string_view words) { say(foxglove::Level::warning, words); }
 
-    /// What is to be sent next; nothing: all was.
+    /// The next message to send; std::nullopt: none waits.
     std::optional<Message> next();
 
 private:
-    // A channel as he knows it.
+    // A channel that was announced to the client, or will be.
     struct Known {
         const DecodedChannel* channel;
         const DecodedSchema* schema;
-        std::set<FrameKind> kinds;    // of the frames that it comes of
-        bool is_standard;             // it has what frames of other kinds said as well
+        std::set<FrameKind> kinds;    // of the frames with messages for it
+        bool is_standard;             // its messages also contain values from frames of other kinds
         bool is_gone = false;
     };
 
@@ -98,33 +98,33 @@ private:
     void want(const Known& channel);
     void send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload);
     void find_wanted();
-    /// nullptr: it is that of whole frames, or was never advertised.
+    /// nullptr: the channel is the one of whole frames, or was never advertised.
     const Known* known(std::uint32_t channel) const noexcept;
     std::optional<Message> next_channels();
 
-    std::string greeting_;    // empty: it was sent
+    std::string greeting_;    // empty: already sent
     DecodedEncoding encoding_;
     DecodedChannels decoded_;
-    std::vector<std::optional<std::size_t>> numbers_;    // in channels_, by number in decoded_
+    std::vector<std::optional<std::size_t>> numbers_;    // position in channels_, by the number in decoded_
     std::vector<Known> channels_;
-    std::map<std::string_view, std::size_t> by_topic_;     // without those that are gone
-    std::set<FrameKind> standard_kinds_;                   // that standard messages come of
-    std::set<FrameKind> wanted_;                           // for what he subscribed
+    std::map<std::string_view, std::size_t> by_topic_;     // without removed channels
+    std::set<FrameKind> standard_kinds_;                   // of the standard channels
+    std::set<FrameKind> wanted_;                           // for the subscribed channels
     std::map<std::uint32_t, std::uint32_t> by_channel_;    // the subscription of each channel
-    std::map<std::uint32_t, std::uint32_t> by_id_;         // the other way
+    std::map<std::uint32_t, std::uint32_t> by_id_;         // the channel of each subscription
     bool wants_others_ = false;
     bool raw_is_told_ = false;
-    std::string raw_;                    // the last whole frame, as its message; keeps its memory
-    std::size_t told_channels_ = 0;      // of channels_
-    std::vector<std::uint32_t> gone_;    // of these, which is not told yet
+    std::string raw_;                    // buffer for the message of a whole frame; keeps its memory
+    std::size_t told_channels_ = 0;      // number of channels_ that were announced
+    std::vector<std::uint32_t> gone_;    // removed channels that are still to be unadvertised
     std::deque<Message> messages_;
     std::deque<std::string> statuses_;
-    std::uint64_t unsaid_ = 0;    // statuses
+    std::uint64_t unsaid_ = 0;    // statuses that did not fit
     std::deque<foxglove::GetParameters> questions_;
     std::size_t open_questions_ = 0;
     bool watches_all_ = false;
     std::set<std::string> watched_;
-    std::map<std::string, std::string> changed_;    // of these, not told yet
+    std::map<std::string, std::string> changed_;    // watched parameters with new values, not sent yet
 };
 
 }    // namespace anogate

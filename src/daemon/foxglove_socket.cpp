@@ -10,8 +10,8 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t messages_a_turn = 16 * 1024;    // bytes, that are made between two turns of the loop
-constexpr int records_a_turn = 512;                   // of which nothing may come
+constexpr std::size_t messages_a_turn = 16 * 1024;    // bytes of messages made in one turn of the loop
+constexpr int records_a_turn = 512;                   // records may lead to no message
 
 }    // namespace
 
@@ -71,7 +71,7 @@ void FoxgloveSocket::work() {
     give_if_idle();
 }
 
-// Never from within more(), in which no watcher may come or go.
+// Never called from more(), in which no watcher may be added or removed.
 void FoxgloveSocket::watch_what_is_wanted() {
     const auto filter = session_.take_filter();
     if (!filter) {
@@ -97,7 +97,7 @@ void FoxgloveSocket::give() {
     if (records > records_a_turn || session_.wants_other_frames()) work_.set_no_later(Clock::now());
 }
 
-// False: nothing waits.
+// False: no frame waits.
 bool FoxgloveSocket::take_next() {
     if (const auto record = take_record(rest_)) {
         session_.show(as_recorded(*record, *tables_));

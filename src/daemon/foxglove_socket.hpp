@@ -1,4 +1,4 @@
-// A client of the Foxglove WebSocket protocol at its WebSocket.
+// The WebSocket of a client of the Foxglove protocol.
 #pragma once
 #include <daemon/foxglove_session.hpp>
 #include <daemon/frame_watch.hpp>
@@ -13,14 +13,14 @@ namespace anogate {
 
 class FoxgloveStreams;
 
-/// He is given more when he has taken what there was: what his messages cost to make, he pays.
+/// Makes further messages only when the client has read the earlier ones, so that a slow client causes little work.
 class FoxgloveSocket final : public http::WebSocketUser, private Watcher {
 public:
     /// `streams` outlives it.
     FoxgloveSocket(FoxgloveStreams& streams, unsigned number, std::string_view subprotocol, DecodedEncoding encoding);
     ~FoxgloveSocket() override;
 
-    /// Another one for each client.
+    /// Unique for each client.
     unsigned number() const noexcept { return number_; }
 
     std::string_view subprotocol() const override { return subprotocol_; }
@@ -50,11 +50,11 @@ private:
     DecodedEncoding encoding_;
     FoxgloveSession session_;
     Alarm work_;
-    http::WebSocket* socket_ = nullptr;    // nullptr: not open yet
+    http::WebSocket* socket_ = nullptr;    // nullptr: not open
     bool watches_ = false;
     WatchQueue::Tables tables_;
     WatchQueue::Batch batch_;
-    std::string_view rest_;    // of the batch
+    std::string_view rest_;    // of batch_
 };
 
 }    // namespace anogate

@@ -14,8 +14,8 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t old_results = 256 * 1024;    // bytes of what jobs brought before, that the first client costs
-constexpr std::size_t max_devices = 8;             // that one question asks
+constexpr std::size_t old_results = 256 * 1024;    // bytes of earlier job results that are read for the first client
+constexpr std::size_t max_devices = 8;             // asked for one request
 
 ano::FlexibleLayouts flexible_of(const Settings& settings) {
     ano::FlexibleLayouts layouts;
@@ -31,10 +31,10 @@ foxglove::ServerInfo server_of(const Settings& settings) {
 }    // namespace
 
 struct FoxgloveStreams::Question {
-    unsigned client;    // his number, who may be gone
+    unsigned client;    // its number; the client may be gone
     foxglove::GetParameters asked;
-    std::size_t open = 0;             // devices that did not answer yet
-    std::shared_ptr<void> place{};    // of those who wait for jobs
+    std::size_t open = 0;             // devices without an answer yet
+    std::shared_ptr<void> place{};    // the place among the clients that wait for jobs
 };
 
 bool is_foxglove(const http::Request& request) noexcept {
@@ -98,7 +98,7 @@ FoxgloveSocket* FoxgloveStreams::client(unsigned number) const {
     return found == sockets_.end() ? nullptr : *found;
 }
 
-// What the samples lack, others have: a loss here is told to nobody.
+// Later samples show what a lost one would have: a loss here is not reported.
 void FoxgloveStreams::more() {
     while (auto item = queue.next(Clock::now())) {
         if (auto* tables = std::get_if<WatchQueue::Tables>(&*item)) look_at(std::move(*tables));
@@ -122,7 +122,7 @@ void FoxgloveStreams::look_at(const RecordedFrame& frame) {
     }
 }
 
-// Of links that are gone nothing comes any more.
+// Forgets the channels of removed links.
 void FoxgloveStreams::look_at(WatchQueue::Tables tables) {
     const WatchQueue::Tables before = std::exchange(tables_, std::move(tables));
     if (!before) return;
@@ -140,7 +140,7 @@ std::string FoxgloveStreams::prefix_of(std::uint8_t address) {
     return parameter_prefix(one == all.end() ? std::string_view{} : std::string_view{one->link}, address);
 }
 
-// The newest count, and are learned last.
+// The newest results take precedence, so they are learned last.
 void FoxgloveStreams::read_old_jobs() {
     const auto& jobs = devices_.jobs();
     std::size_t size = 0;

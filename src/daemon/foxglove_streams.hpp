@@ -1,4 +1,4 @@
-// The Foxglove WebSocket protocol on the control interface's port: its clients see what passes, and the parameters of devices.
+// The Foxglove WebSocket protocol on the port of the control interface: shows its clients the frames and the parameters of devices.
 #pragma once
 #include <ano/flexible.hpp>
 #include <daemon/found_channels.hpp>
@@ -19,14 +19,14 @@ class DeviceService;
 class FoxgloveSocket;
 class Gateway;
 
-/// Whether the request wants a WebSocket of this protocol.
+/// Whether the request asks for a WebSocket of this protocol.
 bool is_foxglove(const http::Request& request) noexcept;
 
-/// While there are no clients it does nothing. While there are, about two frames a second of each kind are copied, so that they know which
-/// channels there are; of the rest what they subscribed.
+/// Without clients it does nothing. With clients, it copies about two frames a second of each kind, to find the channels, and beyond that
+/// the frames that the clients subscribed.
 class FoxgloveStreams final : private Watcher {
 public:
-    /// All outlive it. What it answers with is gone before it.
+    /// The arguments outlive it; its WebSockets must be gone before it.
     FoxgloveStreams(Gateway& gateway, FrameWatch& watch, DeviceService& devices);
     ~FoxgloveStreams();
     FoxgloveStreams(const FoxgloveStreams&) = delete;
@@ -37,12 +37,12 @@ public:
 private:
     friend class FoxgloveSocket;
 
-    // Of a client who waits for devices.
+    // A request of a client that waits for devices.
     struct Question;
 
     void join(FoxgloveSocket& socket);
     void leave(FoxgloveSocket& socket);
-    /// nullptr: he is gone.
+    /// nullptr: the client is gone.
     FoxgloveSocket* client(unsigned number) const;
     void warn(unsigned client, std::string_view words);
     void more() override;
@@ -62,12 +62,12 @@ private:
     DeviceService& devices_;
     ano::FlexibleLayouts flexible_;
     foxglove::ServerInfo server_;
-    unsigned clients_ = 0;    // that came
+    unsigned clients_ = 0;    // number of clients so far
     std::vector<FoxgloveSocket*> sockets_;
-    std::optional<FoundChannels> as_cdr_, as_json_;    // as long as there are clients
+    std::optional<FoundChannels> as_cdr_, as_json_;    // std::nullopt: no clients
     WatchQueue::Tables tables_;
     ParameterBook book_;
-    std::shared_ptr<char> life_ = std::make_shared<char>();    // jobs may end behind it
+    std::shared_ptr<char> life_ = std::make_shared<char>();    // expired when this is gone: jobs may end later
 };
 
 }    // namespace anogate

@@ -17,14 +17,14 @@ constexpr std::string_view filter_names[] = {"from", "to", "id", "link", "direct
 constexpr std::string_view limit_name = "limit.";
 constexpr std::string_view directions[] = {"in", "out", "dropped"};
 
-// What is wrong with a filter; empty: nothing.
+// What is wrong with a filter; empty: it is correct.
 using Fault = std::string;
 
 std::string is_not(std::string_view name, std::string_view word, const std::string& what) {
     return std::string{name} + "=" + ano::in_quotes(word) + " " + what;
 }
 
-/// Adds to the set. `given`: whether words of that name came before; until then the set is all.
+/// Adds to the set. `given`: whether values of that name came before; until then the set contains all.
 void add(Bytes& set, bool given, ByteRange range) {
     if (!given) set.reset();
     for (unsigned n = range.first; n <= range.last; ++n) set.set(n);
@@ -79,9 +79,9 @@ Fault read_format(std::string_view word, FrameFormat& format) {
 }
 
 Fault read_batch(std::string_view word, ano::Duration& batch) {
-    constexpr ano::Duration shortest = std::chrono::milliseconds{1}, longest = std::chrono::seconds{1};
+    constexpr ano::Duration min_batch = std::chrono::milliseconds{1}, max_batch = std::chrono::seconds{1};
     const auto time = parse_duration(word);
-    if (!time || *time < shortest || *time > longest) return is_not("batch", word, "is no time from 1ms to 1s");
+    if (!time || *time < min_batch || *time > max_batch) return is_not("batch", word, "is no time from 1ms to 1s");
     batch = *time;
     return {};
 }

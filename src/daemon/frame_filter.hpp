@@ -1,4 +1,4 @@
-// What somebody who watches the frames wants to see of them (GET /frames?...).
+// Which frames a watcher wants to see (GET /frames?...).
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/filter.hpp>
@@ -24,8 +24,8 @@ struct FrameFilterSettings {
     std::vector<std::string> links;                      // empty: all
     std::array<bool, 3> directions{true, true, true};    // by Direction
     std::vector<LimitRule> limit;                        // in the order of the ids
-    bool samples = false;                                // of each link, sender and id about two frames a second
-    /// How long a frame may wait for others, to be told of together with them: 1 ms to 1 s. Each telling costs a wake-up.
+    bool samples = false;                                // only about two frames a second of each link, sender and id
+    /// How long a frame may wait to be delivered together with others: 1 ms to 1 s. Each delivery costs a wake-up.
     ano::Duration batch = std::chrono::milliseconds{10};
     bool operator==(const FrameFilterSettings&) const = default;
 };
@@ -37,12 +37,13 @@ struct FrameQuery {
     FrameFormat format = FrameFormat::json;
 };
 
-/// Of `from=0xDC,30-40`, `to=`, `id=euler,0x20-0x2F`, `link=fc,ground`, `direction=in,out,dropped`, `limit.ID=RATE`,
-/// `batch=40ms` and `format=json|binary`; a name that is given twice adds to the first. `links` are those that there are. Else what is wrong, in words.
+/// Parses `from=0xDC,30-40`, `to=`, `id=euler,0x20-0x2F`, `link=fc,ground`, `direction=in,out,dropped`, `limit.ID=RATE`,
+/// `batch=40ms` and `format=json|binary`; the values of repeated names are combined. `links`: the names of all links. A string: what
+/// is wrong, in words.
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
                                                         std::span<const std::string_view> links);
 
-/// Two frames a second of each link, sender and id; more where there are so many of these that two share a place.
+/// Passes two frames a second of each link, sender and id; more when there are so many of these that two share a place.
 class FrameSamples {
 public:
     bool passes(std::uint8_t link, ano::FrameView frame, ano::TimePoint now) noexcept {
@@ -65,7 +66,7 @@ private:
     std::array<Place, std::size_t{1} << 12> places_{};
 };
 
-/// Applies them. Neither throws nor allocates after construction.
+/// Applies the settings. Neither throws nor allocates after construction.
 class FrameFilter {
 public:
     explicit FrameFilter(const FrameFilterSettings& settings);
@@ -83,10 +84,10 @@ public:
 
 private:
     FrameFilterSettings::Bytes ids_, from_, to_;
-    bool takes_all_;    // of its directions
+    bool takes_all_;    // every frame in the wanted directions
     LinkSet links_ = ~LinkSet{};
     std::array<bool, 3> directions_;
-    std::unique_ptr<std::array<Limit, 3>> limits_;    // nullptr: none
+    std::unique_ptr<std::array<Limit, 3>> limits_;    // nullptr: no limits
     std::unique_ptr<FrameSamples> samples_;           // nullptr: every frame
 };
 

@@ -64,7 +64,7 @@ void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
 void FrameWatch::join(Watcher& watcher, const FrameFilterSettings& settings) {
     auto stream = std::find_if(streams_.begin(), streams_.end(), [&](const auto& s) { return s->settings == settings; });
     if (stream == streams_.end()) stream = streams_.insert(streams_.end(), std::make_unique<Stream>(gateway_.alarms(), settings));
-    (*stream)->end_batch(gateway_.time());    // what was before is not for him
+    (*stream)->end_batch(gateway_.time());    // earlier frames are not for the new watcher
     (*stream)->filter.set_links(links_called(settings.links, *tables_));
     (*stream)->watchers.push_back(&watcher);
 }
@@ -86,7 +86,7 @@ void FrameWatch::remove(Watcher& watcher) {
     for (auto& stream : streams_) {
         const auto place = std::find(stream->watchers.begin(), stream->watchers.end(), &watcher);
         if (place == stream->watchers.end()) continue;
-        stream->end_batch(gateway_.time());    // he may still take what he saw
+        stream->end_batch(gateway_.time());    // the watcher may still take its frames
         stream->watchers.erase(place);
     }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
@@ -98,7 +98,7 @@ void FrameWatch::remove(Watcher& watcher) {
     memory_.clear();
 }
 
-// What no filter takes is not told at all.
+// Asks the forwarder only for what some filter takes.
 void FrameWatch::observe() {
     Forwarder::Observer::Wants wants{false, false, false};
     for (const auto& stream : streams_) {
@@ -130,10 +130,10 @@ void FrameWatch::gave_up(const Channel& to, ano::FrameView frame, SendCause caus
     note({Direction::dropped, to.link, number_of(to), anogate::number_of(cause)}, frame, gateway_.time());
 }
 
-// Those who watch are to know it though no frame comes any more.
+// Watchers are told of a removed link even if no frame comes any more.
 void FrameWatch::removed(LinkId) { links_due_.set(Clock::now()); }
 
-// Without memory for it, the frame counts as lost for all who would have seen it.
+// Without memory for it, the frame counts as lost for all watchers that would have got it.
 void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) noexcept {
     if (has_other_links()) [[unlikely]]
         try {
@@ -150,7 +150,7 @@ void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) no
     }
 }
 
-// A batch that is begun goes to those who are ready for it when it ends; while nobody is, frames are counted and not copied.
+// A batch goes to the watchers whose queue is open when it ends. While no queue is open, frames are counted and not copied.
 void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame, TimePoint at) {
     const auto is_ready = [](const Watcher* watcher) { return watcher->queue.is_open(); };
     if (std::none_of(stream.watchers.begin(), stream.watchers.end(), is_ready)) {
@@ -179,7 +179,7 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
     stream.due.set(Clock::now());
 }
 
-// Room for as much as the last one had: it need not grow step by step, and many small ones that wait take no more than they hold.
+// Allocates the size of the last batch: so a batch seldom has to grow, and small batches that wait take little memory.
 void FrameWatch::begin_batch(Stream& stream) {
     stream.batch = memory_.take(stream.usual + stream.usual / 8);
     stream.filled = 0;
@@ -194,7 +194,7 @@ void FrameWatch::read_clocks() {
 
 bool FrameWatch::has_other_links() const noexcept { return !tables_ || version_ != gateway_.forwarder().version(); }
 
-// What was recorded before means what the numbers meant then.
+// Ends all batches first: the numbers in earlier records have the old meaning.
 void FrameWatch::look_at_links() {
     if (!has_other_links()) return;
     tables_ = tables_of(gateway_);

@@ -1,4 +1,4 @@
-// Tells those who watch of every frame that comes, leaves or is dropped.
+// Reports every frame that is received, sent or dropped to the watchers.
 #pragma once
 #include <daemon/batch_memory.hpp>
 #include <daemon/frame_filter.hpp>
@@ -14,7 +14,7 @@ namespace anogate {
 
 class Gateway;
 
-/// One who watches.
+/// Receives the frames in its queue.
 class Watcher {
 public:
     static constexpr std::size_t max_waiting = 1024 * 1024;    // bytes
@@ -27,8 +27,8 @@ protected:
     ~Watcher() = default;
 };
 
-/// It is in the way of no frame while nobody watches. A frame is copied once for all watchers with the same filter: into a batch, which
-/// goes to each of them when its settings say so. While none of them takes anything, it is only counted.
+/// Without watchers it costs a frame nothing. A frame is copied once for all watchers with the same filter: into a batch, which is put
+/// into the queue of each when the time `batch` of the settings is over. While all their queues are full, frames are only counted.
 class FrameWatch final : private Forwarder::Observer {
 public:
     static constexpr std::size_t batch_size = 64 * 1024;    // bytes; one that is as large does not wait
@@ -39,15 +39,15 @@ public:
     FrameWatch(const FrameWatch&) = delete;
     FrameWatch& operator=(const FrameWatch&) = delete;
 
-    /// `watcher` is told from now on, until remove(); the tables come first.
+    /// `watcher` gets frames from now on, until remove(); the tables come first.
     void add(Watcher& watcher, const FrameFilterSettings& settings);
-    /// He sees no more; what he saw until now is in his queue.
+    /// `watcher` gets no more frames; those until now are in its queue.
     void remove(Watcher& watcher);
-    /// `watcher`, who was added, has other settings from now on; he loses nothing of what is in both.
+    /// Changes the settings of an added `watcher`. It loses no frame that passes the old and the new settings.
     void change(Watcher& watcher, const FrameFilterSettings& settings);
 
 private:
-    // Those of the same filter.
+    // The watchers with the same settings.
     struct Stream {
         Stream(AlarmClock& alarms, const FrameFilterSettings& its_settings)
             : settings{its_settings}, filter{its_settings}, due{alarms, [this] { deliver(); }} {}

@@ -59,7 +59,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
 
 Gateway::~Gateway() = default;
 
-// Links of one group have one number, as long as there are any.
+// The links of a group share a number, as long as there are any.
 std::uint8_t Gateway::group_number(const std::string& group) {
     const auto is_unused = [this](const std::string& name) {
         return std::none_of(links_.begin(), links_.end(), [&](const LinkState& s) { return s.link->settings().group == name; });
@@ -140,7 +140,7 @@ LinkState& Gateway::state(const Link& link) {
 Link& Gateway::link_named(const std::string& name) const {
     for (const LinkState& s : links_)
         if (s.link->name() == name) return *s.link;
-    throw std::logic_error("no link is called " + name);    // the configuration was checked for it
+    throw std::logic_error("no link is called " + name);    // impossible with a checked configuration
 }
 
 void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
@@ -155,7 +155,7 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
     for (LinkState& s : links_) start(s);
     restore_addresses();
     stored_ = {};
-    beat();    // to open them may take long
+    beat();    // opening the links may take long
     if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.must_come; }))
         required_check_.set(started_at_ + required_within);
 }
@@ -174,7 +174,7 @@ std::optional<StoredLink> Gateway::take_stored(const Link& link) {
     return std::nullopt;
 }
 
-// Behind another wire under the same name there are others.
+// A different device file under the same name has other peers.
 void Gateway::restore_addresses() {
     for (const StoredState::OfLink& stored : stored_.links)
         for (const LinkState& s : links_)
@@ -191,7 +191,7 @@ void Gateway::restore_addresses(const Link& link, const StoredState::OfLink& sto
         }
 }
 
-// Whatever wire it came by: a copy is still to come by another one.
+// Independent of the wire: a copy may still come by another link.
 void Gateway::restore_brought() {
     for (const StoredState::OfLink& stored : stored_.links)
         for (const LinkState& s : links_)
@@ -221,7 +221,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     forwarder_.stop_asking();    // nobody reads an answer any more
     flush();
     stop_by_ = now() + patience;
-    stop_check_.set(now_ + stop_look);    // what was written just now shows in the kernel's counts a moment later
+    stop_check_.set(now_ + stop_look);    // the kernel's counters show written bytes only a moment later
 }
 
 void Gateway::check_stop() {
@@ -268,7 +268,7 @@ bool Gateway::streams_speak() const {
 
 Channel* Gateway::open_channel(Link& link, std::string peer) {
     const LinkKind& kind = *link.settings().kind;
-    const bool has_many = kind.listens || kind.replays;    // nobody gives way for one of them
+    const bool has_many = kind.listens || kind.replays;    // no other channel is closed for a peer of such a link
     if (!has_many && forwarder_.channels().size() == max_channels) make_channel_free();
     Channel* const channel = forwarder_.open_channel(link.id(), std::move(peer), now_);
     if (channel && !channel->peer.empty() && state(link).up) peer_log_.came(link.name(), channel->peer, now_);
@@ -288,7 +288,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (voice_) voice_->speak();
 }
 
-// A link that is flushed may report a failure, and that may bring frames: until nothing is left to do.
+// Flushing a link may report a failure, which may queue frames: repeated until nothing is left.
 void Gateway::flush() {
     if (voice_) voice_->speak();
     while (Channel* const channel = forwarder_.next_to_flush()) {

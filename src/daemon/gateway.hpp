@@ -1,4 +1,4 @@
-// The program's middle: owns the links, the Forwarder and what they need of the loop: timers, GPIO, log.
+// The centre of the program: owns the links, the Forwarder and what they need from the loop: timers, GPIO, log.
 #pragma once
 #include <config/difference.hpp>
 #include <daemon/config_state.hpp>
@@ -28,35 +28,35 @@ namespace anogate {
 
 class ControlLink;
 
-/// A link and what became of it.
+/// A link and its state.
 struct LinkState {
     std::unique_ptr<Link> link;
     bool up = false;
     bool was_up = false;       // at any time since the start
-    bool must_come = false;    // it is `required`, and was there at the start
-    TimePoint since{};         // of `up` or not
+    bool must_come = false;    // `required`, and configured at the start
+    TimePoint since{};         // the last change of `up`
     LinkError error;           // why it is not up
 };
 
-/// The gateway as a device, as far as its loop has to know.
+/// The interface of the loop to the gateway as a device.
 class GatewayVoice {
 public:
-    /// Whatever it has to say leaves now. Called behind every frame that came in, and at the end of every batch.
+    /// Sends everything that waits. Called after every received frame, and at the end of every batch.
     virtual void speak() = 0;
     virtual void link_changed(const LinkState& link) = 0;
     virtual void conflict_began(const std::string& what) = 0;
-    /// Adds what it has to the section `gateway` of the status.
+    /// Adds its entries to the section `gateway` of the status.
     virtual void describe(nlohmann::ordered_json& gateway) const = 0;
 
 protected:
     ~GatewayVoice() = default;
 };
 
-/// What records, as far as the loop and its reports have to know.
+/// The interface of the loop and its reports to the recordings.
 class RecordingService {
 public:
     virtual void link_lost(const LinkState& link) = 0;
-    /// What the configuration says to record, or would say by its defaults. Each says why not, in a clause; empty: it begins, or ends.
+    /// Begin and end the recording of the configuration, or one by its defaults. Return empty, or a clause with the reason why not.
     virtual std::string start_recording() = 0;
     virtual std::string stop_recording() = 0;
     /// The section `recording` of the status.
@@ -77,20 +77,20 @@ public:
     /// Opens every link, in the order of the configuration. `on_required_missing` is called with its name when a required
     /// link is not up 10 s later.
     void start(std::function<void(const std::string&)> on_required_missing);
-    /// Before start(): what the program that ran before left. What no link has use for is closed by the end of start().
+    /// Before start(): continues from the state that the previous run left. Descriptors that no link uses are closed by the end of start().
     void go_on_from(StoredState stored);
-    /// What the program started next may go on from, when nothing is read any more: `call` is called before the links are closed.
+    /// `call` is called in stop(), when nothing is read any more and before the links are closed: it may store the state for the next run.
     void before_closing(std::function<void()> call) { before_closing_ = std::move(call); }
-    /// What speaks by itself is to end: `call` is called when stop() is, first of all.
+    /// `call` is called at the begin of stop(): parts that send by themselves must end.
     void before_stopping(std::function<void()> call) { before_stopping_ = std::move(call); }
-    /// Reads no more, lets what waits leave for at most `patience`, closes everything and calls `on_stopped`; nothing of the
-    /// gateway keeps the loop alive after that. A second call makes an end at once.
+    /// Reads no more, sends waiting frames for at most `patience`, closes everything and calls `on_stopped`; nothing of the
+    /// gateway keeps the loop alive after that. A second call ends it at once.
     void stop(Duration patience, std::function<void()> on_stopped);
 
-    /// Has other settings from now on, without fault; `difference` is the way there from settings(). Links that stay the same lose
-    /// nothing. What waits in those that go may leave for at most `patience`; then all is changed in one turn, and `on_changed` is
-    /// called. To be called when no call of a link or an alarm of its own is under way, one after the other. Nothing comes of it
-    /// when stop() is called before.
+    /// Changes the settings. `settings` must have been checked; `difference` is the difference from settings(). Links that stay the same
+    /// lose nothing. Frames that wait in links to be removed are sent for at most `patience`; then everything is changed in one turn of the
+    /// loop, and `on_changed` is called. Not to be called from a callback of a link or an alarm of the gateway, nor while another change
+    /// is under way. When stop() is called first, nothing is changed.
     void change(Settings settings, Difference difference, Duration patience, std::function<void()> on_changed);
 
     Channel* open_channel(Link& link, std::string peer) override;
@@ -106,7 +106,7 @@ public:
     TimePoint now() override { return now_ = Clock::now(); }
     const LoopWatch& turn() override;
 
-    /// Forgets where `address` was heard. False: it was nowhere.
+    /// Forgets where `address` was heard. False: nothing was known.
     bool forget(std::uint8_t address) { return forwarder_.forget(address); }
 
     const Settings& settings() const noexcept { return settings_; }
@@ -115,7 +115,7 @@ public:
     /// Whether the loop stood still.
     const LoopWatch& loop() const noexcept { return beat_.loop(); }
     const std::vector<LinkState>& links() const noexcept { return links_; }
-    /// When it stopped to read, by stop().
+    /// The time when stop() ended the reading.
     const ClockReading& unread_since() const noexcept { return unread_since_; }
     const LinkSettings& settings(LinkId link) const { return links_by_id_[index(link)]->settings(); }
     const std::string& name(LinkId link) const { return links_by_id_[index(link)]->name(); }
@@ -123,50 +123,50 @@ public:
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
     asio::io_context& io() noexcept { return io_; }
     Gpio& gpio() noexcept { return *gpio_; }
-    /// The link `control`, made when it is first asked for; nullptr: there is no place for one more link.
+    /// The link `control`, made by the first call; nullptr: the maximum number of links is reached.
     ControlLink* control();
     AlarmClock& alarms() noexcept { return alarms_; }
-    /// As of the Forwarder.
+    /// As Forwarder::add_observer().
     void add_observer(Forwarder::Observer& observer, Forwarder::Observer::Wants wants = {}) {
         forwarder_.add_observer(observer, wants);
     }
     void remove_observer(Forwarder::Observer& observer) { forwarder_.remove_observer(observer); }
-    /// nullptr: it is no device, as at first. `voice` outlives the gateway's last call, or is taken back.
+    /// nullptr, as at first: the gateway is no device. `voice` must outlive the gateway, or be reset to nullptr.
     void set_voice(GatewayVoice* voice) noexcept { voice_ = voice; }
     const GatewayVoice* voice() const noexcept { return voice_; }
-    /// nullptr: nothing records, as at first. As the voice.
+    /// nullptr, as at first: there are no recordings. Lifetime as of set_voice().
     void set_recording(RecordingService* service) noexcept { recording_ = service; }
     RecordingService* recording() const noexcept { return recording_; }
     void set_own(Forwarder::Own* own) noexcept { forwarder_.set_own(own); }
-    /// What the gateway itself says to who asked by the channel, and to hosts that were heard: as of the Forwarder.
+    /// Frames of the gateway itself: to the sender of a request on that channel, and to all hosts that were heard. As in the Forwarder.
     void answer(ChannelId to, ano::FrameView frame) { forwarder_.answer(to, frame, now()); }
     void say_to_heard(ano::FrameView frame) { forwarder_.say_to_heard(frame, now()); }
-    /// Who asks devices in the name of the gateway, and may ask the gateway itself; empty: nobody.
+    /// `call` gets the gateway's own answers to requests that were sent in its own name. Empty: nobody needs them.
     void on_answer_to_ourselves(std::function<void(ano::FrameView)> call) { hears_own_ = std::move(call); }
     void answer_ourselves(ano::FrameView frame) {
         if (hears_own_) hears_own_(frame);
     }
-    /// And hears while it asks, in a clause, why the gateway does not do that.
+    /// `call` gets the reason, as a clause, when the gateway refuses a request that was sent in its own name.
     void on_refusal_to_ourselves(std::function<void(const std::string&)> call) { hears_refusal_ = std::move(call); }
     void refuse_ourselves(const std::string& why) {
         if (hears_refusal_) hears_refusal_(why);
     }
-    /// Asks everybody who is there; `tell` gets a line for each that was heard. Why not, in a clause; empty: it begins.
+    /// Asks all devices to answer; `tell` gets one line for each that does. Returns empty, or a clause with the reason why it can't begin.
     using Scan = std::function<std::string(const std::function<void(const std::string&)>& tell)>;
     void on_scan(Scan call) { scan_ = std::move(call); }
     std::string scan(const std::function<void(const std::string&)>& tell) {
         return scan_ ? scan_(tell) : "nothing here asks devices";
     }
-    /// When the clock was looked at last.
+    /// The last reading of the clock.
     TimePoint time() const noexcept { return now_; }
     TimePoint started_at() const noexcept { return started_at_; }
-    /// Whether what runs is what its file says.
+    /// Whether the running configuration is that of its file.
     const ConfigState& config_state() const noexcept { return config_state_; }
     void set_config_state(ConfigState state) { config_state_ = std::move(state); }
 
 private:
     // gateway_change.cpp
-    struct Changing {    // waits for links that go
+    struct Changing {    // a change that waits for links to be removed
         Settings settings;
         Difference difference;
         std::function<void()> on_changed;
@@ -174,7 +174,7 @@ private:
     };
     struct Retired {
         Gpio::Lines lines{};
-        std::vector<std::unique_ptr<Link>> links{};    // end first: they may call lines
+        std::vector<std::unique_ptr<Link>> links{};    // destroyed before the lines: they may call them
     };
     bool goes(const LinkState& state) const;
     void start(LinkState& state);
@@ -219,11 +219,11 @@ private:
     DatagramSender sender_;
     Forwarder forwarder_;
     std::unique_ptr<Gpio> gpio_;
-    std::vector<LinkState> links_;    // behind everything that a link refers to; in the order of the configuration
+    std::vector<LinkState> links_;    // declared after everything that links refer to; in the order of the configuration
     std::array<Link*, max_links> links_by_id_{};
     std::vector<std::string> groups_{""};    // by number
     TunnelLink* tunnel_ = nullptr;           // one of links_
-    ControlLink* control_ = nullptr;         // as well; nullptr: nobody used it yet
+    ControlLink* control_ = nullptr;         // one of links_; nullptr: not used yet
     LinkSet streams_;                        // serial ports and ptys
     TimePoint now_{};
     TimePoint started_at_{};
@@ -247,8 +247,8 @@ private:
     Scan scan_;
     std::optional<Changing> changing_;
     Alarm change_check_;
-    std::vector<std::unique_ptr<Link>> former_controls_;    // a program that joins now may still know of one
-    std::deque<Retired> retired_;                           // what was removed, as long as the loop may hold calls of it
+    std::vector<std::unique_ptr<Link>> former_controls_;    // kept: a program that is just joining may still refer to one
+    std::deque<Retired> retired_;    // removed objects, kept while the loop may still hold callbacks of them
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 

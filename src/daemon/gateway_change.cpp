@@ -1,4 +1,4 @@
-// The gateway has other settings while it runs: links come and go, all else stays.
+// Changes the settings of the running gateway: adds and removes links, and keeps everything else.
 #include <config/config.hpp>
 #include <config/link_kind.hpp>
 #include <daemon/control_link.hpp>
@@ -28,7 +28,7 @@ void Gateway::change(Settings settings, Difference difference, Duration patience
         any_goes = true;
     }
     flush();
-    if (any_goes) change_check_.set(now_ + change_look);    // what was written just now shows a moment later
+    if (any_goes) change_check_.set(now_ + change_look);    // the kernel's counters show written bytes only a moment later
     else finish_change();
 }
 
@@ -84,7 +84,7 @@ void Gateway::remove(LinkState& state, Retired& retired) {
     retired.links.push_back(std::move(state.link));
 }
 
-// The link `control` that nobody configured gives way: who joined by it is told to come again.
+// The link `control`, which is not configured, is closed to make room: its programs are told to connect again.
 void Gateway::make_room_for_links(Retired& retired) {
     const std::size_t wanted = settings_.links.size() + (settings_.tunnel ? 1 : 0);
     if (!control_ || is_control_configured(settings_) || wanted < max_links) return;
@@ -103,7 +103,7 @@ void Gateway::add_links(const Difference& difference, LinkSet& fresh) {
     else fresh.insert(add_tunnel());
 }
 
-// That of the configuration; those that it does not name come last.
+// The order of the configuration; links that it does not name come last.
 void Gateway::put_links_in_order() {
     const auto place = [this](const LinkState& s) {
         const auto& links = settings_.links;
@@ -115,14 +115,14 @@ void Gateway::put_links_in_order() {
 void Gateway::start_links(LinkSet fresh) {
     for (LinkState& s : links_)
         if (fresh.contains(s.link->id())) s.since = now_;
-    for (LinkState& s : links_) gpio_->link_state(s.link->id(), s.up);    // for lamps that are new
+    for (LinkState& s : links_) gpio_->link_state(s.link->id(), s.up);    // for new lamps
     for (LinkState& s : links_)
         if (fresh.contains(s.link->id())) start(s);
     flush();
-    beat();    // to open them may take long
+    beat();    // opening the links may take long
 }
 
-// The calls that the loop holds of what was closed just now stand before ours.
+// The callbacks of the objects closed now are before ours in the queue of the loop.
 void Gateway::retire(Retired retired) {
     retired_.push_back(std::move(retired));
     asio::post(io_, [this, alive = std::weak_ptr<bool>{is_alive_}] {
@@ -130,7 +130,7 @@ void Gateway::retire(Retired retired) {
     });
 }
 
-// A link that has one channel gets it: the peer that has been silent for longest gives way.
+// For a link that has only one channel: closes the channel of the peer that has been silent for longest.
 void Gateway::make_channel_free() {
     const Channel* silent = nullptr;
     for (const ChannelId id : forwarder_.channels()) {

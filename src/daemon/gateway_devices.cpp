@@ -21,12 +21,12 @@
 namespace anogate {
 namespace {
 
-// The profile's parser has so many bytes for a text.
+// The number of bytes that the profile's parser has for a text.
 constexpr std::size_t vendor_text = 29;
 
 constexpr std::size_t max_note = 64 * 1024;
 
-// Who is asked again meets the same, unlike one whose link is down for a moment.
+// Asking again would have the same result, unlike with a link that is down for a moment.
 bool is_for_good(ReceiveCause cause) { return cause == &ReceiveCounters::denied_in || cause == &ReceiveCounters::inhibited; }
 bool is_for_good(SendCause cause) { return cause == &SendCounters::denied_out || cause == &SendCounters::too_big; }
 
@@ -56,14 +56,14 @@ std::string GatewayDevices::scan(const std::function<void(const std::string&)>& 
     return refused ? refused->error : std::string{};
 }
 
-// Before the loop runs.
+// Called before the loop runs.
 void GatewayDevices::remember_notes() {
     const std::string folder = state_folder();
     std::error_code ec;
     if (folder.empty()) return;
     for (const auto& entry : std::filesystem::directory_iterator{folder, ec}) {
         const std::string name = entry.path().filename().string();
-        if (!is_note(name) || !entry.is_regular_file(ec)) continue;    // others may never end
+        if (!is_note(name) || !entry.is_regular_file(ec)) continue;    // reading other files may never end
         std::string text = read_file(entry.path().string(), max_note, ec);
         if (ec) log_warning("{}: {}", entry.path().string(), ec.message());
         else if (!service_.remember(name, std::move(text)))
@@ -234,7 +234,7 @@ bool GatewayDevices::is_same_device(std::uint8_t one, std::uint8_t other) {
     return is_behind(one, other) || is_behind(other, one);
 }
 
-// As the router takes it: links that bear the id go before those that it is pinned to.
+// The same order as in the router: links with this port id come before links that the address is pinned to.
 bool GatewayDevices::may_answer_for(std::uint8_t source, std::uint8_t port) {
     const Router& router = gateway_.forwarder().router();
     LinkSet ways = router.port(port);
@@ -243,7 +243,7 @@ bool GatewayDevices::may_answer_for(std::uint8_t source, std::uint8_t port) {
     return source != port && !speaks_itself && ways.contains(heard_by_);
 }
 
-// Of the strictest of the links that lead there.
+// The manners for the strictest of the links to this address.
 DeviceManners GatewayDevices::manners(std::uint8_t address) {
     const Router& router = gateway_.forwarder().router();
     const LinkSet links = router.learned(address, gateway_.time()).links | router.pinned(address) | router.port(address);

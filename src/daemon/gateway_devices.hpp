@@ -1,4 +1,4 @@
-// The host engine of the gateway: what it sends enters by the link `control`, what it hears is what the Forwarder tells observers.
+// The host engine of the gateway: its frames enter through the link `control`; it receives frames as an observer of the Forwarder.
 #pragma once
 #include <daemon/errand.hpp>
 #include <devices/device_net.hpp>
@@ -15,7 +15,8 @@ namespace anogate {
 
 class Gateway;
 
-/// While nothing is asked of devices, and for DeviceService::idle_after behind that, it is in nobody's way. It teaches no address.
+/// It costs nothing while no request to a device is under way, except for DeviceService::idle_after behind the last. Its source address
+/// is not learned.
 class GatewayDevices final : public DeviceNet, private Forwarder::Observer {
 public:
     /// `gateway` outlives it.
@@ -58,12 +59,12 @@ private:
     Gateway& gateway_;
     Alarm alarm_;
     Errand errand_;
-    std::deque<Chore> chores_;    // that wait for it
+    std::deque<Chore> chores_;    // that wait for errand_
     bool sends_ = false;
-    LinkId heard_by_{};    // of the frame that the service hears just now
+    LinkId heard_by_{};    // of the frame that the service is processing
     bool was_taken_ = false;
     std::string refusal_;
-    DeviceService service_;    // last: it says that it no longer listens when it goes
+    DeviceService service_;    // the last member: its destructor calls this object
 };
 
 }    // namespace anogate

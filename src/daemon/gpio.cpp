@@ -58,7 +58,7 @@ Gpio::Lines Gpio::change(const std::vector<GpioSettings>& settings, const FindLi
             before.erase(same);
         }
     }
-    for (const auto& line : before) let_go(*line);    // first: a line of the chip may be another's now
+    for (const auto& line : before) let_go(*line);    // first: a line of the chip may have another use now
     for (const auto& line : lines_) connect(*line, find, fresh);
     if (started_) start();
     return before;
@@ -79,7 +79,7 @@ void Gpio::connect(Line& line, const FindLink& find, LinkSet fresh) {
     }
     if (s.use == GpioUse::activity || s.silent_for) watched_ |= line.links;
     if (s.use == GpioUse::rs485 && fresh.contains(find(s.link).id())) {
-        Link& link = find(s.link);    // of a kind that can: the configuration was checked for it
+        Link& link = find(s.link);    // its kind supports rs485: the configuration was checked
         link.settings().kind->rs485->use(link, s.active_low, [&line](bool sending) { line.pin.set(sending); });
     }
 }
@@ -92,7 +92,7 @@ void Gpio::start() {
         if (!std::exchange(line->started, true)) line->pin.start();
 }
 
-// Lamps and resets go off; power stays as it is.
+// Switches lamps and resets off; power stays as it is.
 void Gpio::let_go(Line& line) {
     line.alarm.cancel();
     if (line.settings().use != GpioUse::inhibit) line.pin.set(line.settings().use == GpioUse::power);
@@ -130,8 +130,8 @@ void Gpio::blink(Line& line, TimePoint now) {
     if (lit) line.alarm.set(line.blink.due());
 }
 
-// For the one alarm of a line: the light changes, the switch may be reported again, the pulse ends, or the silence may have lasted
-// long enough.
+// A line has one alarm, for four purposes: the light changes, the switch may be reported again, the pulse ends, or the silence may have
+// lasted long enough.
 void Gpio::ring(Line& line) {
     const TimePoint now = Clock::now();
     if (line.settings().use == GpioUse::activity) {

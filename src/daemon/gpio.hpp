@@ -1,4 +1,4 @@
-// Connects the GPIO lines with the links: lamps, power, resets, the inhibit switch, RS-485. The decisions are in include/gateway,
+// Connects the GPIO lines with the links: lamps, power, resets, the inhibit switch, RS-485. The logic is in include/gateway,
 // the access to the lines in src/link.
 #pragma once
 #include <gateway/blink.hpp>
@@ -22,33 +22,33 @@ public:
     using Lines = std::vector<std::unique_ptr<Line>>;
     using FindLink = std::function<Link&(const std::string& name)>;
 
-    /// `inhibit` gets the switches. There are no lines before change().
+    /// `inhibit` gets the states of the switches. There are no lines before change().
     Gpio(asio::io_context& io, AlarmClock& alarms, Inhibit& inhibit);
     ~Gpio();
 
-    /// The lines are those of `settings` from now on. What is held already, with the same settings, stays as it is; the rest of what
-    /// there was is let go, and returned: the loop may still hold calls of it, which will not run later than those of a descriptor
-    /// that was closed now. `find` knows every link that the settings name; those in `fresh` have not started. A link with rs485
-    /// calls its line, and must be destroyed first.
+    /// Replaces the lines by those of `settings`. Lines with unchanged settings stay as they are; the other old ones are released and
+    /// returned, to be kept for a while: the loop may still hold callbacks of them, which run no later than those of a descriptor closed
+    /// now. `find` finds every link that the settings name; those in `fresh` have not started. A link with rs485 calls its line, and must
+    /// be destroyed first.
     Lines change(const std::vector<GpioSettings>& settings, const FindLink& find, LinkSet fresh);
-    /// To be called before the links start, so that a switch holds from the first frame on. Lines that come later start at once.
+    /// To be called before the links start, so that a switch works from the first frame on. Lines that are added later start at once.
     void start();
-    /// Lamps and resets go off; power stays as it is.
+    /// Switches lamps and resets off; power stays as it is.
     void stop();
 
     void link_state(LinkId link, bool up);
     /// Whether some line depends on the frames of this link.
     bool watches(LinkId link) const noexcept { return watched_.contains(link); }
-    /// A good frame came by a link that is watched.
+    /// A good frame was received on a watched link.
     void heard(LinkId link, TimePoint now);
-    /// Frames leave by a link that is watched.
+    /// Frames are sent on a watched link.
     void sends(LinkId link, TimePoint now);
 
     const Lines& lines() const noexcept { return lines_; }
     /// Why a request is refused.
     struct Refusal {
         std::string why;
-        Duration wait{};    // the request may be repeated after this; zero: waiting does not help
+        Duration wait{};    // the request may be repeated after this time; zero: it would be refused again
     };
     /// Pulses a reset, or switches power off and on again, on request.
     std::optional<Refusal> act(Line& line, TimePoint now);
@@ -90,13 +90,13 @@ struct Gpio::Line {
     Blink blink;
     ResetPolicy reset;
     std::optional<std::size_t> inhibit_place{};    // of an inhibit switch
-    bool link_is_disabled = false;                 // so its silence says nothing
+    bool link_is_disabled = false;                 // so its silence has no meaning
     bool pulsing = false;                          // a reset is on, or power is off for a while
     std::uint64_t pulses = 0;
     bool was_held = false;
     bool started = false;
-    std::optional<bool> was_inhibiting{};    // nothing: not reported yet
-    std::uint64_t untold = 0;                // changes of an inhibit switch
+    std::optional<bool> was_inhibiting{};    // std::nullopt: not reported yet
+    std::uint64_t untold = 0;                // changes of an inhibit switch that were not logged yet
 };
 
 /// "link_up" and so on.

@@ -51,7 +51,7 @@ http::Response refuse(unsigned status, const std::string& why) {
 
 bool can_act(GpioUse use) { return use == GpioUse::reset || use == GpioUse::power; }
 
-// What a request says of the line it means; what it does not say fits every line.
+// The properties by which a request selects a line; an empty one fits every line.
 struct Wanted {
     std::string line, chip, link, use, action;
 
@@ -99,7 +99,7 @@ http::Response gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
     if (const std::string wrong = read(body, wanted); !wrong.empty()) return refuse(400, wrong);
     std::vector<Gpio::Line*> fitting;
     for (const auto& line : gpio.lines()) {
-        const bool named = !wanted.line.empty() || !wanted.use.empty();    // then a line of another use is an error of its own
+        const bool named = !wanted.line.empty() || !wanted.use.empty();    // then a line without actions is a 400
         if (wanted.fits(*line) && (named || can_act(line->settings().use))) fitting.push_back(line.get());
     }
     if (fitting.empty()) return refuse(404, "no GPIO line fits; GET /status lists them under gpio");

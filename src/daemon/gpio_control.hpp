@@ -1,4 +1,4 @@
-// GPIO on the control interface: its part of GET /status, and POST /gpio.
+// GPIO on the control interface: its section of GET /status, and POST /gpio.
 #pragma once
 #include <daemon/gpio.hpp>
 #include <http/response.hpp>

@@ -1,13 +1,13 @@
-// Restart without loss: wires that stay open, and what is known of who is behind them, go from one run of the service to the next.
+// Restart without loss: passes open descriptors, and what is known of the peers behind them, from one run of the service to the next.
 #pragma once
 #include <daemon/stored_state.hpp>
 
 namespace anogate {
 
-/// What the run before left; empty without one, or without systemd. Descriptors that are of no use are closed.
+/// The state that the previous run left; empty without one, or without systemd. Descriptors that can't be used are closed.
 StoredState take_handover();
 
-/// Leaves what the gateway has. It reads no more.
+/// Stores the state of the gateway for the next run. The gateway must not read any more.
 void hand_over(const Gateway& gateway);
 
 }    // namespace anogate

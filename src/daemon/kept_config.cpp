@@ -45,7 +45,7 @@ bool have_same_texts(const std::vector<ConfigText>& one, const std::vector<Confi
     return std::equal(one.begin(), one.end(), other.begin(), other.end(), same);
 }
 
-// Texts may hold any bytes in their comments: CBOR takes them as they are.
+// Comments in the texts may contain any bytes; CBOR stores them unchanged.
 std::string keep_config(const std::string& path, const KeptConfig& config) {
     const nlohmann::json all{{"unconfirmed", json_of(config.unconfirmed)}, {"confirmed", json_of(config.confirmed)}};
     return keep_file(path, nlohmann::json::to_cbor(all));

@@ -40,19 +40,19 @@ std::string keep_file(const std::string& path, std::span<const std::uint8_t> byt
     fs::create_directories(fs::path{path}.parent_path(), ec);
     if (ec) return error_text(fs::path{path}.parent_path().string(), ec.value());
     const std::string unfinished = path + ".new";
-    ::unlink(unfinished.c_str());    // whatever it is: a pipe would keep us waiting
+    ::unlink(unfinished.c_str());    // it may be anything: opening a pipe would block
     const UniqueFd file{::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600)};
     if (file && write_all(file.get(), bytes) && std::rename(unfinished.c_str(), path.c_str()) == 0 && sync_folder(path))
         return {};
     return error_text(path, errno);
 }
 
-std::optional<std::string> read_kept_file(const std::string& path, std::size_t most, std::string& fault) {
+std::optional<std::string> read_kept_file(const std::string& path, std::size_t max_bytes, std::string& fault) {
     std::error_code ec;
     const fs::file_status status = path.empty() ? fs::file_status{fs::file_type::not_found} : fs::status(path, ec);
     if (status.type() == fs::file_type::not_found) return std::nullopt;
     if (!ec && !fs::is_regular_file(status)) fault = path + ": is not a file";
-    std::string text = ec || !fault.empty() ? std::string{} : read_file(path, most, ec);
+    std::string text = ec || !fault.empty() ? std::string{} : read_file(path, max_bytes, ec);
     if (ec) fault = path + ": " + ec.message();
     return fault.empty() ? std::optional{std::move(text)} : std::nullopt;
 }

@@ -1,4 +1,4 @@
-// A file that is whole or not there, whenever the power goes.
+// Files that are complete or do not exist, even after a loss of power.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace anogate {
 
-/// Makes its folder as well. Why not, in words; empty: it is kept. An empty `path`: there is no folder for it.
+/// Writes the file, and makes its folder. Returns empty, or the reason why not. An empty `path` means that there is no folder for it.
 std::string keep_file(const std::string& path, std::span<const std::uint8_t> bytes);
-/// What is kept there, at most `most` bytes; nothing when it is not there, or, with a `fault` in words, when it can't be read. A pipe or
-/// a device in its place is not read: that might wait for ever.
-std::optional<std::string> read_kept_file(const std::string& path, std::size_t most, std::string& fault);
-/// Why not, in words; empty: it is not there.
+/// The content, at most `max_bytes`; std::nullopt when the file does not exist, or, with a `fault` in words, when it can't be read. A pipe
+/// or a device at this path is not read: that might block for ever.
+std::optional<std::string> read_kept_file(const std::string& path, std::size_t max_bytes, std::string& fault);
+/// Removes the file. Returns empty when it no longer exists, or the reason why not.
 std::string forget_file(const std::string& path);
 
 }    // namespace anogate

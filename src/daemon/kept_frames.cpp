@@ -9,7 +9,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t cost_of_part = 256;    // beside the records: what holds them, twice over
+constexpr std::size_t cost_of_part = 256;    // bytes besides the records: twice the size of their containers
 constexpr std::size_t bytes_at_once = 16 * 1024;
 
 }    // namespace
@@ -36,7 +36,7 @@ bool KeptFramesWriting::next(std::string& into) {
             writer_->write(as_recorded(*record, *part.names), into);
             if (into.size() - begin >= bytes_at_once) return true;
         }
-        part = {};    // what is written need not be held
+        part = {};    // free what is written
         in_part_ = false;
         ++part_;
     }
@@ -45,7 +45,7 @@ bool KeptFramesWriting::next(std::string& into) {
 }
 
 FrameMemory::FrameMemory(Gateway& gateway, FrameWatch& watch, const FrameFilterSettings& filter, ano::Duration span)
-    : gateway_{gateway}, watch_{watch}, ring_{span, most} {
+    : gateway_{gateway}, watch_{watch}, ring_{span, max_bytes} {
     watch_.add(*this, filter);
 }
 

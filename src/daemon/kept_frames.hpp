@@ -1,4 +1,4 @@
-// The frames of the last while, in memory (keep_last), and how they become a recording.
+// Keeps the latest frames in memory (keep_last), and makes a recording of them.
 #pragma once
 #include <daemon/frame_watch.hpp>
 #include <daemon/watched_record.hpp>
@@ -14,11 +14,11 @@
 
 namespace anogate {
 
-/// Records as a watcher of the gateway got them, and what their numbers meant. Nothing of it changes any more: it may go to a thread.
+/// Records as a watcher of the gateway got them, with the names for their numbers. It is not changed any more: a thread may read it.
 struct FramesPart {
     WatchQueue::Batch batch;
     std::shared_ptr<const RecordedNames> names;
-    RecordedLoss lost{};    // before the batch; its names are in:
+    RecordedLoss lost{};    // before the batch; the names of the frames are in lost_names
     std::string lost_names{};
     std::uint64_t frames = 0;
 };
@@ -30,35 +30,35 @@ struct KeptFrames {
     std::uint64_t frames() const noexcept;
 };
 
-/// Makes a recording of them bit by bit.
+/// Makes a recording of them piece by piece.
 class KeptFramesWriting {
 public:
     KeptFramesWriting(KeptFrames frames, RecordingFormat format, RecordingOptions options = {});
 
-    /// Appends more of it. False: that was all.
+    /// Appends the next piece to `into`. False: there is no more.
     bool next(std::string& into);
 
 private:
     KeptFrames frames_;
     RecordingFormat format_;
     RecordingOptions options_;
-    std::unique_ptr<RecordingWriter> writer_;    // nullptr: nothing is written yet
+    std::unique_ptr<RecordingWriter> writer_;    // nullptr: not begun
     std::size_t part_ = 0;
-    std::string_view rest_;    // of its batch
+    std::string_view rest_;    // the unread part of the batch
     bool in_part_ = false;
 };
 
-/// Watches, and remembers. No frame is copied for it alone, and none allocated.
+/// Keeps the batches of a watcher, without copying frames.
 class FrameMemory final : private Watcher {
 public:
-    static constexpr std::size_t most = 16 * 1024 * 1024;    // bytes
+    static constexpr std::size_t max_bytes = 16 * 1024 * 1024;
 
     FrameMemory(Gateway& gateway, FrameWatch& watch, const FrameFilterSettings& filter, ano::Duration span);
     ~FrameMemory();
     FrameMemory(const FrameMemory&) = delete;
     FrameMemory& operator=(const FrameMemory&) = delete;
 
-    /// Of the last while until now.
+    /// The frames of the last `span`.
     KeptFrames frames();
     struct Figures {
         ano::Duration span{}, reach{};
@@ -73,12 +73,12 @@ private:
     FrameWatch& watch_;
     Ring<FramesPart> ring_;
     std::shared_ptr<const RecordedNames> names_;
-    std::size_t cost_of_names_ = 0;    // that no part has yet
+    std::size_t cost_of_names_ = 0;    // to be added to the cost of the next part
     RecordedLoss lost_{};
     std::string lost_names_;
 };
 
-/// Calls `call` when a device logs a fault: 0xA0 in red, that comes in.
+/// Calls `call` when a device logs a fault: a received frame 0xA0 with the colour red.
 class FaultEar final : private Watcher {
 public:
     FaultEar(FrameWatch& watch, std::function<void()> call);

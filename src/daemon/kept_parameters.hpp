@@ -1,4 +1,4 @@
-// The parameters of the gateway that a host saved, for the next start.
+// Reads the parameters of the gateway that a host saved.
 #pragma once
 #include <managed/managed_parameters.hpp>
 
@@ -7,10 +7,10 @@
 namespace anogate {
 
 /// parameters.json in $STATE_DIRECTORY of the unit; else, in the user's folder for the state of programs, one for each configuration
-/// file. Empty: there is no folder, or no file.
+/// file. Empty: there is no folder, or no configuration file.
 std::string kept_parameters_path(const std::string& config_file);
 
-/// Reads a disk, and may block. What can't be read is told in the log, and is not there.
+/// Reads a disk, and may block. A file that can't be read is logged, and ignored.
 WrittenValues kept_parameters(const std::string& path);
 
 }    // namespace anogate

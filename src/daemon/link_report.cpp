@@ -20,7 +20,7 @@ SharedSource shared_source(const Gateway& gateway, LinkId link, TimePoint now) {
     return shared;
 }
 
-// A device on this link whose frames go to another, for it has the port id of that.
+// A device on this link whose frames go to another link, since that link has the id of the device as its port id.
 std::uint8_t hidden_device(const Gateway& gateway, LinkId link, TimePoint now) {
     const Router& router = gateway.forwarder().router();
     for (std::uint8_t a = 1; a <= ano::address::last_port_id; ++a) {
@@ -30,7 +30,7 @@ std::uint8_t hidden_device(const Gateway& gateway, LinkId link, TimePoint now) {
     return 0;
 }
 
-// Where `host` was heard last, when every link where it was is down; empty: that is not so.
+// The link where `host` was heard last, if all links where it was heard are down; otherwise empty.
 std::string_view link_of_lost(const Gateway& gateway, std::uint8_t host) {
     std::string_view link;
     TimePoint last = TimePoint::min();

@@ -1,4 +1,4 @@
-// What is known of a link at a moment, for the status, the metrics and the log.
+// The figures of a link at one moment, for the status, the metrics and the log.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/hints.hpp>
@@ -10,9 +10,9 @@ namespace anogate {
 class Gateway;
 struct LinkState;
 
-/// Its counters are those of its channels, of channels that are gone, and of what never belonged to one.
+/// The counters are sums over its channels, its former channels, and the traffic that belonged to no channel.
 struct LinkReport {
-    LinkFigures figures;    // its names are the gateway's: valid as long as the links are
+    LinkFigures figures;    // its strings are those of the gateway: valid as long as the links
     std::size_t waiting = 0;
 };
 LinkReport report_of(const Gateway& gateway, const LinkState& state, ano::TimePoint now);

@@ -20,7 +20,7 @@
 namespace anogate {
 namespace {
 
-// Every program that a service or a desktop starts inherits $JOURNAL_STREAM: it names the file that is the journal.
+// Programs started by a service or a desktop inherit $JOURNAL_STREAM, so its device and inode must be those of standard error.
 bool stderr_is_journal() {
     const char* stream = std::getenv("JOURNAL_STREAM");
     struct stat info {};
@@ -43,7 +43,7 @@ Priority priority_of(spdlog::level::level_enum level) {
     }
 }
 
-// The default logger of spdlog, of which there is one.
+// The sink of the default logger of spdlog.
 std::shared_ptr<LogWriter> writer;
 
 class JournalFormatter final : public spdlog::formatter {
@@ -58,13 +58,13 @@ public:
 // Opens the file, when one is configured and can be opened. May block, above all on a disk that hangs.
 std::shared_ptr<spdlog::logger> open_file(const LogSettings& settings, std::string& fault) {
     constexpr std::size_t files = 3;
-    constexpr std::uint64_t most = std::numeric_limits<std::size_t>::max();
-    const auto size = static_cast<std::size_t>(settings.rotate == 0 ? most : std::min(settings.rotate, most));
+    constexpr std::uint64_t max_size = std::numeric_limits<std::size_t>::max();
+    const auto size = static_cast<std::size_t>(settings.rotate == 0 ? max_size : std::min(settings.rotate, max_size));
     std::error_code ec;
     if (settings.file.empty()) return {};
     if (std::filesystem::is_fifo(settings.file, ec)) fault = settings.file + " is a pipe, not a file";
     else if (auto folder = make_folder_of(settings.file); !folder)
-        fault = std::move(folder.error());    // otherwise the sink would make any folder
+        fault = std::move(folder.error());    // otherwise the sink would make all missing folders
     if (!fault.empty()) return {};
     try {
         return std::make_shared<spdlog::logger>(
@@ -83,7 +83,7 @@ std::shared_ptr<spdlog::logger> open_log(const LogSettings& settings) {
     if (!log) log = std::make_shared<spdlog::logger>("anogated", std::make_shared<spdlog::sinks::stderr_color_sink_st>(color));
     if (journal) log->set_formatter(std::make_unique<JournalFormatter>());
     else log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
-    log->set_level(spdlog::level::trace);    // messages are filtered before they come here
+    log->set_level(spdlog::level::trace);    // messages were filtered before
     if (!fault.empty()) log->warn("the log goes to standard error: {}", fault);
     return log;
 }

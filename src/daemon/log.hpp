@@ -10,11 +10,11 @@ namespace anogate {
 /// The priorities of syslog.
 enum class Priority { error = 3, warning = 4, info = 6, debug = 7 };
 
-/// Standard error, or a rotated file. The journal has its own time stamps, so lines for it begin with the priority instead. From
-/// here on logging never blocks (LogWriter).
+/// Logs to standard error or to a rotated file. The journal has its own time stamps, so lines for it begin with the priority instead.
+/// After this call, logging never blocks (LogWriter).
 void start_log(const LogSettings& settings);
 
-/// Waits until everything is written, at most LogWriter::patience. False: it is not, and exit() might block too; _exit() does not.
+/// Waits until everything is written, at most LogWriter::patience. False: not everything is, and exit() might block too; use _exit().
 bool end_log();
 
 /// Writes to standard error, in the format of the log: for messages before start_log(), and for faults that end the program.

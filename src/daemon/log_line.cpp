@@ -11,7 +11,7 @@ struct Line {
 
 }    // namespace
 
-// So the line is formatted within spdlog, which counts what it can't format as lost (start_log) and lets no exception out.
+// Formats the line within spdlog, which counts a line that can't be formatted as lost (start_log) and lets no exception out.
 template <>
 struct fmt::formatter<Line> {
     constexpr auto parse(format_parse_context& context) { return context.begin(); }

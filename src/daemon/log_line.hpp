@@ -1,5 +1,5 @@
-// What the daemon logs: lines of text, in the format of fmt. Apart from log.hpp, and without spdlog in it, since two dozen sources need
-// no more than this and would each compile spdlog for it.
+// Logs lines of text, formatted by fmt. Separate from log.hpp and without spdlog, since two dozen sources need only this and would
+// otherwise each compile spdlog.
 #pragma once
 #include <fmt/core.h>
 
@@ -9,10 +9,10 @@ namespace anogate {
 
 enum class LogLevel { info, warning, error };
 
-/// Nothing is formatted that is below the level of the log.
+/// Does not format a message below the level of the log.
 void log_line(LogLevel level, fmt::string_view format, fmt::format_args arguments);
 
-/// trace, debug, info, warn, error or off: what is below is not logged.
+/// `level`: trace, debug, info, warn, error or off. Messages below it are not logged.
 void set_log_level(const std::string& level);
 
 template <class... Arguments>

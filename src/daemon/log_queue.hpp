@@ -12,27 +12,26 @@ namespace anogate {
 struct LogMessage {
     spdlog::level::level_enum level = spdlog::level::info;
     spdlog::log_clock::time_point at;
-    std::string text;      // of one line or more
-    bool plain = false;    // for standard error, without time and level
+    std::string text;      // one line or more
+    bool plain = false;    // to be written to standard error without time and level
 };
 
-/// Bounded. A message that does not fit is lost, and so are those after it until all that waits is taken, so that the gap is in one
-/// place.
+/// Bounded. When a message does not fit, it and all messages until the next take() are lost, so that there is only one gap.
 class LogQueue {
 public:
-    static constexpr std::size_t room = 64 * 1024;    // bytes; a message fits when less than this waits before it
+    static constexpr std::size_t room = 64 * 1024;    // bytes; a message fits when fewer than these are waiting
 
     struct Batch {
         std::vector<LogMessage> messages;
-        std::uint64_t lost = 0;    // lines, after those messages
+        std::uint64_t lost = 0;    // lines that were lost after these messages
     };
 
     void push(spdlog::level::level_enum level, spdlog::log_clock::time_point at, std::string_view text,
               bool plain = false) noexcept;
-    /// Counts a line that could not be made, for want of memory.
+    /// Counts a line that could not be made for lack of memory.
     void lose() noexcept { ++waiting_.lost; }
     bool empty() const noexcept { return waiting_.messages.empty() && waiting_.lost == 0; }
-    /// Takes all that waits.
+    /// Takes everything that waits.
     Batch take() noexcept;
 
 private:

@@ -1,4 +1,4 @@
-// Logging never blocks: not for a stopped terminal, a pipe that nobody reads, or a disk that hangs.
+// Writes the log in a thread, so that logging never blocks on a stopped terminal, a pipe that nobody reads, or a disk that hangs.
 #pragma once
 #include <daemon/log_queue.hpp>
 
@@ -15,11 +15,11 @@
 
 namespace anogate {
 
-/// Takes messages, and has a thread of its own that opens the log and writes them in their order. Lost messages are counted in the
-/// log at their place. O_NONBLOCK would not do: it changes the descriptor for all programs that share it, and has no effect on files.
+/// Takes messages, and has a thread that opens the log and writes them in order. The number of lost messages is logged at the place where
+/// they are missing. O_NONBLOCK is no alternative: it affects all programs that share the descriptor, and has no effect on files.
 class LogWriter final : public spdlog::sinks::sink {
 public:
-    static constexpr std::chrono::milliseconds patience{200};    // at the end
+    static constexpr std::chrono::milliseconds patience{200};    // of finish()
 
     /// Called in the thread, where it may block. It must not throw.
     using Open = std::function<std::shared_ptr<spdlog::logger>()>;
@@ -30,12 +30,12 @@ public:
     LogWriter(const LogWriter&) = delete;
     LogWriter& operator=(const LogWriter&) = delete;
 
-    /// Writes it to standard error, after the messages before it.
+    /// Writes `text` to standard error, after the earlier messages.
     void say(std::string_view text) noexcept;
     /// Counts a line that could not be made.
     void lose() noexcept;
-    /// Waits until all is written, at most `patience`. False: it is not, and the thread stays blocked with the locks that it holds,
-    /// perhaps that of stderr: only _exit() is sure to end the program.
+    /// Waits until everything is written, at most `patience`. False: the thread stays blocked and holds locks, perhaps that of stderr, so
+    /// that only _exit() is sure to end the program.
     bool finish();
 
     void log(const spdlog::details::log_msg& message) override;
@@ -44,7 +44,7 @@ public:
     void set_formatter(std::unique_ptr<spdlog::formatter>) override {}
 
 private:
-    struct Shared {    // with the thread, which may be left behind
+    struct Shared {    // shared with the thread, which may outlive this object
         std::mutex mutex;
         std::condition_variable changed;
         LogQueue queue;

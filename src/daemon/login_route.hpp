@@ -1,11 +1,11 @@
-// A token given once, so that a browser gives it from then on.
+// Login with a token: the browser gets a cookie, which it sends with all later requests.
 #pragma once
 #include <ano/time.hpp>
 #include <http/admission.hpp>
 
 namespace anogate {
 
-/// POST /login {"token": "..."}: 200 with what the token may, and a cookie; 401 when it is not right, 429 for who fails often.
+/// POST /login {"token": "..."}: 200 with the rights of the token and a cookie; 401 when the token is wrong, 429 after too many failures.
 http::Response login(http::Admission& admission, const http::Request& request, ano::TimePoint now);
 
 }    // namespace anogate

@@ -5,7 +5,7 @@
 namespace anogate {
 namespace {
 
-constexpr ano::Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes bear no stamp: half of what sticks may wait
+constexpr ano::Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes have no stamp: half the wait of stick frames
 constexpr ano::Duration calm_beat = std::chrono::milliseconds{500};
 constexpr ano::Duration slack = std::chrono::milliseconds{20};
 
@@ -22,7 +22,7 @@ ano::Duration LoopBeat::turn(const ClockReading& clocks) {
     return turn.suspended;
 }
 
-// Where it has stood still, the beat comes behind all that was to be read then: but not when it is the one to notice.
+// After a standstill, a beat is called when everything that waited was read; but not if that beat itself detected the standstill.
 void LoopBeat::end(bool streams_speak) {
     if (!noticed_) loop_.end_standstill();
     calm_ = !noticed_ && !streams_speak;
@@ -31,7 +31,7 @@ void LoopBeat::end(bool streams_speak) {
     alarm_.set(loop_.now() + period);
 }
 
-// Between calm beats: a stream wants more of them, and the stamp of what waited tells as well.
+// Between slow beats: a stream needs faster beats; a time stamp of a received datagram shows a standstill too.
 void LoopBeat::heard(bool by_stream, ano::TimePoint arrived_at) {
     if (by_stream) {
         if (!calm_) return;

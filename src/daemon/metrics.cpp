@@ -18,7 +18,7 @@ std::string utf8(const std::string& name) {
     return ano::to_utf8({reinterpret_cast<const std::uint8_t*>(name.data()), name.size()}, ano::Encoding::utf8);
 }
 
-/// `name` as it may stand in a label, and as nothing in `taken` does.
+/// `name` as valid UTF-8, changed if it is in `taken`; adds it there.
 std::string made_unique(const std::string& name, std::set<std::string>& taken) {
     const std::string text = utf8(name);
     std::string one = text;
@@ -35,7 +35,7 @@ void make_labels_unique(MetricsSnapshot& snapshot) {
     }
 }
 
-/// Calls `visit` with a name, a help text and a function from Traffic to its number, for every counter.
+/// Calls `visit` for every counter, with its name, its help text and a function that takes its value from a Traffic.
 template <class Visit>
 void each_counter(Visit visit) {
     for (const auto& row : receive_counters)
@@ -135,7 +135,7 @@ void write_tunnel(MetricsText& text, const TunnelCounters& counters) {
     }
 }
 
-// As every program names them.
+// Under the usual names of Prometheus clients.
 void write_process(MetricsText& text, const ProcessFigures& process) {
     text.family("process_cpu_seconds", MetricType::counter, "CPU time, of user and system");
     text.sample({}, process.cpu_s);

@@ -1,4 +1,4 @@
-// What a gateway tells Prometheus. The names are those of the counters; config/prometheus/README.md lists the others.
+// The metrics of a gateway for Prometheus. Their names are those of the counters; config/prometheus/README.md lists the others.
 #pragma once
 #include <ano/time.hpp>
 #include <daemon/metrics_text.hpp>
@@ -18,7 +18,7 @@ namespace anogate {
 
 class Gateway;
 
-/// What is told, at a moment. A series for each link and each channel that is alive: at most 64 of each.
+/// The values of the metrics at one moment. There is a series for each link and each open channel: at most 64 of each.
 struct MetricsSnapshot {
     struct Traffic {
         ReceiveCounters received;
@@ -27,13 +27,13 @@ struct MetricsSnapshot {
     };
     struct Channel {
         std::string peer;
-        std::optional<double> silent_s;    // since its last good frame; nothing: there was none
+        std::optional<double> silent_s;    // since its last good frame; std::nullopt: there was none
         Traffic traffic;
     };
     struct Link {
-        std::string name, kind, id;    // the port id, or empty
+        std::string name, kind, id;    // id: the port id, or empty
         bool up = false;
-        double since_s = 0;          // it is up or not
+        double since_s = 0;          // time since the last change of `up`
         std::string_view hint_id;    // empty: none
         Traffic traffic;
         std::vector<Channel> channels;
@@ -44,7 +44,7 @@ struct MetricsSnapshot {
     std::uint64_t standstills = 0;
     double longest_standstill_s = 0;
     std::uint64_t own_frames = 0;
-    std::vector<std::pair<std::string_view, std::uint64_t>> routes;    // by the rule that decides: how many addresses
+    std::vector<std::pair<std::string_view, std::uint64_t>> routes;    // deciding rule, number of addresses
     std::uint64_t conflicts = 0;
     std::vector<Link> links;
     std::optional<TunnelCounters> tunnel;
@@ -54,7 +54,7 @@ struct MetricsSnapshot {
 
 MetricsSnapshot metrics_snapshot(const Gateway& gateway, ano::TimePoint now);
 
-/// No two series have the same labels, whatever the links and peers are called.
+/// No two series have the same labels, whatever the names of links and peers are.
 std::string metrics(MetricsSnapshot snapshot, MetricsForm form);
 
 }    // namespace anogate

@@ -27,7 +27,7 @@ std::string_view type_word(MetricType type, MetricsForm form) {
     return type == MetricType::info && form == MetricsForm::openmetrics ? "info" : "gauge";
 }
 
-// The unit that stands at the end of a name, with its '_'.
+// The unit at the end of a name, with its '_'.
 std::string_view unit_of(std::string_view name) {
     for (const std::string_view unit : {"_seconds", "_bytes"})
         if (name.ends_with(unit)) return unit;

@@ -8,7 +8,7 @@
 namespace anogate {
 
 enum class MetricsForm : std::uint8_t { prometheus, openmetrics };
-/// What is asked for by the Accept header of a request; the older form where it says nothing.
+/// The form that the Accept header of a request asks for; without one the older form.
 MetricsForm metrics_form(std::string_view accept);
 std::string_view content_type(MetricsForm form) noexcept;
 
@@ -23,7 +23,7 @@ public:
 
     explicit MetricsText(MetricsForm form) : form_{form} {}
 
-    /// `name` without what its type adds: "_total", "_info".
+    /// `name` without the suffix of its type: "_total", "_info".
     void family(std::string_view name, MetricType type, std::string_view help);
     void sample(std::initializer_list<Label> labels, std::uint64_t value);
     void sample(std::initializer_list<Label> labels, double value);
@@ -34,7 +34,7 @@ private:
     void label(const Label& label);
 
     MetricsForm form_;
-    std::string name_;    // of the samples
+    std::string name_;    // of the present family, with the suffix
     std::string text_;
 };
 

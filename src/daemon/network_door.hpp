@@ -1,4 +1,4 @@
-// The TCP door of the control interface, as the status tells of it.
+// The state of the TCP access to the control interface, for the status.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace anogate {
 
-/// Where programs and browsers find the gateway, and what they need for it; never a token itself.
+/// Where programs and browsers reach the gateway, and which files they need for it; never the token itself.
 struct NetworkDoor {
     enum class State : std::uint8_t {
-        off,        // none is configured
-        waiting,    // for its address or port
-        shut,       // for a fault of its tokens or its certificate, until the next start
+        off,        // not configured
+        waiting,    // until its address or port is available
+        shut,       // until the next start, because of a fault of its tokens or its certificate
         up,
     };
     State state = State::off;
@@ -21,10 +21,10 @@ struct NetworkDoor {
     std::string address{};    // as it is configured: "0.0.0.0", "::", "fe80::1%wlan0"
     std::uint16_t port = 0;
     bool is_encrypted = false;
-    std::string certificate{};    // its whole path; empty: not encrypted
+    std::string certificate{};    // absolute path; empty: not encrypted
     bool needs_token = false;
-    std::string token_file{};            // its whole path; empty: no tokens
-    std::vector<std::string> hosts{};    // names that the configuration gives it
+    std::string token_file{};            // absolute path; empty: no tokens
+    std::vector<std::string> hosts{};    // configured names of this machine
 };
 
 constexpr std::string_view text(NetworkDoor::State state) noexcept {

@@ -16,7 +16,7 @@ namespace anogate {
 
 namespace {
 
-// A queue that is full has room again when systemd has had its turn.
+// The longest wait for room in the queue, until systemd has read from it.
 constexpr timeval room_within{0, 200'000};
 
 bool send(std::string_view message, msghdr& header, int flags) noexcept {
@@ -42,10 +42,10 @@ bool send(std::string_view message, msghdr& header, int flags) noexcept {
 bool notify_systemd(std::string_view message) noexcept { return notify_systemd(message, {}, Patience::none); }
 
 bool notify_systemd(std::string_view message, std::span<const int> descriptors, Patience patience) noexcept {
-    constexpr std::size_t most = 253;    // SCM_MAX_FD
-    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(most * sizeof(int))> control{};
+    constexpr std::size_t max_descriptors = 253;    // SCM_MAX_FD
+    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(max_descriptors * sizeof(int))> control{};
     msghdr header{};
-    if (descriptors.size() > most) return false;
+    if (descriptors.size() > max_descriptors) return false;
     if (!descriptors.empty()) {
         header.msg_control = control.data();
         header.msg_controllen = CMSG_SPACE(descriptors.size_bytes());

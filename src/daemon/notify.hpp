@@ -10,12 +10,12 @@ namespace anogate {
 
 /// Sends one message such as "READY=1". False without systemd, or when the message could not be sent.
 bool notify_systemd(std::string_view message) noexcept;
-/// Whether a message waits for room in systemd's queue: up to 0.2 s.
+/// `some`: waits up to 0.2 s for room in systemd's queue.
 enum class Patience { none, some };
-/// The same with descriptors, at most 253, which systemd gets copies of.
+/// The same with at most 253 descriptors, of which systemd gets copies.
 bool notify_systemd(std::string_view message, std::span<const int> descriptors, Patience patience) noexcept;
 
-/// How often to send "WATCHDOG=1": half the time of the watchdog. Nothing: there is none for this process.
+/// The interval for sending "WATCHDOG=1": half the time of the watchdog. std::nullopt: this process has no watchdog.
 std::optional<ano::Duration> watchdog_interval() noexcept;
 
 }    // namespace anogate

@@ -17,7 +17,7 @@ namespace {
 
 using LogColor = GatewayDevice::LogColor;
 
-// Above it, the number of the channel: see link_of().
+// A Link has the channel in its lower bits and a number that is used once above them: see link_of().
 constexpr GatewayDevice::Link channel_bits = 6;
 constexpr GatewayDevice::Link link_of_ourselves = ano::device::every_link - 1;
 
@@ -50,7 +50,7 @@ OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, Wr
              }},
       errand_{gateway.io()} {
     gateway_.set_voice(this);
-    reload_.on_settled([this] {    // not while the device is asked for something
+    reload_.on_settled([this] {    // not while the device is processing a request
         asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_}] {
             if (alive.expired()) return;
             configure();
@@ -78,7 +78,7 @@ void OwnDevice::configure() {
     await();
 }
 
-// The number of a closed channel is used again, and who comes by it then has asked for nothing.
+// The number of a closed channel is used again by another peer, which must not get the answers for the old one.
 OwnDevice::Link OwnDevice::link_of(const Channel& channel) {
     if (channel.id == ourselves) return link_of_ourselves;
     Place& place = places_[index(channel.id)];
@@ -114,7 +114,7 @@ void OwnDevice::speak() {
     }
 }
 
-// Who asked is still asking: it hears the answer as soon as the loop comes round.
+// The caller is still sending its request: it gets the answer in the next turn of the loop.
 void OwnDevice::answer_ourselves(ano::FrameView frame) {
     asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_},
                                bytes = std::vector<std::uint8_t>{frame.bytes().begin(), frame.bytes().end()}] {
@@ -149,7 +149,7 @@ std::string OwnDevice::save(const WrittenValues& written) {
     return {};
 }
 
-// Not while the file waits to be confirmed.
+// Does nothing while the file waits to be confirmed.
 void OwnDevice::keep_in_step() {
     WrittenValues still = kept_;
     if (gateway_.config_state().runs != ConfigState::Runs::file || !saves_.empty() ||
@@ -180,7 +180,7 @@ void OwnDevice::next_save() {
     });
 }
 
-// A reload without a time to confirm it would confirm the one that waits for that.
+// A reload without a confirmation time would confirm the configuration that waits for its confirmation.
 std::string OwnDevice::reload() {
     if (gateway_.config_state().runs == ConfigState::Runs::unconfirmed)
         return "a configuration waits to be confirmed by who reloaded it";

@@ -1,4 +1,4 @@
-// The gateway as a device in the loop: what comes for it reaches the GatewayDevice, what that decides is done.
+// Connects the GatewayDevice (the gateway as an ANO device) with the loop: passes frames to it, and carries out its decisions.
 #pragma once
 #include <daemon/errand.hpp>
 #include <daemon/gateway.hpp>
@@ -17,19 +17,19 @@ namespace anogate {
 class Reload;
 struct ReloadOutcome;
 
-/// What it says teaches no address, and passes the rules of the links that it leaves by.
+/// The source address of its frames is not learned. The frames are subject to the rules of the links that send them.
 class OwnDevice final : public GatewayVoice, private Forwarder::Own, private GatewayDeeds {
 public:
-    /// `kept_path`: kept_parameters_path(), where `kept` stands. Gateway and reload outlive it.
+    /// `kept_path`: kept_parameters_path(), the file with `kept`. Gateway and reload outlive it.
     OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, WrittenValues kept);
     ~OwnDevice();
     OwnDevice(const OwnDevice&) = delete;
     OwnDevice& operator=(const OwnDevice&) = delete;
 
-    /// What runs is known: of what is kept, that goes which the configuration file has overruled, or it would be back when the file
-    /// says again what it said.
+    /// To be called when the running configuration is known. Removes kept values that the configuration file has overruled; otherwise they
+    /// would be back when the file returns to its old value.
     void keep_in_step();
-    /// The gateway ends: it says nothing more.
+    /// To be called when the gateway ends: nothing more is sent.
     void stop();
 
     void speak() override;
@@ -63,9 +63,9 @@ private:
 
     struct Save {
         WrittenValues values;
-        bool is_asked_for = false;    // by a host, which waits
+        bool is_asked_for = false;    // by a host, which waits for the answer
     };
-    /// A channel that something came by; its number among links is used once.
+    /// A channel that frames for the gateway came from; its number as a `Link` is never used again.
     struct Place {
         TimePoint opened_at{};
         Link link = 0;
@@ -74,14 +74,14 @@ private:
     Gateway& gateway_;
     Reload& reload_;
     std::string kept_path_;
-    WrittenValues kept_;    // on the disk
+    WrittenValues kept_;    // as they are on the disk
     GatewayDevice device_{*this};
     std::array<Place, max_channels> places_{};
     Link places_used_ = 0;
     Alarm alarm_;
     Errand errand_;
-    std::deque<Save> saves_;    // the first is being written
-    bool reloads_ = false;      // a host asked for it, and it is not over
+    std::deque<Save> saves_;    // the first one is being written
+    bool reloads_ = false;      // a reload that a host asked for is under way
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 

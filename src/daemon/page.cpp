@@ -29,7 +29,7 @@ std::string_view page_type_of(std::string_view name) {
     return {};
 }
 
-// Nothing from elsewhere, nothing inline, no frame around it. Pictures are also made in the browser.
+// No content from other servers, no inline code or style, no embedding in frames. Pictures may also be made in the browser.
 constexpr const char* policy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";

@@ -1,4 +1,4 @@
-// The page for browsers: files that its build made, and how they are answered.
+// The web page: its files, and the responses with them.
 #pragma once
 #include <http/request.hpp>
 #include <http/response.hpp>
@@ -10,28 +10,27 @@
 
 namespace anogate {
 
-/// All of it is held in memory, compressed as it stands on the disk: some 60 KB, read before the loop runs. Names of files tell
-/// their content but for index.html, so that a browser may keep them for ever.
+/// All files are held in memory, compressed as on the disk: some 60 KB, read before the loop runs. Except for index.html, a file name
+/// contains a hash of the content, so that a browser may keep the file for ever.
 class Page {
 public:
-    /// What is NAME.gz in the folder is the file NAME. Empty where there is no such folder, or no index.html.gz in it, or more than
-    /// a page has.
+    /// NAME.gz in the folder becomes the file NAME. Empty when the folder is missing, has no index.html.gz, or is larger than 1 MiB.
     static Page read(const std::filesystem::path& folder);
 
     bool empty() const noexcept { return files_.empty(); }
-    /// Whether the request is that of a browser for a page to look at, and there is one.
+    /// Whether a browser asks for a page to display, and there is one.
     bool is_wanted_by(const http::Request& request) const;
-    /// The file as the answer to the request; 404, or 406 for who does not take gzip.
+    /// The file as a response; 404 when it does not exist, 406 when the client does not accept gzip.
     http::Response file(std::string_view name, const http::Request& request) const;
 
 private:
-    std::map<std::string, std::string, std::less<>> files_;    // name without .gz, compressed content
+    std::map<std::string, std::string, std::less<>> files_;    // compressed content, by the name without .gz
 };
 
 /// Where the page of `program` is: PREFIX/share/anogate/web of PREFIX/bin/NAME; BUILD/web of what was built as BUILD/src/NAME.
 std::filesystem::path page_folder_of(const std::filesystem::path& program);
 
-/// That of the program that runs.
+/// The page of the running program.
 Page installed_page();
 
 }    // namespace anogate

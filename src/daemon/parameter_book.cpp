@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The value that the device has now, by a row about one parameter; null: the row does not say.
+/// The present value on the device, from a row about one parameter; null: the row does not contain it.
 Json told_value(const Json& row) {
     for (const char* name : {"value", "stored"})
         if (const auto found = row.find(name); found != row.end() && found->is_primitive()) return *found;

@@ -1,4 +1,4 @@
-// The values of parameters that devices told lately, as the jobs of clients brought them. No I/O.
+// The latest known values of device parameters, from the results of jobs. No I/O.
 #pragma once
 #include <daemon/foxglove_messages.hpp>
 #include <devices/job.hpp>
@@ -16,13 +16,13 @@ namespace anogate {
 class ParameterBook {
 public:
     static constexpr std::size_t max_values = 4096;
-    static constexpr std::size_t max_result = 128 * 1024;    // bytes: a longer one is passed over, for it would keep the loop
+    static constexpr std::size_t max_result = 128 * 1024;    // bytes: a longer one is ignored, since it would keep the loop busy
 
-    /// What a job that has ended says of the parameters of its device, whose names begin with `prefix`: "fc/220/". Those that it
-    /// names, as they are now.
+    /// Takes the parameters of its device from the result of a job that has ended. Their names here begin with `prefix`: "fc/220/". Returns
+    /// those that the result contains, with their present values.
     std::vector<foxglove::Parameter> learn(const Job& job, const std::string& prefix);
     std::vector<foxglove::Parameter> all() const;
-    /// Of these names, those that are known.
+    /// Those of these names that are known.
     std::vector<foxglove::Parameter> of(const std::vector<std::string>& names) const;
     void forget() { values_.clear(); }
 
@@ -30,10 +30,10 @@ private:
     std::map<std::string, std::string> values_;
 };
 
-/// Whether learn() would look at it: it has ended, has a result, and that is about parameters.
+/// Whether learn() has a use for it: it has ended, and has a result about parameters.
 bool tells_parameters(const Job& job) noexcept;
 
-/// "fc/220/", of the device at this address, by the link that it is heard by.
+/// "fc/220/" for the device with this address on this link.
 std::string parameter_prefix(std::string_view link, std::uint8_t address);
 
 }    // namespace anogate

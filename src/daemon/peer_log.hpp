@@ -1,4 +1,4 @@
-// Which peers came and went, in few lines.
+// Logs which peers came and went, in few lines.
 #pragma once
 #include <link/alarm.hpp>
 
@@ -7,15 +7,15 @@
 
 namespace anogate {
 
-/// A stranger is a new peer with every port that it sends from, and its lines must not fill the disk. So there are at most 32
-/// lines in five seconds, and one for the number of the rest.
+/// A host that sends from many ports is a new peer with each of them, and must not fill the disk with lines. So there are at most 32
+/// lines in five seconds, and one with the number of the others.
 class PeerLog {
 public:
     explicit PeerLog(AlarmClock& alarms) : rest_{alarms, [this] { tell_rest(); }} {}
 
     void came(const std::string& link, const std::string& peer, ano::TimePoint now);
     void went(const std::string& link, const std::string& peer, ano::TimePoint now);
-    /// At the end of the program: at once.
+    /// At the end of the program: logs the rest at once.
     void finish();
 
 private:

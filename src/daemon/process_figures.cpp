@@ -28,7 +28,7 @@ std::optional<std::uint64_t> count_of_fds() {
     return count - 1;    // the folder itself
 }
 
-std::uint64_t most_fds() {
+std::uint64_t max_fds() {
     rlimit limit{};
     return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
 }
@@ -44,10 +44,10 @@ double unix_time_at_boot() {
 }    // namespace
 
 std::optional<ProcessTimes> parse_stat(std::string_view text) {
-    const auto name_end = text.rfind(')');    // the name may hold anything
+    const auto name_end = text.rfind(')');    // the program name may contain any characters
     if (name_end == std::string_view::npos) return std::nullopt;
     text.remove_prefix(name_end + 1);
-    constexpr std::size_t first = 3;    // the number of the field behind the name
+    constexpr std::size_t first = 3;    // the number of the first field after the name
     std::array<std::uint64_t, 25> fields{};
     for (std::size_t number = first; number < fields.size(); ++number) {
         const auto begin = text.find_first_not_of(' ');
@@ -55,7 +55,7 @@ std::optional<ProcessTimes> parse_stat(std::string_view text) {
         text.remove_prefix(begin);
         const auto end = std::min(text.find(' '), text.size());
         std::from_chars(text.data(), text.data() + end,
-                        fields[number]);    // some are negative or letters: none that is asked for
+                        fields[number]);    // some fields are negative or letters, but none that is used here
         text.remove_prefix(end);
     }
     return ProcessTimes{fields[14] + fields[15], fields[22], fields[23], fields[24]};
@@ -74,7 +74,7 @@ ProcessFigures this_process() {
         figures.resident_bytes = times->resident_pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
     }
     figures.open_fds = count_of_fds();
-    figures.max_fds = most_fds();
+    figures.max_fds = max_fds();
     return figures;
 }
 

@@ -1,4 +1,4 @@
-// What this process takes of the system.
+// The resources that this process uses.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -10,14 +10,14 @@ struct ProcessFigures {
     double cpu_s = 0;
     double started_at_s = 0;    // Unix time
     std::uint64_t virtual_bytes = 0, resident_bytes = 0;
-    std::optional<std::uint64_t> open_fds;    // nothing: the system does not say now
+    std::optional<std::uint64_t> open_fds;    // std::nullopt: not known at present
     std::uint64_t max_fds = 0;
 };
 
-/// Asks the system, from files that are in memory.
+/// Reads them from /proc, which never blocks on a disk.
 ProcessFigures this_process();
 
-/// Of a text as /proc/PID/stat has it. Nothing: it is none.
+/// From the text of /proc/PID/stat. std::nullopt: it has another form.
 struct ProcessTimes {
     std::uint64_t ticks = 0;            // of CPU time
     std::uint64_t started_ticks = 0;    // since the system started

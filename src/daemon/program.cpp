@@ -34,7 +34,7 @@ namespace {
 constexpr Duration flush_patience = std::chrono::milliseconds{500};
 constexpr Duration between_hints = std::chrono::seconds{3};
 
-// Signals that would end the program before it can handle them wait until it does.
+// Blocks or unblocks signals that would end the program before it can handle them.
 void hold_signals(int how, std::initializer_list<int> signals) {
     sigset_t held;
     sigemptyset(&held);
@@ -42,13 +42,13 @@ void hold_signals(int how, std::initializer_list<int> signals) {
     ::sigprocmask(how, &held, nullptr);
 }
 
-// Until the configuration is read nothing runs that would have to be ended in order, and reading may take long: a pipe that
-// nobody writes to. SIGINT ends the program then as it ends any other.
+// While the configuration is read, nothing runs that needs an orderly end, and reading may take long: for example a pipe without a
+// writer. SIGINT has its default effect during that time.
 void let_sigterm_end_at_once() {
     std::signal(SIGTERM, [](int) { ::_exit(0); });
 }
 
-// Or a standard file that was closed would become a device or a socket, and what is said to the user would go there.
+// Otherwise a device or a socket could get the number of a closed standard file, and messages to the user would go there.
 void fill_standard_files() {
     int fd = 0;
     while (fd >= 0 && fd <= STDERR_FILENO) fd = ::open("/dev/null", O_RDWR);
@@ -60,7 +60,7 @@ std::string recordings_folder() {
     return folder.empty() ? folder : folder + "/recordings";
 }
 
-// What runs: the gateway, its control interface, and what the system tells us by signals.
+// The running program: the gateway, its control interface, and the signals.
 class Program {
 public:
     Program(const CommandLine& line, const WrittenValues& written, const WrittenValues& kept, std::string source,
@@ -105,7 +105,7 @@ public:
         io_.run();
         const FrameCount passed = frame_count(gateway_);
         log_info("{}", last_line(why_, gateway_.now() - gateway_.started_at(), passed.in, passed.out));
-        hold_signals(SIG_BLOCK, {SIGTERM, SIGINT});    // one more, while the log is waited for, must not end it otherwise
+        hold_signals(SIG_BLOCK, {SIGTERM, SIGINT});    // a further signal must not end the program while it waits for the log
         return status_;
     }
 
@@ -113,7 +113,7 @@ private:
     void wait_for_signal() {
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec || stopped_) return;
-            wait_for_signal();    // first: a second stop() ends all waits at once, this one too
+            wait_for_signal();    // first, since a second stop() ends all waits at once, including this one
             if (signal == SIGUSR1) log_info("status\n{}", status_text(gateway_));
             else if (signal == SIGHUP) reload_soon();
             else stop(signal == SIGTERM ? "SIGTERM" : "SIGINT");
@@ -136,7 +136,7 @@ private:
         for (const std::string& line : hint_log_.news(gateway_)) log_info("{}", line);
     }
 
-    // A second signal while it flushes makes an end at once.
+    // A second signal during the flush ends the program at once.
     void stop(const char* why) {
         const bool again = !why_.empty();
         if (!again) why_ = why;
@@ -148,16 +148,16 @@ private:
         if (again) control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
-            recordings_.stop();    // what left until now is in them
+            recordings_.stop();    // they contain all frames sent until now
             signals_.cancel();
         });
-        if (!again) control_.finish(flush_patience);    // the jobs have ended: who follows one is told how
+        if (!again) control_.finish(flush_patience);    // the jobs have ended: their followers are told the results
     }
 
     asio::io_context io_{1};
     Gateway gateway_;
-    std::string source_;    // where the configuration is from
-    std::string why_;       // it ends
+    std::string source_;    // the source of the configuration
+    std::string why_;       // the reason of the end
     Reload reload_;
     OwnDevice own_device_;
     Recordings recordings_;
@@ -166,7 +166,7 @@ private:
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
     Ticker hints_{io_, [this] { tell_hints(); }};
     HintLog hint_log_;
-    bool stopped_ = false;    // nothing runs any more: a signal that came just before the end must not be waited for again
+    bool stopped_ = false;    // nothing runs any more: no more signals are awaited
     int status_ = 0;
 };
 
@@ -175,7 +175,7 @@ std::string source_of(const CommandLine& line) {
     return line.config_file + (line.has_links ? " and command line" : "");
 }
 
-// While the file was not confirmed, and is as it was then, a restart runs what ran before it.
+// If the file was not confirmed, and is unchanged since, a restart runs the configuration before it.
 ConfigState::Runs take_kept_config(CommandLine& line, int argc, char** argv) {
     const std::string path = kept_config_path(line.config_file);
     const auto kept = kept_config(path);
@@ -235,7 +235,7 @@ int run(int argc, char** argv) {
 
 }    // namespace
 
-// What the system refuses to give at all (memory, the descriptors of the loop itself) is nothing to wait for in here.
+// When the system refuses memory or the descriptors of the loop, waiting does not help: the program ends.
 int run_program(int argc, char** argv) {
     take_rooms_from_the_system();
     hold_signals(SIG_BLOCK, {SIGHUP, SIGUSR1});

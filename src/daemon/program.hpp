@@ -1,4 +1,4 @@
-// The daemon from its command line to its exit status.
+// Runs the daemon, from its command line to its exit status.
 #pragma once
 
 namespace anogate {

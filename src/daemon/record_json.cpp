@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A link's name and a peer may be any bytes.
+// The names of links and peers may contain any bytes.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json name_at(const std::vector<std::string>& names, std::size_t number) {

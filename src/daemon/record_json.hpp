@@ -1,4 +1,4 @@
-// Records of frames as lines of JSON, for those who watch.
+// Records of frames as lines of JSON, for watchers.
 #pragma once
 #include <ano/flexible.hpp>
 #include <daemon/watch_queue.hpp>
@@ -8,14 +8,14 @@
 
 namespace anogate {
 
-/// {"from": 220, ..., "time": 1700000000.123456, "link": "fc", "peer": "/dev/ttyUSB0", "direction": "in"}, and `cause` of a dropped
-/// one. No line end.
+/// {"from": 220, ..., "time": 1700000000.123456, "link": "fc", "peer": "/dev/ttyUSB0", "direction": "in"}; a dropped frame also has
+/// `cause`. Without a line end.
 std::string record_json(const FrameRecord& record, const WatchTables& tables, const ano::FlexibleLayouts& flexible);
 
 /// {"lost": {"euler": 120, "inertial": 120}, "since_ms": 500}
 std::string lost_json(const LostFrames& lost);
 
-/// {"links": [...], "channels": [...], "causes": [...]}: null for a number that is nobody's.
+/// {"links": [...], "channels": [...], "causes": [...]}: null for an unused number.
 std::string tables_json(const WatchTables& tables);
 
 }    // namespace anogate

@@ -17,7 +17,7 @@ namespace anogate {
 namespace {
 
 constexpr std::chrono::milliseconds recorder_patience{500};
-constexpr ano::Duration behind_told = std::chrono::seconds{1};    // what is not on the disk for sure
+constexpr ano::Duration behind_told = std::chrono::seconds{1};    // age of unsynced bytes
 constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
 constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
 
@@ -58,16 +58,16 @@ private:
     Descriptor said_;
     Alarm beat_;
     RecorderThread::News news_;
-    std::uint64_t lost_ = 0;                  // frames, told in the file or not
-    std::uint64_t lost_before_ = 0;           // of not_written(), when the disk was well last
-    std::uint64_t given_ = 0, marked_ = 0;    // bytes, to the thread; and until marked_at_
+    std::uint64_t lost_ = 0;                  // frames, whether recorded in the file or not
+    std::uint64_t lost_before_ = 0;           // not_written() when the disk was last well
+    std::uint64_t given_ = 0, marked_ = 0;    // bytes given to the thread; the same at marked_at_
     TimePoint marked_at_{};
     bool watches_ = false;
     bool is_ended_ = false;
     DiskPace pace_;
-    DiskPace::State disk_ = DiskPace::State::well;                    // was told
-    TimePoint ends_at_{};                                             // at the latest, once end() was called
-    std::shared_ptr<bool> is_told_ = std::make_shared<bool>(true);    // not: a call of on_change is under way
+    DiskPace::State disk_ = DiskPace::State::well;                    // as reported last
+    TimePoint ends_at_{};                                             // the latest end, once end() was called
+    std::shared_ptr<bool> is_told_ = std::make_shared<bool>(true);    // false: a call of on_change is pending
 };
 
 Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings settings, std::function<void()> on_change)
@@ -90,7 +90,7 @@ Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings setti
     watch_.add(*this, settings_.filter);
 }
 
-// Where the disk is known to hang, or had its time since end(), it is not waited for.
+// Does not wait for a disk that is known to hang, or when the time since end() is over.
 Recorder::Impl::~Impl() {
     end();
     if (is_ended_) return;
@@ -101,7 +101,7 @@ Recorder::Impl::~Impl() {
     thread_->abandon();
 }
 
-// As long as there is room: what is too much waits in the queue, and is lost and counted there.
+// As long as there is room: the rest waits in the queue of the watcher, which counts what it loses.
 void Recorder::Impl::give() {
     while (thread_->has_room() && give_next()) {}
     if (!beat_.is_set()) beat_.set(Clock::now() + beat_time);
@@ -119,7 +119,7 @@ bool Recorder::Impl::give_next() {
     } else {
         item.names = std::make_shared<const RecordedNames>(recorded_names(*std::get<WatchQueue::Tables>(*next), gateway_));
     }
-    const std::uint64_t frames = watches_ ? 0 : item.frames();    // which the last of them may have no place for
+    const std::uint64_t frames = watches_ ? 0 : item.frames();    // counted as lost if the queue of the thread has no place
     const std::size_t bytes = item.bytes();
     if (thread_->give(std::move(item))) given_ += bytes;
     else lost_ += frames;
@@ -136,12 +136,12 @@ void Recorder::Impl::end() {
     beat_.set(Clock::now() + beat_time);
 }
 
-// What the thread says.
+// Takes the news of the thread.
 void Recorder::Impl::look() {
     eventfd_t count = 0;
     ::eventfd_read(said_.fd(), &count);
     bool is_new = false;
-    const bool has_ended = thread_->wait_for_end(std::chrono::milliseconds::zero());    // no news come behind that
+    const bool has_ended = thread_->wait_for_end(std::chrono::milliseconds::zero());    // after the end there is no more news
     while (auto news = thread_->next_news()) {
         news_ = std::move(*news);
         is_new = true;
@@ -157,8 +157,8 @@ void Recorder::Impl::look() {
     if (is_new) tell();
 }
 
-// The age of a byte that is not on the disk for sure: of the oldest one, or at least half as much. What waited through a silence or a
-// fault is still on its way behind it.
+// Between half and all of the age of the oldest unsynced byte. Starts from zero after a silence or a fault: what waited meanwhile is
+// still being written.
 ano::Duration Recorder::Impl::behind(TimePoint now) {
     if (is_silent() || !news_.error.empty() || given_ - thread_->progress().in_flight >= marked_) {
         marked_ = given_;
@@ -167,7 +167,7 @@ ano::Duration Recorder::Impl::behind(TimePoint now) {
     return now - marked_at_;
 }
 
-// While something is under way.
+// Called periodically while something is under way.
 void Recorder::Impl::beat() {
     const TimePoint now = Clock::now();
     const ano::Duration silence = thread_->silence(now);
@@ -180,7 +180,7 @@ void Recorder::Impl::beat() {
     else beat_.cancel();
 }
 
-// Not from within: it may end this.
+// Calls on_change from the loop, since it may destroy this object.
 void Recorder::Impl::tell() {
     if (!std::exchange(*is_told_, false)) return;
     asio::post(gateway_.io(), [this, still_there = std::weak_ptr<bool>{is_told_}] {
@@ -197,7 +197,7 @@ RecorderReport Recorder::Impl::report() const {
     RecorderReport report;
     report.is_ended = is_ended_;
     report.file = news_.file;
-    report.files = news_.files;    // with its path
+    report.files = news_.files;
     report.frames = progress.frames;
     report.bytes = progress.bytes;
     report.waiting = progress.in_flight;

@@ -19,16 +19,16 @@
 namespace anogate {
 namespace {
 
-constexpr int collecting = 200;                    // ms: what comes meanwhile is written together
-constexpr int deep_sleep = 1000;                   // ms: as often the disk is looked at while nothing comes
-constexpr std::size_t much_queued = 512 * 1024;    // bytes that are not waited with
+constexpr int collecting = 200;                    // ms: what is queued meanwhile is written together
+constexpr int deep_sleep = 1000;                   // ms: interval of the checks of the disk while nothing is queued
+constexpr std::size_t much_queued = 512 * 1024;    // bytes that are written without waiting
 constexpr int nice_of_thread = 5;
 
 UniqueFd recorder_event() { return UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}; }
 
-bool wait_for_event(int event, int most) {
+bool wait_for_event(int event, int max_ms) {
     pollfd one{event, POLLIN, 0};
-    return ::poll(&one, 1, most) > 0;
+    return ::poll(&one, 1, max_ms) > 0;
 }
 
 }    // namespace
@@ -37,7 +37,7 @@ void stand_behind_the_loop() noexcept {
     leave_signals_to_the_loop();
     ::pthread_setname_np(::pthread_self(), "recorder");
     const sched_param none{};
-    ::sched_setscheduler(0, SCHED_OTHER, &none);    // of this thread, as the next
+    ::sched_setscheduler(0, SCHED_OTHER, &none);    // this thread only, like setpriority()
     ::setpriority(PRIO_PROCESS, 0, std::max(::getpriority(PRIO_PROCESS, 0), nice_of_thread));
 }
 
@@ -62,7 +62,7 @@ std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
 bool RecorderThread::has_room() noexcept {
     if (progress_.in_flight < max_in_flight && items_.has_room()) return true;
     wants_room_ = true;
-    return progress_.in_flight < max_in_flight && items_.has_room();    // it may have come before the thread was told
+    return progress_.in_flight < max_in_flight && items_.has_room();    // room may have appeared before wants_room_ was set
 }
 
 bool RecorderThread::give(RecorderItem item) {
@@ -86,8 +86,8 @@ void RecorderThread::abandon() {
     end();
 }
 
-bool RecorderThread::wait_for_end(std::chrono::milliseconds most) const {
-    return wait_for_event(ended_.get(), static_cast<int>(most.count()));
+bool RecorderThread::wait_for_end(std::chrono::milliseconds max_wait) const {
+    return wait_for_event(ended_.get(), static_cast<int>(max_wait.count()));
 }
 
 ano::Duration RecorderThread::silence(ano::TimePoint now) const noexcept {
@@ -102,7 +102,7 @@ void RecorderThread::wake() const noexcept { ::eventfd_write(wake_.get(), 1); }
 void RecorderThread::run(DiskWriter& disk) {
     while (!is_over_) {
         progress_.is_busy();
-        is_over_ = is_ending_;    // what was given before is in the queue now
+        is_over_ = is_ending_;    // everything given before is in the queue now
         try {
             work(disk);
         } catch (const std::bad_alloc&) {
@@ -125,7 +125,7 @@ void RecorderThread::work(DiskWriter& disk) {
     else disk.turn(ano::Clock::now());
 }
 
-// A turn for every part, and the first to begin.
+// A turn() for every item, and one to begin with.
 void RecorderThread::take_all(DiskWriter& disk) {
     disk.turn(ano::Clock::now());
     while (disk.takes_more() && !is_abandoned_) {
@@ -140,7 +140,7 @@ void RecorderThread::take_all(DiskWriter& disk) {
 void RecorderThread::sleep(const DiskWriter& disk) {
     if (!disk.has_work()) {
         sleeps_deep_ = true;
-        if (!items_.empty()) sleeps_deep_ = false;    // it came meanwhile, and who gave it may not have seen that
+        if (!items_.empty()) sleeps_deep_ = false;    // an item came meanwhile, perhaps without waking this thread
         else wait_for_event(wake_.get(), deep_sleep);
         sleeps_deep_ = false;
     } else {
@@ -160,7 +160,7 @@ void RecorderThread::tell(const DiskWriter& disk) {
                 told_ = std::move(news);
                 has_said = true;
             }
-        } catch (const std::bad_alloc&) {    // the next time
+        } catch (const std::bad_alloc&) {    // told the next time
         }
     }
     if (has_said) ::eventfd_write(said_.get(), 1);

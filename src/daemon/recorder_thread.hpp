@@ -14,42 +14,41 @@
 
 namespace anogate {
 
-/// Of this thread: the loop comes first, and has the signals.
+/// Lowers the priority of the calling thread below that of the loop, and blocks its signals.
 void stand_behind_the_loop() noexcept;
 
-/// With a thread that may be left behind on a disk that hangs: whoever is last ends it. Nobody waits for the other.
+/// Shared with its thread, which may be left behind on a disk that hangs; the last owner destroys it. Neither side waits for the other.
 class RecorderThread {
 public:
     static constexpr std::size_t max_in_flight = 16 * 1024 * 1024;    // bytes
 
     struct News {
-        std::string file, error;    // as of DiskWriter
-        std::uint64_t files = 0;    // that were begun; the last of them is `file`
+        std::string file, error;    // as DiskWriter::file() and error()
+        std::uint64_t files = 0;    // number of files begun; the last one is `file`
     };
 
     explicit RecorderThread(const RecorderSettings& settings) : settings_{settings} {}
     RecorderThread(const RecorderThread&) = delete;
     RecorderThread& operator=(const RecorderThread&) = delete;
 
-    /// Why there is no thread, in a clause; empty: it runs.
+    /// Returns empty when the thread runs, or a clause: why there is none.
     static std::string start(const std::shared_ptr<RecorderThread>& self);
 
-    // For the loop alone.
+    // To be called by the loop only.
 
-    /// An eventfd of its own for the loop: readable when there are news, when there is room again after has_room() was false, and at
-    /// the end.
+    /// A duplicated eventfd for the loop: readable when there is news, when there is room again after has_room() was false, and at the end.
     UniqueFd said() const noexcept;
-    /// Asked before give().
+    /// To be called before give().
     bool has_room() noexcept;
-    /// False: there is no place for one more item, whatever its size.
+    /// False: the queue has no place for another item, whatever its size.
     bool give(RecorderItem item);
     std::optional<News> next_news() { return news_.pop(); }
     /// Nothing more will be given.
     void end();
-    /// What is not written yet stays so: the file is ended when the disk takes that.
+    /// Writes no more of what waits; the file is ended as soon as the disk accepts that.
     void abandon();
-    /// Waits until nothing more will be written, at most so long.
-    bool wait_for_end(std::chrono::milliseconds most) const;
+    /// Waits until nothing more will be written, at most `max_wait`. False: something may still be written.
+    bool wait_for_end(std::chrono::milliseconds max_wait) const;
     const DiskProgress& progress() const noexcept { return progress_; }
     /// How long the disk has not answered.
     ano::Duration silence(ano::TimePoint now) const noexcept;
@@ -68,11 +67,11 @@ private:
     DiskProgress progress_;
     std::atomic<std::size_t> queued_{0};    // bytes in items_
     std::atomic<bool> is_ending_{false}, is_abandoned_{false};
-    bool is_over_ = false;                    // for the thread alone: nothing is written any more
-    std::atomic<bool> sleeps_deep_{false};    // and is to be woken for the first item
+    bool is_over_ = false;                    // used by the thread only: nothing more will be written
+    std::atomic<bool> sleeps_deep_{false};    // the thread waits long, and must be woken for the first item
     std::atomic<bool> wants_room_{false};
     UniqueFd wake_, said_, ended_;    // eventfds
-    News told_;                       // for the thread alone
+    News told_;                       // used by the thread only
 };
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// What the recordings of a gateway come to since it started.
+// The sums over all recordings of a gateway since it started.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -6,12 +6,12 @@
 namespace anogate {
 
 struct RecordingFigures {
-    std::uint64_t running = 0, failing = 0;    // recordings; of them, those of which nothing is written now
+    std::uint64_t running = 0, failing = 0;    // recordings; `failing`: those of which nothing is written at present
     std::uint64_t frames = 0, bytes = 0;
     std::uint64_t not_written = 0;                        // frames
-    std::optional<std::uint64_t> free{};                  // bytes of their disk; nothing: it is not known
+    std::optional<std::uint64_t> free{};                  // bytes of their disk; std::nullopt: not known
     std::uint64_t memory_frames = 0, memory_bytes = 0;    // of keep_last
-    std::uint64_t saved = 0, skipped = 0;                 // times that keep_last was saved, and was not: it had been a moment ago
+    std::uint64_t saved = 0, skipped = 0;                 // how often keep_last was saved, and not saved since it had just been
 };
 
 }    // namespace anogate

@@ -14,10 +14,10 @@
 namespace anogate {
 namespace {
 
-constexpr unsigned max_names = 100'000;    // that are tried
+constexpr unsigned max_names = 100'000;    // to be tried
 constexpr mode_t folder_mode = 0750, file_mode = 0640;
 
-// 0, or the errno.
+// Returns 0, or the errno.
 int make_folders(const std::filesystem::path& folder) {
     if (::mkdir(folder.c_str(), folder_mode) == 0 || errno == EEXIST) return 0;
     if (errno != ENOENT || !folder.has_parent_path() || folder.parent_path() == folder) return errno;
@@ -42,8 +42,8 @@ std::variant<RecordingFile, DiskFault> RecordingFile::create(const std::string& 
         if (!fd && errno == EEXIST) continue;
         const std::string path = (std::filesystem::path{folder} / file).string();
         if (!fd) return DiskFault{errno, error_text(path, errno)};
-        ::flock(fd.get(), LOCK_EX | LOCK_NB);    // not every disk knows it
-        ::fchmod(fd.get(), file_mode);           // whatever the umask
+        ::flock(fd.get(), LOCK_EX | LOCK_NB);    // not every file system supports it
+        ::fchmod(fd.get(), file_mode);           // independent of the umask
         ::fsync(at.get());
         return RecordingFile{std::move(fd), path};
     }
@@ -68,12 +68,12 @@ int RecordingFile::append(std::string_view bytes) {
 }
 
 int RecordingFile::sync() {
-    if (::fdatasync(fd_.get()) == 0 || errno == EINVAL) return 0;    // EINVAL: this disk has no such thing
+    if (::fdatasync(fd_.get()) == 0 || errno == EINVAL) return 0;    // EINVAL: not supported by this file
     return errno;
 }
 
 void RecordingFile::cut(std::uint64_t size) {
-    if (::ftruncate(fd_.get(), static_cast<off_t>(size)) != 0) return;    // readers get along with what is behind it
+    if (::ftruncate(fd_.get(), static_cast<off_t>(size)) != 0) return;    // readers cope with the bytes behind it
     size_ = size;
 }
 

@@ -11,27 +11,27 @@
 
 namespace anogate {
 
-/// What a disk did not do.
+/// A failed operation of the disk.
 struct DiskFault {
     int error = 0;       // errno
     std::string text;    // where and why, in a clause
 };
 
-/// It holds whole parts only: of one that does not fit, nothing stays. While it is open, it is locked (flock).
+/// The file has complete parts only: nothing remains of a part that does not fit. It is locked (flock) while it is open.
 class RecordingFile {
 public:
-    /// A new one (0640), never one that is there: the first name that is free from `number` on, which is its number then. The
-    /// folder is made when it is missing (0750).
+    /// Creates a new file (0640); never opens an existing one: takes the first free name from `number` on, and sets `number` to the one of
+    /// that name. Makes the folder (0750) when it is missing.
     static std::variant<RecordingFile, DiskFault> create(const std::string& folder, const std::string& name,
                                                          RecordingFormat format, unsigned& number);
 
     const std::string& path() const noexcept { return path_; }
     std::uint64_t size() const noexcept { return size_; }
-    /// 0, or the errno; nothing of `bytes` is in it then.
+    /// Returns 0, or the errno; then nothing of `bytes` is in the file.
     int append(std::string_view bytes);
-    /// Has it outlive a loss of power. 0, or the errno: what was appended since the last time may not be in it.
+    /// Syncs the file, so that it survives a loss of power. Returns 0, or the errno; then data since the last sync() may be missing.
     int sync();
-    /// Takes off what is behind `size`, as far as the disk does that.
+    /// Cuts the file to `size` bytes, if the disk permits it.
     void cut(std::uint64_t size);
     /// False: it was removed, or something else stands at its path.
     bool is_there() const;
@@ -45,7 +45,7 @@ private:
     std::uint64_t size_ = 0;
 };
 
-/// Of the disk that has that folder, or will have it, for those who are not root; nothing: it can't be told.
+/// Free bytes, for users other than root, of the disk with `folder` or on which it would be made; std::nullopt: not known.
 std::optional<std::uint64_t> free_bytes(const std::string& folder);
 
 }    // namespace anogate

@@ -15,7 +15,7 @@ namespace anogate {
 namespace {
 
 constexpr ano::Duration tick = std::chrono::milliseconds{500};
-constexpr ano::Duration patience_at_the_begin = std::chrono::seconds{2};    // of who asked for it, when the disk says nothing
+constexpr ano::Duration patience_at_the_begin = std::chrono::seconds{2};    // of the client, when the disk does not answer
 constexpr unsigned ticks_between_looks = 20;
 
 FrameFilterSettings::Bytes bytes_of(const std::vector<ByteRange>& ranges) {
@@ -26,7 +26,7 @@ FrameFilterSettings::Bytes bytes_of(const std::vector<ByteRange>& ranges) {
     return bytes;
 }
 
-// How little is free changes all the time.
+// For comparing errors: the number of free bytes in them changes all the time.
 std::string without_numbers(std::string text) {
     std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
     return text;
@@ -94,7 +94,7 @@ void Recordings::start() {
     look_soon();
 }
 
-// What is recorded now ends only where it would be another recording.
+// A running recording is ended only if its settings have changed.
 void Recordings::configure() {
     if (!is_started_ || is_stopped_) return;
     const auto& record = gateway_.settings().record;
@@ -145,7 +145,7 @@ void Recordings::stop() {
     check_end();
 }
 
-// A disk that hangs does not keep the program.
+// A disk that hangs does not keep the program running.
 void Recordings::check_end() {
     if (!end_by_ || (!running_.empty() && Clock::now() < *end_by_)) return;
     end_by_.reset();
@@ -228,7 +228,7 @@ std::size_t Recordings::count_of_asked() const {
 }
 
 void Recordings::changed(Running& running) {
-    if (!running.recorder) return;    // it is being made
+    if (!running.recorder) return;    // it is still being made
     const RecorderReport report = running.recorder->report();
     tell_news(running, report);
     const bool has_begun = report.files > 0 && report.error.empty();
@@ -259,7 +259,7 @@ void Recordings::tell_news(Running& running, const RecorderReport& report) {
     look_soon();
 }
 
-// Not in a call of a recorder.
+// Posted, since a recorder must not be destroyed in one of its own calls.
 void Recordings::reap_soon() {
     asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_}] {
         if (!alive.expired()) reap();
@@ -287,7 +287,7 @@ void Recordings::reap() {
     look_soon();
 }
 
-// It ticks only while there is something to look after.
+// The clock runs only while it is needed.
 void Recordings::keep_clock() {
     const bool deletes = settings_.keep_size != 0 || settings_.keep_age || settings_.keep_free != 0;
     if (running_.empty() && !deletes) clock_.stop();

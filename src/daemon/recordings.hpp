@@ -1,4 +1,4 @@
-// What a gateway records: what its configuration says, what is asked for, and the frames of the last while (keep_last).
+// The recordings of a gateway: the one of its configuration, those that clients ask for, and the latest frames (keep_last).
 #pragma once
 #include <daemon/disk_works.hpp>
 #include <daemon/frame_watch.hpp>
@@ -22,56 +22,56 @@
 
 namespace anogate {
 
-/// What a client wants a file to be; nothing: as the configuration says.
+/// The form of a file that a client asks for; std::nullopt: as configured.
 struct WantedForm {
     std::optional<RecordingFormat> format{};
     std::optional<DecodedEncoding> encoding{};
 };
 
-/// One that a client asks for.
+/// A recording that a client asks for.
 struct AskedRecording {
-    std::string name;    // without the format's end
+    std::string name;    // without the file extension
     RecordingFormat format = RecordingFormat::pcapng;
     RecordingOptions options{};
     FrameFilterSettings filter;
-    std::optional<ano::Duration> time{};    // it ends after that
+    std::optional<ano::Duration> time{};    // its duration; std::nullopt: until it is ended
 };
 
-/// Everything is called from the loop; what may wait for the disk is done beside it.
+/// All calls are from the loop; operations that may block on the disk are done in threads.
 class Recordings final : public RecordingService {
 public:
-    static constexpr std::size_t max_asked = 4;      // that run at once
-    static constexpr std::size_t max_reading = 2;    // the last frames at once: each holds those of its time until it has them
-    static constexpr std::size_t max_ending = 2;     // of the configuration, that the disk keeps from their end
-    static constexpr ano::Duration between_saves = std::chrono::minutes{1};    // of keep_last by itself
-    static constexpr ano::Duration saved_stays = std::chrono::minutes{1};      // to be fetched, though keep has no room for it
+    static constexpr std::size_t max_asked = 4;      // running at once
+    static constexpr std::size_t max_reading = 2;    // downloads of the latest frames at once: each keeps its frames in memory
+    static constexpr std::size_t max_ending = 2;     // recordings of the configuration that can't end since the disk hangs
+    static constexpr ano::Duration between_saves = std::chrono::minutes{1};    // between automatic saves of keep_last
+    static constexpr ano::Duration saved_stays = std::chrono::minutes{1};      // a saved file, even if `keep` has no room for it
     static constexpr ano::Duration patience_at_the_end = std::chrono::seconds{1};
 
-    /// `usual_folder`: where the configuration names none; empty: there is no such place. The gateway outlives it.
+    /// `usual_folder`: the folder when the configuration names none; empty: there is none. The gateway outlives this object.
     Recordings(Gateway& gateway, std::string usual_folder);
     ~Recordings();
     Recordings(const Recordings&) = delete;
     Recordings& operator=(const Recordings&) = delete;
 
-    /// Makes whole what an earlier run left, and records what the configuration says.
+    /// Repairs the unfinished files of an earlier run, and begins the recording of the configuration.
     void start();
-    /// The gateway may have other settings now. What stays as it was goes on without a gap.
+    /// Adopts the present settings of the gateway. Recordings with unchanged settings continue without a gap.
     void configure();
-    /// Ends all of them. They keep the loop alive until all is written, or patience_at_the_end.
+    /// Ends all recordings. They keep the loop alive until everything is written, at most patience_at_the_end.
     void stop();
 
-    // What is answered to clients.
+    // The responses to clients.
     http::Response list();
     http::Response begin(AskedRecording asked);
     http::Response end(const std::string& name);
     http::Response remove(std::string name);
     http::Response file(const http::Request& request, std::string name);
-    /// An empty name: one is made up.
+    /// An empty `name`: it is made from the time.
     http::Response save_last(std::string name, const WantedForm& wanted);
     http::Response last(const WantedForm& wanted);
 
     const Gateway& gateway() const noexcept { return gateway_; }
-    /// What the configuration says, where that is left open.
+    /// Parts that `wanted` leaves open are as configured.
     RecordingFormat format_for(const WantedForm& wanted) const;
     RecordingOptions options_for(const WantedForm& wanted) const;
     struct Running;
@@ -111,38 +111,39 @@ private:
 
     Gateway& gateway_;
     std::string usual_folder_, folder_;
-    RecordSettings settings_;       // that hold; their defaults without the section
-    bool is_configured_ = false;    // there is the section
+    RecordSettings settings_;       // the present settings; the defaults when the section `record` is missing
+    bool is_configured_ = false;    // the section `record` exists
     FrameWatch watch_;
     DiskWorks disk_;
     std::list<std::unique_ptr<Running>> running_;
-    std::set<std::string> starting_;         // names whose place on the disk is looked at
-    RecordingFigures past_;                  // of recordings that have ended
-    std::unique_ptr<FrameMemory> memory_;    // nullptr: nothing is kept
+    std::set<std::string> starting_;         // names that are being checked on the disk
+    RecordingFigures past_;                  // sums over the ended recordings
+    std::unique_ptr<FrameMemory> memory_;    // nullptr: keep_last is off
     std::unique_ptr<FaultEar> ear_;
-    std::optional<TimePoint> saved_at_;    // by itself, the last time
+    std::optional<TimePoint> saved_at_;    // the last automatic save
     std::string last_saved_, save_fault_;
-    std::map<std::string, TimePoint> just_saved_;    // and until when they stay
+    std::map<std::string, TimePoint> just_saved_;    // names, and until when the files stay
     bool has_looked_ = false;
-    std::string told_to_stay_;    // beyond what is kept
-    std::string save_as_;         // when it is due:
+    std::string told_to_stay_;    // file that stays although `keep` has no room for it, as logged
+    std::string save_as_;         // the name for the automatic save of save_due_
     Alarm save_due_;
-    std::shared_ptr<bool> reading_ = std::make_shared<bool>(true);    // and every answer of last() has it
+    std::shared_ptr<bool> reading_ = std::make_shared<bool>(true);    // also held by every response of last()
     std::optional<std::uint64_t> free_;
-    std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; one look at a time has it
+    std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; used by one look at a time
     Ticker clock_;
     unsigned ticks_ = 0;
     bool is_looking_ = false, look_again_ = false;
-    bool is_saving_ = false;      // frames of keep_last wait for the disk
-    bool begins_late_ = false;    // the one of the configuration: when one that hangs has ended
+    bool is_saving_ = false;      // frames of keep_last are being saved
+    bool begins_late_ = false;    // the recording of the configuration begins when one that hangs has ended
     bool is_started_ = false, is_stopped_ = false;
     std::optional<TimePoint> end_by_;
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 
-/// What the section `record` says, for the parts that carry it out.
+/// The frames that the section `record` selects.
 FrameFilterSettings frames_of(const RecordSettings& settings);
-/// With room to write in any case: of a disk on which keep.free is free, nothing would be deleted while nothing can be written.
+/// The limits for delete_old(). The free space includes the room that writing needs: otherwise, with exactly keep.free bytes free, nothing
+/// would be deleted and nothing could be written.
 KeepLimits limits_of(const RecordSettings& settings);
 /// "20261123-154735Z"
 std::string name_by_time(std::chrono::seconds since_1970);

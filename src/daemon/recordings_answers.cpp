@@ -1,4 +1,4 @@
-// What Recordings tells of itself and answers to clients, and what it does on the disk for that.
+// The reports and responses of Recordings, and its disk operations for them.
 #include <ano_json/nearest.hpp>
 #include <daemon/answer_json.hpp>
 #include <daemon/log_line.hpp>
@@ -29,10 +29,10 @@ Json json_of(const FoundRecording& file) {
     return json;
 }
 
-// What keep_last holds, made while it is sent.
+// The recording of keep_last as a response, made piece by piece while it is sent.
 class KeptFramesParts final : public http::Producer {
 public:
-    /// `place` is held until all of them are made.
+    /// `place` is held until the last piece is made.
     KeptFramesParts(KeptFrames frames, RecordingFormat format, RecordingOptions options, std::shared_ptr<void> place)
         : writing_{std::move(frames), format, options}, place_{std::move(place)} {}
     Next next(std::string& into) override {
@@ -163,7 +163,7 @@ http::Response Recordings::begin(AskedRecording asked) {
         DiskWorks::Ticket ticket = disk_.run(
             [refusal, folder = folder_, name = asked.name] { *refusal = check_new_name(folder, name); },
             [this, refusal, asked, say](const std::string& fault) { named(asked, fault, *refusal, say); });
-        // Who leaves before it is known whether the name is free gets no recording.
+        // When the client disconnects before the name is checked, no recording is begun.
         if (const auto still = weak.lock())
             *still = std::shared_ptr<void>(ticket.get(),
                                            [this, ticket, name = asked.name, alive = std::weak_ptr<bool>{is_alive_}](void*) {
@@ -259,7 +259,7 @@ http::Response Recordings::last(const WantedForm& wanted) {
 
 void Recordings::link_lost(const LinkState&) { save_for("link-lost"); }
 
-// Of what comes again and again, the first counts. What came just before is in memory when the batch that it is in has ended.
+// Of repeated events, only the first is saved. Waits for the end of the present batch, so that the frames just before are in memory.
 void Recordings::save_for(std::string_view why) {
     if (!memory_ || is_stopped_ || folder_.empty()) return;
     const TimePoint now = Clock::now();
@@ -272,7 +272,7 @@ void Recordings::save_for(std::string_view why) {
     save_due_.set(now + 2 * FrameFilterSettings{}.batch);
 }
 
-// One at a time, which sets is_saving_: while the disk hangs, each would hold all frames of its time.
+// One save at a time (is_saving_): otherwise, on a disk that hangs, each would hold all its frames in memory.
 void Recordings::save(const std::string& name, const WantedForm& wanted, Say say) {
     if (!memory_) {
         is_saving_ = false;
@@ -307,7 +307,7 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
 }
 
-// One look at a time; of those wanted meanwhile, one more.
+// One look at a time; all requests meanwhile lead to one more.
 void Recordings::look_soon() {
     if (is_stopped_ || folder_.empty()) return;
     if (std::exchange(is_looking_, true)) look_again_ = true;
@@ -339,7 +339,7 @@ void Recordings::look() {
             seen->free = room_for(folder);
         },
         [this, seen](const std::string& fault) {
-            // What was saved before this program began, and may be the reason why, stays as long.
+            // Files that were saved shortly before this start, perhaps because of its cause, also stay for saved_stays.
             if (!std::exchange(has_looked_, true))
                 for (const std::string& name : seen->saved) just_saved_.try_emplace(name, Clock::now() + saved_stays);
             looked(seen->free, seen->old, fault);

@@ -24,19 +24,20 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t max_name = 100;
-constexpr std::size_t max_file_name = max_name + 20;    // with its number and its end
+constexpr std::size_t max_file_name = max_name + 20;    // with its number and extension
 constexpr std::size_t bytes_at_a_time = 1024 * 1024;
-constexpr std::size_t max_index = 4 * 1024 * 1024;       // bytes that are read of one file for a list
-constexpr std::uint64_t max_cut = 2 * 1024 * 1024;       // bytes that a file loses at the most when it is made whole
-constexpr std::string_view our_program = "anogated ";    // the version is behind it
+constexpr std::size_t max_index = 4 * 1024 * 1024;       // bytes to be read of one file for a list
+constexpr std::uint64_t max_cut = 2 * 1024 * 1024;       // bytes that a repair may cut off
+constexpr std::string_view our_program = "anogated ";    // followed by the version
 constexpr std::string_view left_alone = " was not written by the gateway, and is left alone";
 
 bool may_be_in_name(char c) noexcept {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
 }
 
-bool is_name(std::string_view name, std::size_t most) noexcept {
-    return !name.empty() && name.size() <= most && name.front() != '.' && std::all_of(name.begin(), name.end(), may_be_in_name);
+bool is_name(std::string_view name, std::size_t max_length) noexcept {
+    return !name.empty() && name.size() <= max_length && name.front() != '.' &&
+           std::all_of(name.begin(), name.end(), may_be_in_name);
 }
 
 UniqueFd opened_folder(const std::string& folder) { return UniqueFd{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)}; }
@@ -61,15 +62,15 @@ RecordingGlance glance_at_file(int fd, RecordingFormat format, std::uint64_t siz
 
 bool is_ours(const RecordingGlance& glance) { return glance.head.program.starts_with(our_program); }
 
-/// Who writes a recording has it locked as long as he does. Many may look at the same time: they share it for a moment.
+/// The writer of a recording keeps it locked (flock). The check takes a shared lock for a moment, so that several can check at once.
 bool is_locked(int fd) {
     if (::flock(fd, LOCK_SH | LOCK_NB) != 0) return errno == EWOULDBLOCK;
     ::flock(fd, LOCK_UN);
     return false;
 }
 
-/// Who repairs a recording locks it against others that do, as long as `fd` is open: it is not written, and may be deleted meanwhile.
-/// That lock and the one of is_locked() do not see each other.
+/// Locks a recording against other repairs as long as `fd` is open: the file counts as not being written, and may be deleted meanwhile.
+/// This kind of lock and that of is_locked() do not affect each other.
 bool lock_to_repair(int fd) {
     struct flock all {};
     all.l_type = F_WRLCK;
@@ -89,7 +90,7 @@ struct OpenRecording {
     RecordingGlance glance;
 };
 
-/// One that the gateway wrote; nothing: it is none, and errno says why it can't be opened, or is 0.
+/// Opens a recording that the gateway wrote; std::nullopt: it is none (errno 0), or can't be opened (errno says why).
 std::optional<OpenRecording> open_ours(int folder, const std::string& name, bool writable = false) {
     errno = 0;
     const auto format = recording_format_of(name);
@@ -107,7 +108,7 @@ struct CloseFolder {
     void operator()(DIR* folder) const noexcept { ::closedir(folder); }
 };
 
-/// Of everything but folders, hidden ones not: a name with a dot in front is none of ours.
+/// The names of everything except folders and hidden files: our names never begin with a dot.
 std::vector<std::string> names_in(int folder) {
     std::vector<std::string> names;
     UniqueFd again{::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
@@ -121,7 +122,7 @@ std::vector<std::string> names_in(int folder) {
     return names;
 }
 
-// 0: of a clock that stood before 1970.
+// 0: the clock was set before 1970.
 std::uint64_t nanoseconds_of(const timespec& time) noexcept {
     if (time.tv_sec < 0) return 0;
     return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 + static_cast<std::uint64_t>(time.tv_nsec);
@@ -141,7 +142,7 @@ FoundRecording found(const std::string& name, const OpenRecording& file) {
     return recording;
 }
 
-// That of a very long one would take too much of the disk for a list.
+// Skipped when the index is too large: reading it would take too long for a list.
 void add_counts_of_mcap(int folder, FoundRecording& recording) {
     const UniqueFd fd = open_regular(folder, recording.name, false);
     if (!fd) return;
@@ -156,7 +157,7 @@ void add_counts_of_mcap(int folder, FoundRecording& recording) {
     if (index->counts.frames > 0) recording.seconds = index->counts.seconds();
 }
 
-/// Of MCAP without the frames and the length: they want more of each file.
+/// Without the number of frames and the length of MCAP files, since these need more reading.
 FolderView quick_view_of(const std::string& folder) {
     FolderView view;
     const UniqueFd at = opened_folder(folder);
@@ -173,7 +174,7 @@ FolderView quick_view_of(const std::string& folder) {
     return view;
 }
 
-/// " (did you mean 'flight.mcap'?)", or nothing. A name without an end is compared with names without theirs.
+/// " (did you mean 'flight.mcap'?)", or empty. A name without an extension is compared with names without theirs.
 std::string file_meant_by(const std::string& name, std::vector<std::string> files) {
     std::sort(files.begin(), files.end());
     const bool has_end = recording_format_of(name).has_value();
@@ -185,7 +186,7 @@ std::string file_meant_by(const std::string& name, std::vector<std::string> file
     return meant.empty() ? std::string{} : " (did you mean '" + files[static_cast<std::size_t>(at)] + "'?)";
 }
 
-/// "; there is flight.mcap", or what may have been meant.
+/// "; there is flight.mcap", or file_meant_by().
 std::string there_is(int folder, const std::string& name) {
     std::vector<std::string> files = names_in(folder);
     std::erase_if(files, [](const std::string& file) { return !recording_format_of(file); });
@@ -211,7 +212,7 @@ Refusal refusal_of_folder(const std::string& folder, int error) {
     return {503, error_text(folder, error)};
 }
 
-/// The file that was looked at is what goes, and nothing that took its name meanwhile.
+/// Removes the file that was checked, but not another one that got its name meanwhile.
 std::optional<Refusal> unlink_same(int folder, const std::string& name, const struct stat& was) {
     struct stat is {};
     if (::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0) return Refusal{404, "there is no recording " + name};
@@ -231,7 +232,8 @@ bool append_all(int fd, std::uint64_t at, std::string_view bytes) {
     return true;
 }
 
-/// Its time stays that of its last frame. The end first, behind what is kept: of what is cut off nothing is missed when that fails.
+/// Keeps the modification time, which is that of its last frame. Writes the new end before it cuts off the rest, so that a failure loses
+/// nothing.
 std::string make_whole(const OpenRecording& file, const RecordingRepair::Result& result) {
     const int fd = file.fd.get();
     const std::uint64_t end = result.keep + result.append.size();
@@ -243,7 +245,7 @@ std::string make_whole(const OpenRecording& file, const RecordingRepair::Result&
     return done ? std::string{} : error_text(error);
 }
 
-// Half a part at the end is no loss. So much is no such part: what stands there may still be read.
+// An incomplete part at the end is no loss. This many bytes are no such part, and may still be readable.
 std::string damage_text(std::uint64_t behind, std::uint64_t bytes) {
     return "it is damaged behind byte " + std::to_string(behind) + ", and the " + std::to_string(bytes) +
            " bytes there are not thrown away";
@@ -253,10 +255,10 @@ std::optional<RepairedFile> repair(int folder, const std::string& name) {
     const auto file = open_ours(folder, name, true);
     if (!file || file->glance.is_ended || is_locked(file->fd.get()) || !lock_to_repair(file->fd.get())) return std::nullopt;
     RecordingRepair repair{file->format};
-    std::uint64_t at = 0, written = 0;    // a loss of power may leave zeros behind what was written
+    std::uint64_t at = 0, written = 0;    // after a loss of power, zeros may follow the written bytes
     for (std::string piece = read_at(file->fd.get(), 0, bytes_at_a_time); !piece.empty();
          piece = read_at(file->fd.get(), at, bytes_at_a_time)) {
-        if (is_deleted(file->fd.get())) return std::nullopt;    // its room is wanted
+        if (is_deleted(file->fd.get())) return std::nullopt;    // it was deleted: closing it frees its space
         repair.give(piece);
         if (const auto last = piece.find_last_not_of('\0'); last != piece.npos) written = at + last + 1;
         at += piece.size();

@@ -43,7 +43,7 @@ std::vector<std::string> names_of_changed(const Difference& difference) {
 
 }    // namespace
 
-/// What the thread is given, and what it makes of it.
+/// The input of the thread, and its results.
 struct Reload::Job {
     ReloadRequest request;
     ReadAgain read_again;
@@ -53,7 +53,7 @@ struct Reload::Job {
     WrittenValues written;
 
     ReadConfig wanted{};
-    Settings applied{};    // with what was written behind it
+    Settings applied{};    // with the values that hosts wrote
     ReloadOutcome outcome{};
 
     void work();
@@ -77,7 +77,7 @@ void Reload::Job::work() {
     if (!request.dry_run) prepare_restart();
 }
 
-// Before anything changes: the power may go at any time.
+// Done before anything changes, in case of a loss of power.
 bool Reload::Job::prepare_restart() {
     std::string fault;
     if (!outcome.confirm_within) fault = forget_config(kept_path);
@@ -205,7 +205,7 @@ void Reload::finish(const ReloadOutcome& outcome, const Done& done) {
     next();
 }
 
-// What was kept for a restart goes first: until then it is not confirmed.
+// Removes the kept configuration first: it is confirmed only when that is gone.
 void Reload::begin_confirm(const std::function<void(std::string)>& done) {
     const auto refuse = [this, &done](std::string why) {
         done(std::move(why));
@@ -232,7 +232,7 @@ void Reload::begin_confirm(const std::function<void(std::string)>& done) {
     if (!errand_.run([why, path = kept_path_] { *why = forget_config(path); }, confirmed)) refuse("no thread can be had");
 }
 
-// The time may have been set anew when it was over already.
+// The deadline may have been extended after its timer expired, but before roll_back() was called.
 bool Reload::may_still_be_confirmed() const {
     const auto& by = gateway_.config_state().confirm_by;
     return by && ano::Clock::now() < *by;
@@ -267,7 +267,7 @@ void Reload::write(WrittenValues written) {
     });
 }
 
-// To compare two large configurations takes a while.
+// Compares in a thread, since that takes a while with large configurations.
 void Reload::apply_written() {
     struct Comparison {
         Settings running, wanted;
@@ -303,7 +303,7 @@ void Reload::restart(const std::string& link) {
     });
 }
 
-// A file that says something else than it did when a value was written has the last word.
+// When the file has changed a key since its value was written, the file takes precedence.
 void Reload::forget_stale() {
     for (const std::string& key : written_.forget_stale(confirmed_.settings))
         log_info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);

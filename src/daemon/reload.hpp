@@ -1,4 +1,4 @@
-// Reads the configuration again while the gateway runs, and brings the old one back when nobody confirms the new one.
+// Reloads the configuration while the gateway runs, and restores the old one when the new one is not confirmed in time.
 #pragma once
 #include <config/config_error.hpp>
 #include <config/difference.hpp>
@@ -20,57 +20,57 @@ namespace anogate {
 
 class Gateway;
 
-/// What the configuration files and the command line say now.
+/// The present content of the configuration files and the command line.
 struct ReadConfig {
     Settings settings;
     std::vector<ConfigText> files;
 };
-/// Reads them whole. Called in a thread, where it may block.
+/// Reads all of them. Called in a thread, where it may block.
 using ReadAgain = std::function<std::variant<ReadConfig, ConfigErrors>()>;
 
 struct ReloadRequest {
     bool dry_run = false;
-    std::optional<ano::Duration> confirm_within{};    // nothing: it holds
+    std::optional<ano::Duration> confirm_within{};    // std::nullopt: no confirmation is needed
 };
 
 struct ReloadOutcome {
-    ConfigErrors faults{};    // of the configuration; with any, or with a refusal, nothing was changed
-    std::string refusal{};    // why, otherwise
+    ConfigErrors faults{};    // of the configuration; with faults or a refusal, nothing was changed
+    std::string refusal{};    // another reason why nothing was changed; empty: none
     Difference difference{};
     bool dry_run = false;
-    std::optional<ano::Duration> confirm_within{};    // nothing: there is nothing to confirm
+    std::optional<ano::Duration> confirm_within{};    // std::nullopt: no confirmation is needed
 };
 
-/// What is asked is done in its order, one after the other; that a configuration is confirmed, or not in time, goes first. The
-/// files are read, judged and compared in a thread; the gateway is changed in the loop.
+/// Requests are processed one after the other, in order; but a confirmation, and the end of the time for it, come before waiting requests.
+/// The files are read, checked and compared in a thread; the gateway is changed in the loop.
 class Reload {
 public:
-    /// `running`: the configuration of the gateway, which is its last confirmed one; `written`: what hosts wrote behind it, the gateway
-    /// was made of both. `kept_path`: kept_config_path(). The gateway outlives this.
+    /// `running`: the last confirmed configuration; `written`: the values that hosts wrote in addition. The gateway was made from both.
+    /// `kept_path`: kept_config_path(). The gateway outlives this object.
     Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadAgain read_again, std::string kept_path,
            WrittenValues written = {});
 
-    /// For which frames that wait in a link that goes it is waited so long.
+    /// How long a link that is removed may still send its waiting frames.
     static constexpr ano::Duration patience = std::chrono::milliseconds{300};
 
     using Done = std::function<void(const ReloadOutcome&)>;
     void reload(const ReloadRequest& request, Done done);
-    /// The same for SIGHUP: those that come while one waits to begin are one.
+    /// The same for SIGHUP: further calls while one waits to begin have no effect.
     void reload_soon();
-    /// What runs is to stay. `done`: empty, or why it was not confirmed.
+    /// Confirms the running configuration. `done` gets empty, or the reason why it was not confirmed.
     void confirm(std::function<void(std::string refusal)> done);
-    /// What hosts wrote as parameters of the gateway: takes effect as a reload does, and behind each of them.
+    /// The values that hosts wrote as parameters of the gateway: they take effect like a reload, and are applied again after each reload.
     void write(WrittenValues written);
-    /// The link is closed, and made anew. Once for all who ask while one waits to begin.
+    /// Closes the link and makes it anew. Further calls while one waits to begin have no effect.
     void restart(const std::string& link);
-    /// What the files say of what runs, and what was written behind that.
+    /// The part of the running settings that is from the files, and the values that were written in addition.
     const Settings& of_files() const noexcept { return unconfirmed_ ? unconfirmed_->settings : confirmed_.settings; }
     const WrittenValues& written() const noexcept { return written_; }
-    /// What runs may be something else now, or what it comes from.
+    /// `call`: the running configuration, or its source, may have changed.
     void on_settled(std::function<void()> call) { on_settled_ = std::move(call); }
-    /// The names of links that were changed, added or removed.
+    /// `call` gets the names of links that were changed, added or removed.
     void on_links_changed(std::function<void(const std::vector<std::string>&)> call) { on_links_changed_ = std::move(call); }
-    /// Nothing is done or answered any more.
+    /// Processes and answers no more requests.
     void stop();
 
 private:
@@ -103,7 +103,7 @@ private:
     std::function<void(const std::vector<std::string>&)> on_links_changed_;
     std::function<void()> on_settled_;
     WrittenValues written_;
-    std::optional<ReadConfig> unconfirmed_;    // it runs, and waits to be confirmed
+    std::optional<ReadConfig> unconfirmed_;    // the running configuration while it is not confirmed
     bool busy_ = false;
     bool soon_ = false;                 // reload_soon() was called, and waits to begin
     bool applies_ = false;              // write() was called, and waits to begin

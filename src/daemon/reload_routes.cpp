@@ -49,7 +49,7 @@ http::Response answer_of(const ReloadOutcome& outcome) {
     return json_response(200, json);
 }
 
-// A word that is not understood is refused: who wanted to be asked for a confirmation must not be left without.
+// Unknown words are refused: a client that misspelled confirm_within must not get a reload without confirmation.
 std::variant<ReloadRequest, std::string> read_request(const http::Request& request) {
     constexpr std::string_view names[] = {"dry_run", "confirm_within"};
     ReloadRequest reload;

@@ -19,14 +19,14 @@ class Mapped final : public std::pmr::memory_resource {
     bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
 };
 
-// Where huge pages are enabled for all programs, the first touched byte of a room would cost 2 MB.
+// With huge pages enabled for all programs, the first touched byte of a room would cost 2 MB.
 void keep_pages_small() noexcept { ::prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0); }
 
 }    // namespace
 
-// The C library's heap would not map them by themselves, whatever its threshold for mmap: the threshold is used only when the heap
-// has to grow. Otherwise a room is made of freed small pieces or of the spare end of the heap, with pages that were touched before,
-// and later pieces behind it keep its memory in the heap.
+// The heap of the C library would not map each room separately, since its threshold for mmap is used only when the heap has to grow.
+// Otherwise a room is made from freed small pieces or from the free end of the heap, with pages that were touched before, and later
+// pieces behind it keep its memory in the heap.
 void take_rooms_from_the_system() noexcept {
     static Mapped mapped;
     std::pmr::set_default_resource(&mapped);

@@ -4,10 +4,10 @@
 
 namespace anogate {
 
-/// From now on each room is mapped by itself, and unmapped when it is freed.
+/// After this call, each room is a memory mapping of its own, which is unmapped when the room is freed.
 void take_rooms_from_the_system() noexcept;
 
-/// Whether the system would give `size` more bytes now.
+/// Whether the system could provide `size` more bytes now.
 bool memory_is_left(std::size_t size) noexcept;
 
 }    // namespace anogate

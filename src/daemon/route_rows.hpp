@@ -1,4 +1,4 @@
-// Where each address leads now.
+// The present route of each address.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -16,10 +16,10 @@ struct RouteRow {
     std::uint8_t address = 0;
     LinkSet links;
     Via via = Via::nobody;
-    std::optional<ano::TimePoint> heard_at;    // of one that is learned
+    std::optional<ano::TimePoint> heard_at;    // of a learned route
 };
 
-/// One an address that leads somewhere, by the rule that decides for it.
+/// One row for each address with a route, by the rule that decides for it.
 std::vector<RouteRow> route_rows(const Gateway& gateway, ano::TimePoint now);
 
 }    // namespace anogate

@@ -49,7 +49,7 @@ http::Response list_of(const http::Routes& routes) {
     return json(line_of(std::move(list)));
 }
 
-// What the routes of streams have in common, as long as they.
+// Shared by the routes of streams.
 struct Streams {
     explicit Streams(Gateway& gateway)
         : devices{std::make_shared<GatewayDevices>(gateway)},
@@ -62,7 +62,8 @@ struct Streams {
     FoxgloveStreams foxglove;
 };
 
-// A browser is let in to ask for a token there; the list is for who has one. A client of Foxglove knows no other path.
+// A browser gets the page without a token, since the page asks for it; the list of routes needs a token. Foxglove clients use only this
+// path.
 http::Response front(const http::Routes& routes, const Page& page, Streams& streams, const Request& request) {
     if (is_foxglove(request))
         return request.access == Access::open
@@ -80,7 +81,7 @@ void add_page(http::Routes& routes, Page page, const std::shared_ptr<Streams>& s
                 [kept](const Request& request) { return kept->file(request.parameter("file"), request); }});
 }
 
-// It is opened for each request: another one may be put in its place at any time. It may be a symbolic link.
+// Opened for each request, since the file may be replaced at any time. It may be a symbolic link.
 std::variant<UniqueFd, http::Response> open_map(const std::string& path) {
     const std::string where = "control.map: " + path;
     UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
@@ -111,7 +112,7 @@ http::Response forget_route(const std::string& word, Gateway& gateway) {
     return json(line_of({{"address", ano::hex_byte(address)}, {"forgotten", true}}));
 }
 
-// What was asked before the loop stood still is not carried out behind that.
+// A request that waited during a standstill of the loop is refused.
 template <class Function>
 http::Routes::Function in_time(Gateway& gateway, Function function) {
     return [&gateway, function](const http::Request& request) {
@@ -122,7 +123,7 @@ http::Routes::Function in_time(Gateway& gateway, Function function) {
     };
 }
 
-// The rows keep them; the gateway, that may live longer, does not.
+// The routes own these parts; the gateway, which may live longer, only refers to them.
 template <class... Parts>
 void stop_with(Gateway& gateway, const std::shared_ptr<Parts>&... parts) {
     gateway.before_stopping([... weak = std::weak_ptr{parts}] {

@@ -1,4 +1,4 @@
-// What the gateway answers on its control interface.
+// The routes of the control interface.
 #pragma once
 #include <daemon/network_door.hpp>
 #include <daemon/page.hpp>
@@ -12,8 +12,8 @@ namespace http {
 class Routes;
 }
 
-/// Every row says what it answers: `GET /` and the reference are made of that. The gateway outlives the routes. `door` tells
-/// where HTTP is served, when it is asked. `page` is what browsers get.
+/// Each route has a description, which `GET /` and the reference show. The gateway outlives the routes. `door` returns the present state
+/// of the TCP access. `page`: the page for browsers.
 void add_routes(
     http::Routes& routes, Gateway& gateway, std::function<NetworkDoor()> door = [] { return NetworkDoor{}; }, Page page = {});
 

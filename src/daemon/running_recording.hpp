@@ -1,4 +1,4 @@
-// A recording that runs, as Recordings knows it.
+// A running recording, as Recordings keeps it.
 #pragma once
 #include <daemon/recordings.hpp>
 
@@ -13,13 +13,13 @@ struct Recordings::Running {
     TimePoint began_at{};
     std::unique_ptr<Recorder> recorder{};
     std::uint64_t told_files = 0;
-    TimePoint file_began_at{};    // the one that is written
-    std::string told_error{};     // without its numbers
+    TimePoint file_began_at{};    // the present file
+    std::string told_error{};     // the last error that was logged, without its numbers
     bool is_ending = false;
-    std::vector<std::function<void(http::Response)>> begun{}, ended{};    // who waits to hear of it
+    std::vector<std::function<void(http::Response)>> begun{}, ended{};    // who waits for the begin, for the end
 };
 
-/// Of the file that is written; empty: there is none yet.
+/// The name of the present file; empty: there is none yet.
 std::string file_name_of(const Recordings::Running& running);
 
 std::chrono::seconds since_1970();

@@ -23,7 +23,7 @@ namespace {
 using nlohmann::ordered_json;
 using FrameBytes = std::vector<std::uint8_t>;
 
-// What is wrong is a text.
+// A string: what is wrong.
 std::variant<FrameBytes, std::string> frame_in_hex(const ordered_json& json) {
     if (json.size() > 1) return "'hex' is a whole frame: it stands alone";
     if (!json["hex"].is_string()) return "'hex' must be text";
@@ -41,7 +41,7 @@ std::variant<FrameBytes, std::string> frame_in(const std::string& body, const Se
     if (!errors.empty()) return (errors.front().where.empty() ? "" : errors.front().where + ": ") + errors.front().what;
     if (!parsed || !parsed->is_object())
         return R"(the body must be an object such as {"hex": "AB..."} or {"to": 220, "name": "heartbeat", "fields": {}})";
-    const ordered_json json = ordered_json::parse(body, nullptr, false, true);    // in its order
+    const ordered_json json = ordered_json::parse(body, nullptr, false, true);    // keeps the order of the keys
     if (json.contains("hex")) return frame_in_hex(json);
     ano::FlexibleLayouts flexible;
     for (const ano::FlexibleSpec& spec : settings.flexible) flexible.add(spec.id, spec.source, spec.fields);
@@ -56,7 +56,7 @@ const auto& row_of(const Rows& rows, Cause cause) {
     return *std::find_if(std::begin(rows), std::end(rows), [cause](const auto& row) { return row.value == cause; });
 }
 
-// Sees what becomes of the frame that is sent: of each copy as its receiver is to see it.
+// Observes what becomes of the sent frame, for each copy in the form that its receiver gets.
 class Fate final : public Forwarder::Observer {
 public:
     struct Copy {
@@ -64,11 +64,11 @@ public:
         ChannelId channel;
         FrameBytes bytes;
         bool has_left = false;
-        std::string_view cause{};    // it was dropped
+        std::string_view cause{};    // why it was dropped
         std::string_view why{};
     };
 
-    /// All that was sent is queued, what is told from now on is what becomes of it.
+    /// All copies are queued; later events are about these.
     void is_queued() noexcept { queued_ = true; }
     const std::vector<Copy>& copies() const noexcept { return copies_; }
 

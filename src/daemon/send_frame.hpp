@@ -1,4 +1,4 @@
-// POST /send: one frame, and what became of it.
+// POST /send: sends one frame, and reports what became of it.
 #pragma once
 #include <http/request.hpp>
 #include <http/response.hpp>
@@ -7,7 +7,8 @@ namespace anogate {
 
 class Gateway;
 
-/// {"hex": "AB..."} or the JSON of a frame. The answer says by which links it left, where it waits, and where it was dropped and why.
+/// {"hex": "AB..."} or the JSON of a frame. The response lists the links that sent it, those where it waits, and those that dropped it and
+/// why.
 http::Response send_request(Gateway& gateway, const http::Request& request);
 
 }    // namespace anogate

@@ -12,10 +12,10 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t piece_size = 256 * 1024;     // is read at once
-constexpr std::size_t size_of_part = 64 * 1024;    // goes between two turns of the loop
+constexpr std::size_t piece_size = 256 * 1024;     // bytes of a read
+constexpr std::size_t size_of_part = 64 * 1024;    // bytes given between two turns of the loop
 
-// Stops short where the file does not go on, or can't be read.
+// Returns fewer bytes at the end of the file, or when it can't be read.
 std::string read_piece(int fd, std::uint64_t at, std::size_t size) {
     std::string piece(size, '\0');
     std::size_t have = 0;
@@ -62,22 +62,22 @@ private:
     }
 
     DiskWorks& disk_;
-    std::shared_ptr<const UniqueFd> file_;    // a thread may still read when we are gone
+    std::shared_ptr<const UniqueFd> file_;    // shared with a thread that may read longer than this object lives
     std::uint64_t at_, left_;
     std::string piece_;
-    std::size_t given_ = 0;    // of it
+    std::size_t given_ = 0;    // bytes of piece_ that were given
     bool has_failed_ = false;
     std::function<void()> wake_;
     DiskWorks::Ticket ticket_;
 };
 
-// Another one after each change.
+// Differs after each change of the file.
 std::string tag_of(const struct stat& is) {
     return "\"" + std::to_string(is.st_ino) + "-" + std::to_string(is.st_size) + "-" + std::to_string(is.st_mtim.tv_sec) + "." +
            std::to_string(is.st_mtim.tv_nsec) + "\"";
 }
 
-// What the request says of it, for the thread.
+// The headers of the request, for the thread.
 struct Wanted {
     std::string range, if_range;
 };
@@ -123,7 +123,7 @@ http::Response served(DiskWorks& disk, const http::Request& request, ServedFile 
     });
 }
 
-// A pipe would be waited for until somebody writes to it: not with O_NONBLOCK.
+// O_NONBLOCK: opening a pipe would otherwise wait for a writer.
 UniqueFd open_regular(int folder, const std::string& name, bool writable) {
     const int flags = (writable ? O_RDWR : O_RDONLY) | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | O_NOCTTY;
     UniqueFd file{::openat(folder, name.c_str(), flags)};

@@ -1,4 +1,4 @@
-// A file as an answer, with ranges. All that may wait for the disk is done beside the loop.
+// Serves a file by HTTP, with ranges. Operations that may block on the disk are done in a thread.
 #pragma once
 #include <daemon/disk_works.hpp>
 #include <http/request.hpp>
@@ -12,17 +12,18 @@
 namespace anogate {
 
 struct ServedFile {
-    /// In a thread; or what is answered instead.
+    /// Called in a thread. Opens the file, or returns the response to send instead.
     std::function<std::variant<UniqueFd, http::Response>()> open;
     std::string type;
-    std::string save_as{};    // the name under which a browser keeps it; empty: it shows it
+    std::string save_as{};    // the file name for a download; empty: the browser displays the file
 };
 
-/// 200 with the whole of a regular file, 206 with the range that the request names, 416 where it has none of it. `disk` outlives the
-/// answer. A file that grows meanwhile is sent as far as it went.
+/// 200 with a whole regular file, 206 with the requested range, 416 when the range is outside the file. `disk` outlives the response. Of a
+/// file that grows meanwhile, the part that existed at the begin is sent.
 http::Response served(DiskWorks& disk, const http::Request& request, ServedFile file);
 
-/// Opens a regular file in `folder`, no link; `writable`: to write as well. None: errno says why, EINVAL for what is no regular file.
+/// Opens a regular file in `folder`, no symbolic link; `writable`: for writing too. On failure the UniqueFd is empty and errno is set;
+/// EINVAL: not a regular file.
 UniqueFd open_regular(int folder, const std::string& name, bool writable = false);
 
 }    // namespace anogate

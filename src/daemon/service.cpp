@@ -13,12 +13,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// LogsDirectory= of the unit; /dev is left as it is, and there everybody may write to /dev/shm.
+// log_folder: LogsDirectory= of the unit. /dev is visible to the service, and everybody may write to /dev/shm.
 constexpr char log_folder[] = "/var/log/anogate";
 constexpr const char* writable[] = {runtime_folder, log_folder, "/dev/shm"};
 constexpr char service_state_folder[] = "/var/lib/anogate";    // StateDirectory=
 
-/// Of anogated@NAME.service, whose configuration is NAME.json: /run/anogate-NAME.
+/// /run/anogate-NAME for anogated@NAME.service, whose configuration is NAME.json.
 std::string runtime_folder_for(const std::string& config_file) {
     const std::string name = fs::path{config_file}.stem().string();
     return name.empty() || name == "anogate" ? runtime_folder : std::string{runtime_folder} + "-" + name;
@@ -29,10 +29,10 @@ bool is_below(const fs::path& path, const fs::path& folder) {
     return !step.empty() && *step.begin() != ".." && step != ".";
 }
 
-// PrivateTmp= of the unit: the service has its own, empty and not to be written.
+// PrivateTmp= of the unit: the service has its own ones, which are empty and read-only.
 constexpr const char* private_folders[] = {"/tmp", "/var/tmp"};
 
-/// Its folder is looked up, for /var/run is /run; the last part may be a link that is replaced.
+/// Resolves symbolic links of its folder, since /var/run is /run; but not the last part, which may be a link that will be replaced.
 fs::path looked_up(const std::string& path) {
     std::error_code ec;
     const fs::path absolute = fs::path{"/"} / path;    // the service starts in /
@@ -46,7 +46,7 @@ bool is_below_one_of(const fs::path& path, std::span<const char* const> folders)
 }
 
 struct ServiceFolders {
-    std::string runtime;    // of this instance
+    std::string runtime;    // runtime folder of this instance
     Draft& draft;
 };
 
@@ -93,7 +93,7 @@ void check_for_service(Draft& draft, const std::string& config_file) {
     const ControlSettings& control = draft.settings.control;
     std::error_code ec;
     if (control.http && !is_below(looked_up(control.token_file), service_state_folder) &&
-        !fs::exists(looked_up(control.token_file), ec) && !ec)    // one that is there is only read
+        !fs::exists(looked_up(control.token_file), ec) && !ec)    // an existing file is only read
         check_writable(control.token_file, "token_file", draft.control.key("token_file"), service_state_folder, service);
     if (draft.settings.record && !draft.settings.record->folder.empty() &&
         !is_below(looked_up(draft.settings.record->folder), service_state_folder))

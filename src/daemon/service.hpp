@@ -1,4 +1,4 @@
-// What a configuration of the service can't have, since systemd hides most of the file system from it: systemd/anogated.service.
+// Finds settings that can't work in the service, since systemd hides most of the file system from it: systemd/anogated.service.
 #pragma once
 #include <config/config.hpp>
 
@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-/// Whether the configuration in `config_file` is the service's: it stands beside `default_file`, or we run as its user.
+/// Whether `config_file` is for the service: it is in the folder of `default_file`, or we run as the user of the service.
 bool is_for_service(const std::string& config_file, const std::string& default_file);
 
 /// Adds an error for every path that the service can't write to, and for every serial port that it can't see. The service is

@@ -1,4 +1,4 @@
-// Reports standstills of the loop, in few lines.
+// Logs standstills of the loop, in few lines.
 #pragma once
 #include <gateway/arrival.hpp>
 
@@ -14,7 +14,7 @@ public:
     void finish() const;
 
 private:
-    ano::TimePoint next_{};    // when there is room for another line
+    ano::TimePoint next_{};    // when the next line may be logged
     std::uint64_t unsaid_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Where a program keeps what is to outlive it.
+// The folder for data that a program keeps until its next run.
 #pragma once
 #include <string>
 

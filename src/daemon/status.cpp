@@ -141,7 +141,7 @@ Json http_json(const NetworkDoor& door) {
     return json;
 }
 
-/// Nothing where there is none.
+/// null: no map is configured.
 Json map_json(const MapSettings& map) {
     if (map.file.empty()) return nullptr;
     return {{"file", map.file}, {"datum", map.datum == Datum::gcj02 ? "gcj02" : "wgs84"}};
@@ -161,7 +161,7 @@ Json links_array(const Gateway& gateway, TimePoint now) {
 }
 
 Json recording_json(const Gateway& gateway) {
-    Json json;    // null: nothing records here
+    Json json;    // null: there are no recordings
     if (gateway.recording()) gateway.recording()->describe(json);
     return json;
 }
@@ -222,7 +222,7 @@ std::vector<std::string> HintLog::news(Gateway& gateway) {
         std::set<std::string>& told = told_[state.link->name()];
         if (!state.up) told.clear();
         const LinkError error = state.up ? state.link->trouble() : LinkError{};
-        const bool is_of_recording = error.id == "recording_damaged" || error.id == "nothing_to_replay";    // which is no hint
+        const bool is_of_recording = error.id == "recording_damaged" || error.id == "nothing_to_replay";    // not a hint
         for (const std::string& words :
              {is_of_recording ? error.text : std::string{}, hint_of_trouble(report_of(gateway, state, now).figures)})
             if (!words.empty() && told.insert(words).second) lines.push_back(state.link->name() + ": " + words);

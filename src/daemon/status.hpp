@@ -12,9 +12,9 @@ namespace anogate {
 
 class Gateway;
 
-/// GET /status: one JSON text. `door`: where it serves HTTP.
+/// GET /status: one JSON text. `door`: the TCP access.
 std::string status_json(Gateway& gateway, const NetworkDoor& door = {});
-/// GET /links, GET /routes: these two arrays of it alone.
+/// GET /links, GET /routes: only these arrays of the status.
 std::string links_json(Gateway& gateway);
 std::string routes_json(Gateway& gateway);
 /// GET /messages: the table, with the flexible messages as they are configured.
@@ -28,12 +28,12 @@ struct FrameCount {
 };
 FrameCount frame_count(const Gateway& gateway);
 
-/// The hints that are written to the log, and what is damaged of a recording that is replayed: each once while its link is up.
+/// Hints, and damage of a recording that is replayed, for the log: each once while its link is up.
 class HintLog {
 public:
     /// One line for each hint that was not written yet.
     std::vector<std::string> news(Gateway& gateway);
-    /// The link of this name is another one now, or gone.
+    /// The link of this name was replaced or removed.
     void forget(const std::string& link) { told_.erase(link); }
 
 private:

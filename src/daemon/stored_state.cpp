@@ -20,13 +20,13 @@ std::int64_t nanoseconds(ano::Duration time) { return std::chrono::nanoseconds{t
 std::int64_t nanoseconds(ano::TimePoint time) { return nanoseconds(time.time_since_epoch()); }
 ano::Duration duration(const nlohmann::json& value) { return std::chrono::nanoseconds{value.get<std::int64_t>()}; }
 
-// A program is never started before what it goes on from.
+// A stored time can't be after the start of this program.
 ano::TimePoint past(const nlohmann::json& value, ano::TimePoint now) {
     const ano::TimePoint time{duration(value)};
     return std::min(time, now);
 }
 
-// While the machine was suspended, one of the clocks went on.
+// Only the boot clock runs while the machine is suspended.
 ano::Duration suspended_since(const ClockReading& then, const ClockReading& now) {
     const ano::Duration asleep = (now.boot - then.boot) - (now.now - then.now);
     return asleep > LoopWatch::lateness ? asleep : ano::Duration{};
@@ -59,7 +59,7 @@ nlohmann::json json_of(const StoredPeer& peer) {
             {"is_proven", peer.is_proven}};
 }
 
-// An endpoint on an interface that is gone is nobody's.
+// std::nullopt: the endpoint is on an interface that no longer exists.
 std::optional<StoredPeer> peer_of(const nlohmann::json& from, ano::TimePoint now) {
     const auto written = EndpointSpec::parse(from.at("endpoint").get<std::string>());
     const auto endpoint = written ? endpoint_now(*written) : std::nullopt;
@@ -116,20 +116,20 @@ StoredState::OfLink link_of(const nlohmann::json& from, const ClockReading& unre
     return link;
 }
 
-// Of each link an equal number.
+// Keeps an equal number for each link.
 void keep_newest(StoredState& state) {
     const auto links = std::count_if(state.links.begin(), state.links.end(),
                                      [](const auto& link) { return !link.brought.empty(); });
-    const std::size_t most = max_stored_frames / static_cast<std::size_t>(std::max<std::ptrdiff_t>(links, 1));
+    const std::size_t max_frames = max_stored_frames / static_cast<std::size_t>(std::max<std::ptrdiff_t>(links, 1));
     for (StoredState::OfLink& link : state.links) {
         std::sort(link.brought.begin(), link.brought.end(), [](const auto& a, const auto& b) { return a.at > b.at; });
-        link.brought.resize(std::min(link.brought.size(), most));
+        link.brought.resize(std::min(link.brought.size(), max_frames));
     }
 }
 
 }    // namespace
 
-// Of a port it is the device file: another port under the same path is another one.
+// A serial port is identified by its device file: another port under the same path is a different one.
 WireIdentity WireIdentity::of(int fd) noexcept {
     struct stat info {};
     return fd >= 0 && ::fstat(fd, &info) == 0 ? WireIdentity{info.st_dev, info.st_ino} : WireIdentity{};

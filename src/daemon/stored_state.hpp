@@ -1,4 +1,4 @@
-// What a gateway leaves to the one that is started next: open wires, peers, where addresses were heard, and what came by
+// The state that a gateway passes to its next run: open descriptors, peers, where addresses were heard, and the frames that came by
 // the links of groups.
 #pragma once
 #include <gateway/duplicate_guard.hpp>
@@ -20,14 +20,14 @@ struct StoredAddress {
     ano::TimePoint heard_at{};
 };
 
-/// Of a link, by the name that people read.
+/// A channel of a link, by the name of its peer as people read it.
 struct StoredChannel {
     std::string peer;
     std::vector<StoredAddress> addresses{};
-    std::vector<std::uint8_t> first{};    // addresses that were at home there before they moved
+    std::vector<std::uint8_t> first{};    // addresses that were first heard there, before they moved
 };
 
-/// Which file an open descriptor is of, whatever number it has.
+/// Identifies the file of an open descriptor, independent of the number of the descriptor.
 struct WireIdentity {
     std::uint64_t device = 0, inode = 0;    // both 0: none
 
@@ -41,21 +41,21 @@ struct StoredState {
         WireIdentity wire{};
         StoredLink link{};
         std::vector<StoredChannel> channels{};
-        std::vector<DuplicateGuard::Memory> brought{};    // of a link of a group
+        std::vector<DuplicateGuard::Memory> brought{};    // frames of a link of a group
     };
     ClockReading unread_since{};
     std::vector<OfLink> links{};
 };
 
-/// Of the frames of groups the newest, so many in all.
+/// The maximum number of frames of groups; the newest ones are stored.
 inline constexpr std::size_t max_stored_frames = 4096;
 
-/// Of a gateway that reads no more. Its wires are copies: both programs have them until it closes its own.
+/// The gateway must not read any more. The descriptors are duplicates: both programs have them open until the gateway closes its own.
 StoredState state_of(const Gateway& gateway);
 
-/// All but the descriptors, as text.
+/// Everything except the descriptors, as text.
 std::string text_of(const StoredState& state);
-/// Nothing: the text is of another version of the program, or what it says was not yet at `now`. The wires are to be put in.
+/// std::nullopt: the text is of another version of the program, or its times are after `now`. The caller adds the descriptors.
 std::optional<StoredState> parse_stored_state(std::string_view text, const ClockReading& now);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// From one thread to one other; neither waits for the other, whatever happens to it.
+// A queue from one thread to another; neither thread ever waits for the other.
 #pragma once
 #include <atomic>
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace anogate {
 
-/// Without locks. One thread pushes, one other pops; the room is taken once, at the start.
+/// Lock-free. One thread pushes, another one pops; memory is allocated once, by the constructor.
 template <class T>
 class ThreadQueue {
 public:
     explicit ThreadQueue(std::size_t places) : places_(places) {}
 
-    /// Asked by the one who pushes: for him it stays true.
+    /// To be called by the pushing thread: once true, it stays true until its next push().
     bool has_room() const noexcept { return pushed_ - popped_ < places_.size(); }
     /// False: there is no room.
     bool push(T item) {

@@ -1,7 +1,7 @@
-// What waits for one who watches the frames, and what was lost for him: arithmetic, no I/O.
+// The queue of a watcher of frames: what waits for it, and what it lost. No I/O.
 //
 // Flow:    queue.push(tables); queue.push(batch, now)    // as it comes
-//          while (auto item = queue.next(now)) ...       // as he takes it: in this order
+//          while (auto item = queue.next(now)) ...       // in this order
 #pragma once
 #include <ano/time.hpp>
 
@@ -18,9 +18,9 @@
 
 namespace anogate {
 
-/// What the numbers in records mean, by number.
+/// The names for the numbers in records; the position in a vector is the number.
 struct WatchTables {
-    std::vector<std::string> links;    // empty: there is none of that number
+    std::vector<std::string> links;    // empty: unused number
     std::vector<std::string> peers;    // of the channels
     std::string text;                  // {"links": [...], "channels": [...], "causes": [...]}
 };
@@ -32,11 +32,11 @@ struct LostFrames {
     std::chrono::milliseconds since{};    // how long ago the first was lost
 };
 
-/// Bounded. Once something does not fit, nothing is taken until all that waits was taken and the loss was told: so what is told
-/// comes before the next frame, and who is too slow sees whole stretches.
+/// Bounded. Once something does not fit, nothing more is accepted until all waiting items and then the loss were taken: so the loss is
+/// reported before the next frame, and a slow watcher gets continuous sequences.
 class WatchQueue {
 public:
-    /// Records, one behind the other; many queues may share one.
+    /// Concatenated records; many queues may share one batch.
     using Batch = std::shared_ptr<const std::string>;
     using Tables = std::shared_ptr<const WatchTables>;
     using Item = std::variant<Batch, Tables, LostFrames>;
@@ -51,7 +51,7 @@ public:
         items_.emplace_back(std::move(batch));
         return true;
     }
-    /// Of what comes from now on.
+    /// The names for all records pushed from now on.
     void push(Tables tables) {
         if (is_open()) items_.emplace_back(std::move(tables));
         else later_ = std::move(tables);
@@ -61,7 +61,7 @@ public:
         if (lost_.count++ == 0) since_ = now;
         ++lost_.by_id[id];
     }
-    /// What comes next.
+    /// The next item; std::nullopt: the queue is empty.
     std::optional<Item> next(ano::TimePoint now) {
         if (!items_.empty()) {
             Item item = std::move(items_.front());
@@ -76,14 +76,14 @@ public:
         return lost;
     }
     std::size_t bytes() const noexcept { return bytes_; }
-    /// Frames whose loss was not told yet.
+    /// Number of lost frames that next() has not reported yet.
     std::uint64_t lost() const noexcept { return lost_.count; }
 
 private:
     std::size_t max_bytes_;
     std::size_t bytes_ = 0;
     std::deque<Item> items_;
-    Tables later_;    // that came while nothing was taken
+    Tables later_;    // pushed while nothing was accepted
     LostFrames lost_;
     ano::TimePoint since_{};
 };

@@ -12,14 +12,14 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t part_size = 16 * 1024;    // of JSON, that is made between two turns of the loop
+constexpr std::size_t part_size = 16 * 1024;    // bytes of JSON made between two turns of the loop
 
-// What waits for a watcher as lines of JSON: made when he takes them, so that it costs no more than he takes.
+// Makes lines of JSON for a watcher only when it reads them, so that unread frames cost nothing.
 class JsonLines {
 public:
     JsonLines(WatchQueue& queue, const ano::FlexibleLayouts& flexible) : queue_{queue}, flexible_{flexible} {}
 
-    /// The next line; empty: there is none.
+    /// The next line; empty: none waits.
     std::string next() {
         while (true) {
             if (const auto record = take_record(rest_)) return record_json(*record, *tables_, flexible_);
@@ -37,10 +37,10 @@ private:
     const ano::FlexibleLayouts& flexible_;
     WatchQueue::Tables tables_;
     WatchQueue::Batch batch_;
-    std::string_view rest_;    // of the batch
+    std::string_view rest_;    // the unread part of the batch
 };
 
-// One who watches by a WebSocket. He is given more when he has taken what there was.
+// A watcher by WebSocket. It is given more when it has read everything before.
 class WatchSocket : public http::WebSocketUser, protected Watcher {
 public:
     WatchSocket(FrameWatch& watch, FrameFilterSettings settings) : watch_{watch}, settings_{std::move(settings)} {}
@@ -51,11 +51,11 @@ public:
         socket_ = &socket;
         watch_.add(*this, settings_);
     }
-    void heard(std::string_view, http::WebSocket::Kind) override {}    // he only listens
+    void heard(std::string_view, http::WebSocket::Kind) override {}    // messages of the client are ignored
     void sent_all() override { give(); }
 
 protected:
-    /// Sends what is next, if there is anything.
+    /// Sends the next item. False: none waits.
     virtual bool give_next(http::WebSocket& socket) = 0;
 
 private:
@@ -68,7 +68,7 @@ private:
 
     FrameWatch& watch_;
     FrameFilterSettings settings_;
-    http::WebSocket* socket_ = nullptr;    // nullptr: not open yet
+    http::WebSocket* socket_ = nullptr;    // nullptr: not open
 };
 
 using Kind = http::WebSocket::Kind;
@@ -100,7 +100,7 @@ private:
     JsonLines lines_;
 };
 
-// Lines in an answer that never ends.
+// A watcher by an endless response of lines.
 class WatchLines final : public http::Producer, private Watcher {
 public:
     WatchLines(FrameWatch& watch, FrameFilterSettings settings, const ano::FlexibleLayouts& flexible)
@@ -142,7 +142,7 @@ FrameStreams::FrameStreams(const Gateway& gateway, FrameWatch& watch)
     : gateway_{gateway}, watch_{watch}, flexible_{layouts_of(gateway.settings())} {}
 
 http::Response FrameStreams::answer(const http::Request& request) {
-    std::vector<std::string_view> links{"control"};    // which may come to be
+    std::vector<std::string_view> links{"control"};    // it may be made later
     for (const LinkState& state : gateway_.links()) links.push_back(state.link->name());
     auto parsed = parse_frame_query(request.query, links);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return http::error(400, *wrong);

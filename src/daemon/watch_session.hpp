@@ -1,4 +1,4 @@
-// Those who watch the frames, by a WebSocket or by lines that never end.
+// The streams of frames to watchers, by WebSocket or as an endless response of lines.
 #pragma once
 #include <ano/flexible.hpp>
 #include <daemon/frame_watch.hpp>
@@ -10,7 +10,7 @@ namespace anogate {
 
 class Gateway;
 
-/// What GET /frames is answered with; of the gateway that they are the frames of, for as long as its loop runs.
+/// Answers GET /frames. Must live as long as the loop of the gateway runs.
 class FrameStreams {
 public:
     explicit FrameStreams(const Gateway& gateway, FrameWatch& watch);

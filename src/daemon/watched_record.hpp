@@ -1,4 +1,4 @@
-// What a watcher of the gateway gets, in the words of a recording.
+// Converts the records that a watcher of the gateway gets into those of a recording.
 #pragma once
 #include <daemon/watch_queue.hpp>
 #include <gateway/frame_record.hpp>
@@ -13,17 +13,17 @@ namespace anogate {
 
 class Gateway;
 
-/// What the numbers in records mean, by number.
+/// The names for the numbers in records; the position in a vector is the number.
 struct RecordedNames {
     std::vector<std::string> links, kinds;    // of the links
     std::vector<std::string> peers;           // of the channels
 
-    /// Bytes of memory, about.
+    /// The approximate memory, in bytes.
     std::size_t cost() const noexcept;
 };
 RecordedNames recorded_names(const WatchTables& tables, const Gateway& gateway);
 
-/// A frame that was watched. Valid as long as both.
+/// A watched frame. Valid as long as `record` and `names`.
 RecordedFrame as_recorded(const FrameRecord& record, const RecordedNames& names);
 /// Without a description of its link.
 RecordedFrame as_recorded(const FrameRecord& record, const WatchTables& tables);
@@ -32,7 +32,7 @@ std::uint64_t count_of_records(std::string_view records) noexcept;
 
 /// "euler 120, inertial 120"
 std::string loss_names(const LostFrames& lost);
-/// What the gateway says of itself now.
+/// The header of a recording that begins now.
 RecordingHead recording_head();
 
 }    // namespace anogate

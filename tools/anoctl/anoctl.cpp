@@ -66,7 +66,7 @@ std::string commands() {
     return all;
 }
 
-/// "; a, b or c" of "a|b|c"; of anything else nothing.
+/// "; a, b or c" from "a|b|c"; otherwise empty.
 std::string choices(std::string value) {
     const auto last = value.rfind('|');
     if (last == value.npos) return {};
@@ -84,11 +84,11 @@ std::string what_is_missing(const CLI::RequiredError& e, const Options& options)
     const auto option = std::find_if(options.begin(), options.end(), [&](const Option& one) { return one.name == name; });
     for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     if (option != options.end() && option->value.find_first_of("|[") == std::string::npos)
-        name = option->value;    // as --help has it
+        name = option->value;    // as in --help
     return name + " is missing" + (option != options.end() ? choices(option->value) : std::string{});
 }
 
-/// "; 'e1.mcap' was taken for a value of --id: …": of an option that takes every word behind it, the last, if it looks like a file.
+/// "; 'e1.mcap' was taken for a value of --id: …": when the last value of an option that takes all words after it looks like a file.
 std::string taken_for_a_value(const CLI::App& command, const Options& options) {
     for (const Option& option : options) {
         if (!std::holds_alternative<std::vector<std::string>*>(option.into)) continue;
@@ -114,7 +114,7 @@ void reject_unknown_command(int argc, const char* const* argv) {
     throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
 }
 
-// CLI11 would take -1.5 for options: behind this it is a word.
+// Put before negative numbers, since CLI11 would take -1.5 for options.
 constexpr char negative_mark = '\x01';
 
 bool is_negative_number(std::string_view word) { return word.starts_with('-') && ano::parse_number(word).has_value(); }
@@ -122,7 +122,7 @@ std::string unmarked(std::string word) {
     if (word.starts_with(negative_mark)) word.erase(0, 1);
     return word;
 }
-/// `words` with each negative number as a value, never an option; `kept` holds what is new of them.
+/// Marks each negative number in `words`, so that it is never taken for an option; `kept` owns the new words.
 void mark_negative_numbers(std::vector<const char*>& words, std::vector<std::string>& kept) {
     kept.reserve(words.size());
     for (const char*& word : words)
@@ -162,7 +162,7 @@ CLI::Option* declare(CLI::App& app, const std::string& name, const Option::Into&
         help);
 }
 
-/// Also of a command that asks no gateway: who has an alias with --control uses it for all of them.
+/// Also for commands that ask no gateway: a user with an alias that has --control uses it for all of them.
 void allow_control(CLI::App& command) {
     if (command.get_option_no_throw("--control") == nullptr)
         command.add_option_function<std::string>("--control", [](const std::string&) {})->group("");    // not in --help
@@ -178,7 +178,7 @@ void declare(CLI::App& app, const Options& options) {
         for (const std::string& other : option.excludes) app.get_option(option.name)->excludes(app.get_option(other));
 }
 
-/// The one name that begins with the same three letters at least, --seconds for --secs; empty: there is none, or more than one.
+/// The only name that begins with the same three letters, --seconds for --secs; empty: there is none, or more than one.
 std::string beginning_alike(const std::string& given, const std::vector<std::string>& names) {
     constexpr std::size_t alike = 5;    // with "--"
     std::string found;
@@ -210,7 +210,7 @@ std::string told(const CLI::ParseError& error, const CLI::App& command) {
     return "there is no option " + ano::in_quotes(name) + meant;
 }
 
-/// ", and --link LINK does without", of a command that can have a link of its own; --link of several is a filter.
+/// ", and --link LINK does without", for a command that can have a link of its own; a --link that takes several values is a filter.
 std::string way_without(const std::string& command, const Options& options) {
     std::string words = "anoctl " + command;
     for (const Option& option : options) {
@@ -221,7 +221,7 @@ std::string way_without(const std::string& command, const Options& options) {
     return {};
 }
 
-/// What is told of a failure of the command that was `chosen`: where no gateway runs, what can be done about it as well.
+/// The message for a failure of the `chosen` command; when no gateway runs, with what can be done about it.
 std::string with_a_way_out(const std::string& what, const std::string& chosen, const Options& options) {
     if (!what.starts_with("no gateway is running at ")) return what;
     return what + "; anogated LINK... starts one" + way_without(chosen, options);
@@ -261,7 +261,7 @@ int run(int argc, const char* const* given, Streams& streams) {
         allow_control(*command);
         declared.emplace(command, std::move(options));
     }
-    app.footer(    // not of the commands, which have a footer that is there before them, and not all of these options
+    app.footer(    // not for the commands: they inherit an earlier footer, and do not have all of these options
         "Before or behind the command: --json, one JSON object a line; --control PATH, the socket of the gateway.\n"
         "NO_COLOR ends colours.");
     const auto complain = [&](const std::string& what, int code) {

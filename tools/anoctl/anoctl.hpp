@@ -40,7 +40,7 @@ struct Failure : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Ctrl-C ended the work: one line on `err` of what is half done, exit 130.
+/// Ctrl-C ended the work: one line on `err` with what is half done, exit 130.
 struct Interrupted : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -50,7 +50,7 @@ using Run = std::function<int(Streams&)>;
 struct Subcommand {
     const char* name;
     const char* description;
-    Run (*add)(Options& options);    // declares its options; what it returns is run when the subcommand is chosen
+    Run (*add)(Options& options);    // declares its options; the returned function is run when the subcommand is chosen
 };
 
 Run add_decode(Options& options);
@@ -83,14 +83,14 @@ Run add_web(Options& options);
 
 std::span<const Subcommand> subcommands() noexcept;
 
-/// The id of a message by name or number. Throws UsageError, with `where` before what is wrong.
+/// The id of a message by name or number. Throws UsageError, whose text begins with `where`.
 std::uint8_t message_id_of(const std::string& word, const std::string& where = {});
 
-/// Whether to write to a terminal in colour, by these variables of the environment (null: not set). No when NO_COLOR is set
-/// and not empty, or when the terminal has no abilities ("dumb").
+/// Whether to write to a terminal in colour, by these environment variables (nullptr: not set). False when NO_COLOR is set and
+/// not empty, or when the terminal has no abilities ("dumb").
 bool wants_color(const char* no_color, const char* term) noexcept;
 
-/// The whole program, without its process. Returns the exit status.
+/// Runs the program with these arguments. Returns the exit status.
 int run(int argc, const char* const* argv, Streams& streams);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// What the kernel knows of a CAN controller beside its interface: netlink tells, sysfs does not.
+// The figures of a CAN controller that the kernel gives by netlink, but not in sysfs.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace anoctl {
 
-/// Empty or 0: not told, as by a virtual interface.
+/// Empty or 0: not known, for example of a virtual interface.
 struct CanFigures {
     std::string_view bus;              // "error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"
     std::uint32_t bitrate = 0;         // bit/s
@@ -15,9 +15,9 @@ struct CanFigures {
     bool operator==(const CanFigures&) const = default;
 };
 
-/// In a message RTM_NEWLINK, header included.
+/// From a message RTM_NEWLINK, header included.
 CanFigures can_figures_in(std::span<const std::uint8_t> message);
-/// Asks the kernel; nothing is told of an interface that is not there.
+/// Asks the kernel. All figures are empty or 0 when the interface does not exist.
 CanFigures can_figures(const std::string& interface);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// What can stand behind the name of a message: FIELD=VALUE.
+// The completions after the name of a message: FIELD=VALUE.
 #pragma once
 #include <span>
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace anoctl {
 
-/// What a shell offers for the last of `words`, which begin with the subcommand: the messages when none is named before it.
+/// The completions for the last of `words`, which begin with the subcommand; names of messages when none is given before it.
 std::vector<std::string> field_words(std::span<const char* const> words);
 
 }    // namespace anoctl

@@ -35,7 +35,7 @@ using anogate::RecordingHead;
 
 constexpr std::size_t batch = 64 * 1024;
 
-/// Writes when enough came together. Throws Failure when that can't be done.
+/// Collects text, and writes it when there is enough. Throws Failure when a write fails.
 class Collected {
 public:
     Collected(const std::string& path, bool force, Streams& streams) : path_{path}, output_{path, force, streams} {}
@@ -54,23 +54,23 @@ private:
     RecordingOutput output_;
 };
 
-/// Where items go.
+/// The destination of items.
 class Target {
 public:
     virtual ~Target() = default;
     virtual void take(const Recorded& item, const RecordingHead& head) = 0;
     virtual void end() = 0;
-    /// The files that it wrote, when it has ended.
+    /// The files that were written; valid after end().
     virtual std::vector<std::string> files() const = 0;
 };
 
 /// " into 19 tables: a.csv, b.csv, …"; only the first are named.
 std::string places(const std::vector<std::string>& files) {
-    constexpr std::size_t most = 5;
+    constexpr std::size_t max_named = 5;
     if (files.size() == 1) return files[0] == "-" ? "" : " into " + files[0];
     std::string text = files.empty() ? ": there is no table" : " into " + counted(files.size(), "table") + ": ";
-    for (std::size_t i = 0; i < std::min(files.size(), most); ++i) text += (i > 0 ? ", " : "") + files[i];
-    return files.size() > most ? text + ", \u2026" : text;
+    for (std::size_t i = 0; i < std::min(files.size(), max_named); ++i) text += (i > 0 ? ", " : "") + files[i];
+    return files.size() > max_named ? text + ", \u2026" : text;
 }
 
 /// OUT-MESSAGE.csv for each message, or one file for the only one.
@@ -138,7 +138,7 @@ private:
     ano::JsonOptions options_;
 };
 
-/// What of it is wanted, as a recording of its own: of all of it, the same bytes.
+/// Writes the wanted part as a recording; when everything is wanted, the same bytes.
 class RecordingTarget final : public Target {
 public:
     RecordingTarget(const std::string& out, bool force, anogate::RecordingFormat format, anogate::RecordingOptions options,

@@ -1,4 +1,4 @@
-// Numbers of frames and bytes, which may be more than a std::size_t of 32 bits holds.
+// Numbers of frames and bytes, which may not fit into a std::size_t of 32 bits.
 #pragma once
 #include <cstdint>
 #include <string>

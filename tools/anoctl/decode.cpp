@@ -29,7 +29,7 @@ namespace {
 using namespace ano;
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr std::size_t max_kept = 1 << 20;    // bytes that are not reported yet: of a longer gap only the length is reported
+constexpr std::size_t max_kept = 1 << 20;    // bytes not reported yet: of a longer gap, only the length is reported
 
 std::string text_of(Checks checks) { return spaced_hex(std::array{checks.sum, checks.add}); }
 
@@ -180,9 +180,9 @@ private:
     FrameParser parser_;
     std::uint64_t told_ = 0;    // everything before this offset was reported
     std::uint64_t good_ = 0;    // bytes of good frames
-    ParserCounters before_;     // at the last gap
+    ParserCounters before_;     // counters at the last gap
     bool damaged_ = false;
-    std::vector<std::uint8_t> kept_;    // the bytes from kept_at_ on, among them those that are not reported yet
+    std::vector<std::uint8_t> kept_;    // the bytes from kept_at_ on, including those not reported yet
     std::uint64_t kept_at_ = 0;
     std::string no_hex_;    // set where text was read as raw bytes
 };

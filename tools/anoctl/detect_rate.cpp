@@ -27,9 +27,9 @@ namespace {
 
 using namespace anogate;
 
-constexpr std::size_t bytes_enough = 4096;    // some frames must be among so many
+constexpr std::size_t bytes_enough = 4096;    // so many bytes must contain some frames
 
-/// SIGINT and SIGTERM as something to read, as long as it lives.
+/// A descriptor that becomes readable by SIGINT and SIGTERM, while this exists.
 class Interruption {
 public:
     Interruption() {
@@ -81,13 +81,13 @@ std::string named(const std::vector<Holder>& holders) {
     throw Failure{port + ": " + (missing.empty() ? error_text(error) : "no permission: " + missing)};
 }
 
-/// A port that is ours alone until the end.
+/// A serial port, opened exclusively.
 class Port {
 public:
     explicit Port(const std::string& path) : fd_{::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)} {
         if (!fd_) fail_to_open(path, errno);
         if (::flock(fd_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-            fd_ = UniqueFd{};    // who holds it is looked for, and that is not us
+            fd_ = UniqueFd{};    // closed first: the search for its holder must not find us
             fail_busy(path);
         }
         terminal::claim(fd_.get());
@@ -97,7 +97,7 @@ public:
     ~Port() { terminal::give_back(fd_.get()); }
 
     int fd() const noexcept { return fd_.get(); }
-    /// What is wrong when the driver can't make that rate; empty: it listens at it.
+    /// Returns empty, or why the driver can't set that rate.
     std::string set_rate(std::uint32_t baud) {
         SerialSettings settings;
         settings.baud = baud;

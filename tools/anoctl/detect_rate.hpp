@@ -1,4 +1,4 @@
-// Which rate the device at a serial port speaks at: the one at which its frames are good.
+// Finds the baud rate of the device at a serial port: the one at which its frames are good.
 #pragma once
 #include "anoctl.hpp"
 
@@ -12,30 +12,30 @@
 
 namespace anoctl {
 
-/// The usual rates, those that devices of V8 have first.
+/// The usual rates; first those of V8 devices.
 std::span<const std::uint32_t> usual_rates() noexcept;
 
-/// What came in while a port was at one rate.
+/// What was received while a port was at one rate.
 struct HeardAtRate {
     std::uint32_t baud = 0;
     ano::ParserCounters counters;
-    std::set<std::uint8_t> from;    // who sent the good frames
+    std::set<std::uint8_t> from;    // the senders of the good frames
 
-    /// Frames that are no accident: two, or one that most of the bytes belong to.
+    /// Whether the good frames are no coincidence: at least two, or one that has most of the bytes.
     bool is_right() const noexcept {
         const std::uint64_t good = counters.bytes_in - counters.skipped_bytes;
         return counters.frames_in >= 2 || (counters.frames_in == 1 && good > counters.skipped_bytes);
     }
 };
 
-/// How long it listens at a rate.
+/// How long to listen at each rate.
 struct ListeningTime {
-    ano::Duration for_first_byte = std::chrono::milliseconds{1200};    // who sends once a second is heard at every rate
+    ano::Duration for_first_byte = std::chrono::milliseconds{1200};    // so that a device that sends once a second is heard
     ano::Duration for_frames = std::chrono::milliseconds{500};         // from the first byte on
 };
 
-/// Listens at one rate after the other until one is right, and says so. Returns the exit status. Nothing is sent. Throws Failure when
-/// the port can't be opened, none is right, or SIGINT comes.
+/// Listens at one rate after the other until one is right, and prints it. Returns the exit status. Nothing is sent. Throws Failure when
+/// the port can't be opened, no rate is right, or SIGINT is received.
 int detect_rate(const std::string& port, bool json, Streams& streams, ListeningTime time = {});
 
 }    // namespace anoctl

@@ -30,12 +30,12 @@ using namespace ano;
 
 constexpr std::size_t max_line = 1 << 20;    // several times what the largest frame needs
 
-/// The lines of standard input, each as soon as it is whole.
+/// The lines of standard input, each as soon as it is complete.
 class Lines {
 public:
     explicit Lines(int fd) : fd_{fd} {}
 
-    /// False: there are no more.
+    /// The next line. False: there are no more.
     bool next(std::string& line) {
         std::size_t end = 0;
         while ((end = text_.find('\n', seen_)) == std::string::npos) {
@@ -51,7 +51,7 @@ public:
         return true;
     }
     std::size_t number() const { return number_; }
-    /// Whether the next line is here already.
+    /// Whether the next line was read already.
     bool one_waits() const { return text_.find('\n', seen_) != std::string::npos; }
 
 private:
@@ -92,7 +92,7 @@ struct Encode {
     }
 
 private:
-    // What `decode --json` prints: one object a line.
+    // The input is what `decode --json` prints: one object a line.
     int encode_lines(Streams& streams, const JsonOptions& options) const {
         if (!given.fields.empty() || given.data)
             throw UsageError{"with -, frames come from standard input: no FIELD=VALUE, no --data"};

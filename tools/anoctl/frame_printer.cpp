@@ -42,7 +42,7 @@ std::string shown(const Json& value) {
     return value.dump(-1, ' ', true);
 }
 
-// Ids and addresses in hex, those of frames inside this one too.
+// Writes ids and addresses in hex, also in frames inside this one.
 Json with_hex(const Json& value, const Field& field) {
     const auto hexed = [](const Json& byte) { return Json(hex_byte(byte.get<std::uint8_t>())); };
     if (field.role == Role::code && value.is_number_integer()) return hexed(value);
@@ -58,7 +58,7 @@ Json with_hex(const Json& value, const Field& field) {
     return frames;
 }
 
-// Bytes, addresses and codes need no quotation marks.
+// Omits the quotation marks of bytes, addresses and codes.
 std::string shown(const Json& given, const Field* field) {
     const Json value = field != nullptr ? with_hex(given, *field) : given;
     if (field != nullptr && field->role == Role::code && value.is_string()) return value.get<std::string>();
@@ -68,7 +68,7 @@ std::string shown(const Json& given, const Field* field) {
 
 const Field* field_of(const Reading& reading, const std::string& name) { return reading.field(name); }
 
-// " (airborne)", or nothing; for the types of a command's values, those that are used.
+// " (airborne)", or empty; for the types of a command's values, only those in use.
 std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) {
     std::string words;
     const auto add = [&](const Json& number) {
@@ -163,7 +163,7 @@ void FramePrinter::print(const Passage& passage) {
     else if (!passage.direction.empty()) streams_.out << passage.direction << ' ';
 }
 
-// 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: what stands behind the id is what `encode` takes.
+// 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: `encode` accepts the part after the id.
 void FramePrinter::plain(FrameView frame, const Json& json) {
     const Reading reading = read(frame, &layouts_);
     streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id()) << ' '

@@ -1,4 +1,4 @@
-// A frame as one line: for people on a terminal, for awk in a pipe, or as JSON.
+// Prints a frame as one line: for people on a terminal, for awk in a pipe, or as JSON.
 #pragma once
 #include "anoctl.hpp"
 #include "frame_taker.hpp"
@@ -15,9 +15,9 @@ namespace anoctl {
 /// The options of every subcommand that shows or makes frames.
 struct FrameOptions {
     bool json = false;
-    std::optional<ano::Encoding> encoding;          // nothing: automatic
-    std::optional<ano::ValueType7> value_type_7;    // nothing: f32
-    std::string config;                             // where the layouts of flexible messages come from
+    std::optional<ano::Encoding> encoding;          // std::nullopt: automatic
+    std::optional<ano::ValueType7> value_type_7;    // std::nullopt: f32
+    std::string config;                             // the file with the layouts of flexible messages
 
     /// `self` must live as long as the run.
     static void add(Options& options, FrameOptions& self);
@@ -56,7 +56,7 @@ private:
 /// "14:03:07.123", local time; `time` in seconds since 1970.
 std::string clock_text(double time);
 
-/// What is wrong with DATA of a frame, in a clause; empty when it is fine or of no known message.
+/// What is wrong with DATA of a frame, as a clause; empty when it is correct, or the message is unknown.
 std::string malformation(ano::FrameView frame, const ano::FlexibleLayouts& layouts);
 
 }    // namespace anoctl

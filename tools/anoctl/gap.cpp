@@ -7,7 +7,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// How long the frame is that `bytes` begin with; 0 when they do not, or end before it does.
+/// The size of the frame at the beginning of `bytes`; 0 when there is none, or it is not complete.
 std::size_t frame_size(Bytes bytes) {
     if (bytes.size() < ano::overhead || bytes[0] != ano::head) return 0;
     const std::size_t size = ano::overhead + bytes[4] + 256u * bytes[5];

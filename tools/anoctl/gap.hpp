@@ -1,4 +1,4 @@
-// Bytes between good frames: which of them are whole frames with wrong check bytes.
+// Finds whole frames with wrong check bytes among the bytes between good frames.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -9,14 +9,14 @@
 
 namespace anoctl {
 
-/// A part of a gap. With `right`: a frame whose LEN fits, and the check bytes that it would have to have.
+/// A part of a gap. With `right` it is a frame whose LEN fits; `right` is then the check bytes that it should have.
 struct GapPart {
     std::span<const std::uint8_t> bytes;
     std::optional<ano::Checks> right;
 };
 
-/// All of `gap`, in order. A frame with wrong check bytes is recognised at the beginning of the gap, behind another one, and where
-/// it ends where the gap ends; elsewhere a HEAD may be any byte.
+/// Splits `gap` into parts, in order. A frame with wrong check bytes is recognised at the beginning of the gap, directly behind another
+/// one, and when it ends where the gap ends; elsewhere the byte of HEAD may be any byte.
 std::vector<GapPart> parts_of(std::span<const std::uint8_t> gap);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// The gateway that a subcommand asks.
+// The gateway that a subcommand sends its requests to.
 #pragma once
 #include "options.hpp"
 
@@ -9,24 +9,24 @@
 
 namespace anoctl {
 
-/// As --control says, or where one is usually found.
+/// The gateway given by --control, or the one at a usual place.
 struct GatewayOptions {
     std::string control;
 
     /// Declares --control. `options` live as long as the run.
     static void add(Options& declared, GatewayOptions& options);
-    /// The path of its socket. Throws UsageError for one that names none.
+    /// The path of its socket. Throws UsageError when --control is not a valid path.
     std::string socket() const;
-    /// What it answers, when that is a success. Throws Failure: why there is no answer, or the words of the one that refuses.
+    /// The body of its response when it is a success. Throws Failure with the reason: there is no response, or the text of its refusal.
     std::string ask(const std::string& method, const std::string& target, const std::string& accept = {}) const;
-    /// What it answers, whatever that is. Throws Failure when there is none.
+    /// Its response, of any status. Throws Failure when there is none.
     anogate::http::Answer answer(const std::string& method, const std::string& target, const std::string& accept = {}) const;
 };
 
-/// A word as a part of a target.
+/// A word as part of a request target.
 std::string percent_encoded(std::string_view word);
 
-/// The words of an answer that refuses: its "error", or what status it has.
+/// The text of a refusal: its "error", or its status.
 std::string words_of(const anogate::http::Answer& answer);
 
 }    // namespace anoctl

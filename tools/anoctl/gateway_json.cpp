@@ -82,9 +82,9 @@ std::vector<std::string> recording_lines(const Json& recording) {
 std::optional<double> length_of_recording(const Json& file) {
     if (file.contains("seconds"))
         return text_at(file, "seconds").empty() ? std::nullopt : std::optional{number_at(file, "seconds")};
-    constexpr double year_2020 = 1'577'836'800, most = 366.0 * 24 * 3600;
+    constexpr double year_2020 = 1'577'836'800, max_length = 366.0 * 24 * 3600;
     const double begun = number_at(file, "begun"), length = number_at(file, "time") - begun;
-    if (begun < year_2020 || length < 0 || length > most) return std::nullopt;
+    if (begun < year_2020 || length < 0 || length > max_length) return std::nullopt;
     return length;
 }
 

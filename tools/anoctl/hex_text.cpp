@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t max_held = 1 << 20;    // text before the first frame is not expected to be this long
 
-constexpr std::string_view mark = "\xEF\xBB\xBF";    // Windows editors put it before a text
+constexpr std::string_view mark = "\xEF\xBB\xBF";    // Windows editors put it at the beginning of a text
 
 int digit(char c) noexcept {
     if (c >= '0' && c <= '9') return c - '0';

@@ -13,7 +13,7 @@ namespace anoctl {
 /// a byte as well. A UTF-8 byte order mark before all of it is skipped. Takes text in pieces.
 class HexText {
 public:
-    /// Appends the bytes of `text` to `bytes`. False: something in it is not hex text; what stands before that was appended.
+    /// Appends the bytes of `text` to `bytes`. False: part of it is not hex text; the bytes before that part were appended.
     bool read(std::string_view text, std::vector<std::uint8_t>& bytes);
     /// The end of the text. False: half a byte is left.
     bool finish(std::vector<std::uint8_t>& bytes);
@@ -24,18 +24,18 @@ private:
     bool read(char c, std::vector<std::uint8_t>& bytes);
     bool end_word(std::vector<std::uint8_t>& bytes);
 
-    std::size_t mark_ = 0;      // how much of the UTF-8 byte order mark was read, which may stand first
-    int high_ = -1;             // a digit that waits for its second; -1: none
+    std::size_t mark_ = 0;      // bytes read so far of a UTF-8 byte order mark
+    int high_ = -1;             // the first digit of an incomplete pair; -1: none
     std::size_t digits_ = 0;    // in this word so far
     bool prefixed_ = false;     // this word began with 0x
     std::size_t line_ = 1;
 };
 
-/// All of `text`; nothing when it is anything else.
+/// The bytes of `text`; std::nullopt when it is not hex text.
 std::optional<std::vector<std::uint8_t>> from_hex_text(std::string_view text);
 
 /// Input that is raw bytes or hex text. It is hex text when it contains nothing else, which is known at the end, or after the
-/// text of AB and 7 more bytes. Raw bytes with a frame are never taken for text, for 0xAB is not a character of hex text.
+/// text of AB and 7 more bytes. Raw bytes with a frame are never taken for text, since 0xAB is not a character of hex text.
 class BytesOrText {
 public:
     /// The bytes of `piece`, after those that were held back while it was not known what the input is.

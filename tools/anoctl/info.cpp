@@ -1,4 +1,4 @@
-// anoctl info FILE: what a recording holds.
+// anoctl info FILE: the content of a recording.
 #include "anoctl.hpp"
 #include "counted.hpp"
 #include "recording_input.hpp"

@@ -1,4 +1,4 @@
-// anoctl links: the links of a gateway with all that is counted.
+// anoctl links: the links of a gateway with all their counters.
 #include "anoctl.hpp"
 #include "gateway.hpp"
 #include "gateway_json.hpp"
@@ -24,7 +24,7 @@ std::string heard(const Json& channel) {
     return text_at(channel, "heard_s").empty() ? "" : time_text(number_at(channel, "heard_s"));
 }
 
-// Of a link: by any of its channels.
+// The time since the last frame on any channel of the link.
 std::string last_heard(const Json& link) {
     const Json* latest = nullptr;
     for (const Json& channel : at(link, "channels"))

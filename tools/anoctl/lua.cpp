@@ -128,9 +128,9 @@ local function plausible(row, data, length)
         if f.type == "text" and f.count > 0 then
             local first = data(f.offset, 1):uint()
             if first < 0x20 or first == 0x7F or first == 0x80 or first == 0xFF then return false end
-        elseif f.least and integer[f.type] then
+        elseif f.min and integer[f.type] then
             local value = tonumber(tostring(load(data(f.offset, width[f.type]), f.type))) * f.value / f.wire
-            if value < f.least or value > f.most then return false end
+            if value < f.min or value > f.max then return false end
         end
     end
     return true
@@ -257,7 +257,7 @@ std::string lua_text(std::string_view text) {
     return out + '"';
 }
 
-// Wireshark takes ASCII letters, digits, '-', '_' and '.' in a filter name.
+// Wireshark permits ASCII letters, digits, '-', '_' and '.' in a filter name.
 std::string filter_part(std::string_view name, std::size_t position) {
     std::string out;
     for (const char c : name) {
@@ -274,7 +274,7 @@ void write_field(std::ostream& out, const Field& f, const std::string& filter) {
         << ", value = " << number_text(f.scale.value);
     if (!f.unit.empty()) out << ", unit = " << lua_text(f.unit);
     if (f.no_data) out << ", no_data = " << *f.no_data;
-    if (f.range) out << ", least = " << number_text(f.range.first) << ", most = " << number_text(f.range.last);
+    if (f.range) out << ", min = " << number_text(f.range.first) << ", max = " << number_text(f.range.last);
     if (f.role == Role::code) out << ", hex = true";
     if (!f.label.empty()) out << ", label = " << lua_text(f.label);
     if (f.selects) out << ", first = " << f.selects->first << ", last = " << f.selects->last;

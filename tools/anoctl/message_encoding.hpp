@@ -1,4 +1,4 @@
-// The option --message-encoding: how MCAP has decoded messages.
+// The option --message-encoding: the encoding of decoded messages in MCAP.
 #pragma once
 #include <record/decoded_channels.hpp>
 
@@ -9,7 +9,7 @@
 
 namespace anoctl {
 
-/// Empty, or why `word` is none.
+/// Returns empty, or why `word` is not valid.
 inline std::string read_message_encoding(const std::string& word, std::optional<anogate::DecodedEncoding>& encoding) {
     encoding = anogate::decoded_encoding_called(word);
     if (encoding) return {};

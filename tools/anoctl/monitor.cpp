@@ -1,4 +1,4 @@
-// anoctl monitor LINK: the frames that come in by a link of our own; without a LINK, those of the gateway that runs.
+// anoctl monitor LINK: the frames received by a link of our own; without a LINK, those of the running gateway.
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
 #include "gateway.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 using namespace anogate;
 
-/// Shows of what it takes what is wanted, until it is enough.
+/// Shows the wanted frames, up to the wanted number.
 class Shown final : public FrameTaker {
 public:
     Shown(const WantedFrames& wanted, std::uint64_t count, Streams& streams, const FrameOptions& frames)
@@ -70,14 +70,14 @@ struct MonitorOptions {
 
 private:
     int attach(Streams& streams) const {
-        for (const auto* words : {&ids, &from, &to, &links, &directions})    // which take every word behind them
+        for (const auto* words : {&ids, &from, &to, &links, &directions})    // these options take all words after them
             for (const std::string& word : *words)
                 if (word.find(':') != word.npos) throw UsageError{ano::in_quotes(word) + ": a LINK stands before the options"};
         const std::string query = filter_words("id", ids) + filter_words("from", from) + filter_words("to", to) +
                                   filter_words("link", links) + filter_words("direction", directions);
         return watch({gateway.socket(), query, count, frames}, streams);
     }
-    // The option, otherwise the key of the link.
+    // With the values of the options, otherwise those of the link.
     FrameOptions as_said_of(const LinkSettings& settings) const {
         FrameOptions options = frames;
         if (!options.encoding && settings.text_encoding() == TextEncoding::gbk) options.encoding = ano::Encoding::gbk;

@@ -1,4 +1,4 @@
-// What a subcommand takes from the command line; who reads that (anoctl.cpp) is another matter.
+// The options and operands of a subcommand, independent of the parser (anoctl.cpp).
 #pragma once
 #include <functional>
 #include <optional>
@@ -9,17 +9,17 @@
 namespace anoctl {
 
 struct Option {
-    /// Takes the word, or says what is wrong with it.
+    /// Takes the word. Returns empty, or what is wrong with it.
     using Read = std::function<std::string(const std::string& word)>;
-    /// What is pointed to lives as long as the run. A bool is true when the option is given, a vector takes every word behind it.
+    /// The targets live as long as the run. A bool is set when the option is given; a vector takes all words after the option.
     using Into = std::variant<bool*, std::string*, std::optional<std::string>*, std::vector<std::string>*, Read>;
 
-    std::string name;    // "--from"; "link" for a word that is known by its place
+    std::string name;    // "--from"; "link" for an operand
     Into into;
     std::string value;    // what --help calls it; empty for a flag
     std::string help;
     bool required = false;
-    std::vector<std::string> excludes = {};    // by name: these are not given together with it
+    std::vector<std::string> excludes = {};    // names of options that can't be combined with it
 };
 
 using Options = std::vector<Option>;

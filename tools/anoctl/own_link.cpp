@@ -203,7 +203,7 @@ private:
         return loop_;
     }
 
-    // The hint that a gateway's status would have; after the first frame, only when something is wrong.
+    // Prints the hint that a gateway's status would have; after the first frame, only when something is wrong.
     void look_later() {
         look_.expires_after(look_every_);
         look_.async_wait([this](error_code ec) {

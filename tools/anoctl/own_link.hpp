@@ -15,18 +15,18 @@
 
 namespace anoctl {
 
-/// As `link` says. Throws UsageError.
-/// `if_name` says what was meant when it is only a name: "a link of the gateway, by its name: monitor --link".
+/// The settings of a LINK text. Throws UsageError. `if_name`: what the user may have meant when `link` is only a name: "a link of the
+/// gateway, by its name: monitor --link".
 anogate::LinkSettings link_settings_of(const std::string& link, std::string_view if_name = {});
-/// "hello, limit.0x01": the keys of a LINK text that concern sending only, or what a gateway does with frames.
+/// "hello, limit.0x01": the keys of a LINK text that have no effect for a listener, since they concern sending or forwarding.
 std::string keys_idle_for_listener(std::string_view link);
 
-/// Gives each good frame that comes to its taker, and says on `err` how the link is: up, waited for and why, and the hints that a
-/// gateway's status would have. It works when its loop runs, and stops that when its taker wants no more.
+/// Passes each good frame to its taker, and reports the state of the link on `err`: up, or waiting and why, and the hints that a
+/// gateway's status would have. It works while its loop runs, and stops the loop when the taker wants no more.
 class OwnLink {
 public:
-    /// Everything outlives it. `who` is the command, for the words on `err`; empty: that it is up is not said. Once in `look_every`
-    /// it is looked whether there is a hint.
+    /// The arguments outlive it. `who`: the command, for the messages on `err`; empty: the message that the link is up is omitted.
+    /// `look_every`: the interval for checking whether there is a hint.
     OwnLink(anogate::asio::io_context& io, const anogate::LinkSettings& settings, FrameTaker& taker, Streams& streams,
             std::string who, ano::Duration look_every = std::chrono::seconds{3});
     ~OwnLink();
@@ -34,18 +34,18 @@ public:
     OwnLink& operator=(const OwnLink&) = delete;
 
     void start();
-    /// Closes it. Not within a call of the taker's.
+    /// Closes it. Not to be called by the taker.
     void stop();
-    /// Sends a frame to every channel that heard from its destination, or to all of them when none did. False: there is none, or
-    /// its wire is not there.
+    /// Sends a frame to every channel on which its destination was heard, or else to all channels. False: there is no channel, or the port
+    /// of the link is missing.
     bool send(ano::FrameView frame);
     const std::string& name() const noexcept;
     bool is_up() const noexcept;
-    /// What is wrong with it while it is up, in a clause: "refused: nothing listens at 127.0.0.1:5555". Empty: nothing.
+    /// A clause: what is wrong with it while it is up: "refused: nothing listens at 127.0.0.1:5555". Empty: nothing is wrong.
     std::string trouble() const;
-    /// Bytes of no frame.
+    /// Bytes that belong to no frame.
     std::uint64_t skipped() const noexcept;
-    /// Frames of send() that wait to leave, and those that will not, each for every channel.
+    /// Frames of send() that wait to be sent, and those that were given up, counted for each channel.
     std::size_t waiting() const noexcept;
     std::uint64_t given_up() const noexcept;
 
@@ -54,7 +54,7 @@ private:
     std::unique_ptr<Host> host_;
 };
 
-/// Listens until it is interrupted or the taker wants no more. Returns how many bytes of no frame there were.
+/// Listens until it is interrupted or the taker wants no more. Returns the number of bytes that belong to no frame.
 std::uint64_t listen(const std::string& link, FrameTaker& taker, Streams& streams, const std::string& who);
 
 }    // namespace anoctl

@@ -13,7 +13,7 @@ using ano::Json;
 
 bool is_plotted(const Json& value) { return value.is_number() || value.is_boolean(); }
 
-// Nothing is left of what has no numbers; a list stays one, so that its elements keep their places.
+// Removes everything without numbers; lists keep their elements, so that the positions stay the same.
 Json numbers_of(const Json& value) {
     if (is_plotted(value)) return value;
     if (!value.is_structured()) return {};
@@ -33,7 +33,7 @@ std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::e
 }    // namespace
 
 std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options,
-                                   std::size_t most) {
+                                   std::size_t max_bytes) {
     const Json said = ano::frame_to_json(frame, options);
     const auto fields = said.find("fields");
     if (fields == said.end()) return {};
@@ -47,8 +47,8 @@ std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link
     std::vector<std::string> objects;
     std::size_t size = around;
     for (auto field = numbers.begin(); field != numbers.end(); ++field) {
-        const std::size_t more = text_of(Json{{field.key(), field.value()}}).size() - 1;    // a brace gives way to a comma
-        if (size + more > most && !place.empty()) {
+        const std::size_t more = text_of(Json{{field.key(), field.value()}}).size() - 1;    // a brace is replaced by a comma
+        if (size + more > max_bytes && !place.empty()) {
             objects.push_back(text_of(plot));
             place = Json::object();
             size = around;

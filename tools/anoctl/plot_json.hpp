@@ -1,4 +1,4 @@
-// What a frame says, as the plotter PlotJuggler takes it over UDP: JSON objects, each in a datagram of its own.
+// The values of a frame in the form that the plotter PlotJuggler takes over UDP: JSON objects, each in a datagram of its own.
 //
 //   {"timestamp": 1763898044.123456, "fc": {"0xDC": {"euler": {"rol": 1.23, "pit": -0.5}}}}
 #pragma once
@@ -11,13 +11,13 @@
 
 namespace anoctl {
 
-/// Bytes of a datagram that no network has to cut in pieces.
+/// Bytes of a datagram that networks need not fragment.
 inline constexpr std::size_t usual_datagram = 1400;
 
-/// Numbers alone: what is text or "no data" can't be plotted. None: nothing of the frame can be. `link` is where it came by. What does
-/// not fit into one object of `most` bytes is told by several of the same time, each with some of the fields. A field stays whole,
-/// also one that is longer by itself: the elements of a list are told apart by their places.
+/// Only numbers: text and "no data" can't be plotted. Empty: the frame has no numbers. `link`: where it was received. A frame that does
+/// not fit into one object of `max_bytes` gives several with the same time, each with some of the fields. A field is never split, even
+/// if it is longer than that by itself, since the elements of a list are identified by their positions.
 std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options,
-                                   std::size_t most = usual_datagram);
+                                   std::size_t max_bytes = usual_datagram);
 
 }    // namespace anoctl

@@ -34,7 +34,7 @@ std::string line_of(const fs::path& file) {
     return line;
 }
 
-/// The name of what the link at `path` leads to; empty: there is no link.
+/// The file name of the target of the symbolic link `path`; empty: there is no link.
 std::string target_name(const fs::path& path) {
     std::error_code none;
     return fs::read_symlink(path, none).filename().string();
@@ -53,7 +53,7 @@ std::optional<int> number_in(std::string_view text) {
     return bad == std::errc{} && last == text.data() + text.size() ? std::optional{number} : std::nullopt;
 }
 
-/// ttyUSB2 stands before ttyUSB10.
+/// A key for sorting: ttyUSB2 before ttyUSB10.
 auto in_order(const std::string& name) {
     const std::size_t digits = name.find_last_not_of("0123456789") + 1;
     return std::tuple{name.substr(0, digits), number_in(std::string_view{name}.substr(digits)).value_or(-1), name};
@@ -62,7 +62,7 @@ auto in_order(const std::string& name) {
 // From Linux 6.5 on, "port" and "ctrl" stand between a UART and its driver.
 bool is_between(const std::string& driver) { return driver == "port" || driver == "ctrl"; }
 
-/// What sysfs says of the device behind a port: the port's own folder, then those that it is in.
+/// Fills in what sysfs says of the device of a port: from the folder of the port, then from its parents.
 void describe(const fs::path& device, SerialPort& port) {
     std::error_code ec;
     fs::path folder = fs::canonical(device, ec);
@@ -77,7 +77,7 @@ void describe(const fs::path& device, SerialPort& port) {
     }
 }
 
-// The 8250 driver makes its ports (ttyS0 to ttyS3) whether there is a UART or not.
+// The 8250 driver makes its ports (ttyS0 to ttyS3) even without a UART.
 bool is_phantom(const fs::path& tty) { return line_of(tty / "type") == "0"; }
 
 std::string stable_name(const fs::path& root, const std::string& name) {
@@ -92,7 +92,7 @@ std::string stable_name(const fs::path& root, const std::string& name) {
     return {};
 }
 
-// --- who has them -----------------------------------------------------------------------------------------------------
+// --- holders of devices -----------------------------------------------------------------------------------------------
 
 void add_holder(const fs::path& root, int pid, std::vector<Holder>& holders) {
     const fs::path process = below(root, "/proc/" + std::to_string(pid));
@@ -116,7 +116,7 @@ void add_openers(const fs::path& root, HoldersByDevice& devices) {
     }
 }
 
-/// By flock(), as anogated does: "1: FLOCK  ADVISORY  WRITE 812 00:05:123 0 EOF". Everybody may read these.
+/// Locks by flock(), as anogated does: "1: FLOCK  ADVISORY  WRITE 812 00:05:123 0 EOF". Everybody may read these.
 void add_lockers(const fs::path& root, HoldersByDevice& devices) {
     std::map<std::string, std::vector<Holder>*> by_inode;
     for (auto& [device, holders] : devices) {
@@ -131,13 +131,13 @@ void add_lockers(const fs::path& root, HoldersByDevice& devices) {
     for (std::string line; std::getline(locks, line);) {
         std::istringstream words{line};
         const std::vector<std::string> w{std::istream_iterator<std::string>{words}, {}};
-        if (w.size() < 6 || w[1] != "FLOCK") continue;    // "->" where somebody waits for one
+        if (w.size() < 6 || w[1] != "FLOCK") continue;    // "->": a process waits for a lock
         const auto device = by_inode.find(w[5]);
         if (device != by_inode.end()) add_holder(root, number_in(w[4]).value_or(0), *device->second);
     }
 }
 
-/// By a lock file, as minicom and pppd do; the file of a process that is gone means nothing.
+/// Lock files, as of minicom and pppd; that of a process that has ended is ignored.
 void add_lock_files(const fs::path& root, HoldersByDevice& devices) {
     for (auto& [device, holders] : devices) {
         const std::string name = fs::path{device}.filename().string();

@@ -1,4 +1,4 @@
-// anoctl ports: what there is to connect to.
+// anoctl ports: the serial ports and CAN interfaces.
 #include "ports.hpp"
 #include "anoctl.hpp"
 #include "can_figures.hpp"
@@ -23,7 +23,7 @@ using ano::Json;
 
 constexpr std::size_t width = 80;
 
-/// `text` in lines of at most 80 columns, `indent` before each. A word is never cut: names are there to be copied.
+/// `text` in lines of at most 80 columns, each indented by `indent`. A word is never cut, so that names can be copied.
 std::string paragraph(const std::string& text, std::size_t indent) {
     std::istringstream words{text};
     std::string all, line;
@@ -40,7 +40,7 @@ std::string paragraph(const std::string& text, std::size_t indent) {
     return all;
 }
 
-/// What a device says of itself, harmless on a terminal and in JSON.
+/// Text from a device, made harmless for a terminal and JSON.
 std::string safe(const std::string& text) {
     std::string out = ano::to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, ano::Encoding::utf8);
     for (std::size_t at = 0; at < out.size(); ++at)

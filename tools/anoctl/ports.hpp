@@ -1,4 +1,4 @@
-// What there is to connect to, for people and for programs.
+// Lists the serial ports and CAN interfaces, for people and for programs.
 #pragma once
 #include "port_list.hpp"
 
@@ -7,8 +7,8 @@
 
 namespace anoctl {
 
-/// In lines of at most 80 columns, or one JSON object a port. `root`: as of serial_ports(); of another than "/" the kernel is not
-/// asked what it knows of CAN controllers.
+/// In lines of at most 80 columns, or one JSON object for each port. `root`: as in serial_ports(); unless it is "/", the kernel is not
+/// asked for the figures of CAN controllers.
 void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& asker, bool json, std::ostream& out);
 
 }    // namespace anoctl

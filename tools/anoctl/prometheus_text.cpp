@@ -12,7 +12,7 @@ namespace {
 
 using ano::Json;
 
-/// What stands before `end`; both are taken off the front of `rest`. Nothing: it is not there.
+/// The text before `end`; removes both from the front of `rest`. std::nullopt: there is no `end`.
 std::optional<std::string> take_until(std::string_view& rest, char end) {
     const auto at = rest.find(end);
     if (at == std::string_view::npos) return std::nullopt;
@@ -21,7 +21,7 @@ std::optional<std::string> take_until(std::string_view& rest, char end) {
     return word;
 }
 
-/// A value up to its quotation mark.
+/// A value up to its closing quotation mark.
 std::optional<std::string> take_value(std::string_view& rest) {
     std::string value;
     for (std::size_t i = 0; i < rest.size(); ++i) {
@@ -36,7 +36,7 @@ std::optional<std::string> take_value(std::string_view& rest) {
     return std::nullopt;
 }
 
-// Behind the '{', up to behind the '}'.
+// From after the '{' until after the '}'.
 std::optional<Json> take_labels(std::string_view& rest) {
     Json labels = Json::object();
     while (!rest.starts_with('}')) {
@@ -52,7 +52,7 @@ std::optional<Json> take_labels(std::string_view& rest) {
     return labels;
 }
 
-// NaN and Inf are not numbers of JSON, whole numbers beyond 2^53 not of every program: they stay text.
+// NaN and Inf are no JSON numbers, and not every program reads integers beyond 2^53: these stay text.
 Json value_of(const std::string& word) {
     constexpr std::uint64_t max_exact = std::uint64_t{1} << 53;
     Json number = Json::parse(word, nullptr, false);

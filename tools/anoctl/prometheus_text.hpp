@@ -9,7 +9,7 @@
 
 namespace anoctl {
 
-/// {"name", "labels": {…}, "value"}, one a sample; lines that are none are passed over.
+/// {"name", "labels": {…}, "value"} for each sample; other lines are ignored.
 std::vector<ano::Json> samples_of(std::string_view text);
 
 }    // namespace anoctl

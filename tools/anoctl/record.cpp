@@ -1,4 +1,4 @@
-// anoctl record FILE: the frames of the gateway that runs, into a file.
+// anoctl record FILE: records the frames of the running gateway into a file.
 #include "anoctl.hpp"
 #include "counted.hpp"
 #include "gateway.hpp"
@@ -33,9 +33,9 @@ namespace {
 
 using ano::Clock;
 
-constexpr auto sync_time = std::chrono::seconds{1};    // what a loss of power costs at most
+constexpr auto sync_time = std::chrono::seconds{1};    // the maximum that a loss of power may cost
 constexpr Clock::duration chunk_time = std::chrono::milliseconds{
-    500};    // what a kill costs at most of MCAP: a short chunk is packed badly
+    500};    // the maximum that a kill may cost with MCAP; shorter chunks compress badly
 
 anogate::RecordingHead head_now() {
     const anogate::ClockReading clocks = anogate::read_clocks();
@@ -47,7 +47,7 @@ class Recorder final : public FrameTaker {
 public:
     using Descriptions = std::map<std::string, std::string>;
 
-    /// `descriptions`: what each link is, by its name.
+    /// `descriptions`: of each link, by its name.
     Recorder(RecordingOutput& output, Descriptions descriptions, anogate::RecordingFormat format,
              anogate::RecordingOptions options)
         : output_{output},
@@ -135,7 +135,7 @@ struct Record {
         const anogate::RecordingOptions options{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true};
         if (file == "-" && streams.terminal)
             throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
-        auto descriptions = described_links();    // before there is a file: it tells whether there is a gateway
+        auto descriptions = described_links();    // before a file is made: fails when there is no gateway
         RecordingOutput output{file, force, streams};
         Recorder recorder{output, std::move(descriptions), format(), options};
         std::string why;
@@ -163,7 +163,7 @@ private:
     anogate::RecordingFormat format() const {
         return anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
     }
-    /// What the gateway holds of the last while.
+    /// Saves the latest frames, which the gateway keeps in memory.
     int save_last(Streams& streams) const {
         if (file == "-" && streams.terminal) throw UsageError{"a recording is nothing for a terminal: say a file"};
         std::string path = "/recordings/last?format=";

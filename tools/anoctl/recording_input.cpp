@@ -34,7 +34,7 @@ RecordingInput::RecordingInput(const std::string& path, Streams& streams)
 
 RecordingInput::~RecordingInput() { ::close(fd_); }
 
-// False: that is the end.
+// False: the end of the file.
 bool RecordingInput::read() {
     ssize_t n = 0;
     do n = ::read(fd_, room_.data(), room_.size());
@@ -82,7 +82,7 @@ RecordingFacts RecordingInput::facts() const {
 std::optional<IndexedRecording> read_index(const std::string& path) {
     struct stat about {};
     if (path == "-" || ::stat(path.c_str(), &about) != 0 || !S_ISREG(about.st_mode))
-        return std::nullopt;    // a pipe is not even opened: once is enough
+        return std::nullopt;    // a pipe must not be opened here: it can be read only once
     const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) return std::nullopt;
     const auto index = anogate::read_mcap_index(static_cast<std::uint64_t>(about.st_size),

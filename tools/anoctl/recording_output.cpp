@@ -35,7 +35,7 @@ RecordingOutput::~RecordingOutput() {
     if (fd_ >= 0) ::close(fd_);
 }
 
-// What was there before stays until there is something to be written. What is no plain file has no end to be cut.
+// An existing file is kept until there is something to write. Only plain files can be cut.
 void RecordingOutput::begin() {
     if (size_ == 0 && !is_new_ && ::ftruncate(fd_, 0) != 0 && errno != EINVAL) fault_ = reason(errno);
 }
@@ -56,12 +56,12 @@ void RecordingOutput::write(std::string_view parts) {
         else if (n == 0 || errno != EINTR) fault_ = reason(n == 0 ? EIO : errno);
     }
     if (rest.empty()) size_ += parts.size();
-    else if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0) return;    // readers get along with half a part at the end
+    else if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0) return;    // readers cope with half a part at the end
 }
 
 void RecordingOutput::sync() {
     if (fd_ < 0 || !fault_.empty()) return;
-    if (::fdatasync(fd_) != 0 && errno != EINVAL && errno != EROFS) fault_ = reason(errno);    // EINVAL: no plain file
+    if (::fdatasync(fd_) != 0 && errno != EINVAL && errno != EROFS) fault_ = reason(errno);    // EINVAL, EROFS: not a plain file
 }
 
 void RecordingOutput::remove_if_empty() {

@@ -1,4 +1,4 @@
-// A file that grows while something is recorded or converted into it.
+// The output file of a recording or a conversion.
 #pragma once
 #include "anoctl.hpp"
 
@@ -8,23 +8,23 @@
 
 namespace anoctl {
 
-/// What is said of a new recording, `file`, that ends neither in .pcapng nor in .mcap.
+/// The error for a new recording `file` that ends neither in .pcapng nor in .mcap.
 std::string ending_refused(const std::string& file);
 
-/// Of what is written, it holds whole parts only: when the disk is full, what does not fit whole is taken off again.
+/// The file contains only whole parts: when the disk is full, an incomplete part is cut off again.
 class RecordingOutput {
 public:
-    /// "-" is standard output. A file that is there is not touched: UsageError, unless `force`. Throws UsageError when it can't be made.
+    /// "-" is standard output. Throws UsageError when the file can't be made, or exists and `force` is not set.
     RecordingOutput(const std::string& path, bool force, Streams& streams);
     ~RecordingOutput();
     RecordingOutput(const RecordingOutput&) = delete;
     RecordingOutput& operator=(const RecordingOutput&) = delete;
 
-    /// Whole parts, as many as there are. Nothing is written after a fault.
+    /// Writes one or more whole parts. After a fault, nothing is written.
     void write(std::string_view parts);
-    /// Has it outlive a loss of power.
+    /// Syncs the file, so that it survives a loss of power.
     void sync();
-    /// Why it can't be written any more, in a clause; empty: it can.
+    /// A clause: why it can't be written any more; empty: no fault.
     const std::string& fault() const noexcept { return fault_; }
     std::uint64_t size() const noexcept { return size_; }
     /// Removes a file into which nothing was written.

@@ -1,4 +1,4 @@
-// anoctl recordings: what the gateway records itself, and what it has recorded.
+// anoctl recordings: the recordings that the gateway makes itself.
 #include "anoctl.hpp"
 #include "counted.hpp"
 #include "gateway.hpp"
@@ -35,7 +35,7 @@ namespace http = anogate::http;
 using ano::Json;
 
 constexpr std::size_t max_named = 3;                        // files of a recording, in an error
-constexpr std::uint64_t bytes_at_once = 8 * 1024 * 1024;    // of a file, that is asked for at once
+constexpr std::uint64_t bytes_at_once = 8 * 1024 * 1024;    // bytes of a file in one request
 
 std::string size_of(double bytes) {
     constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};
@@ -79,7 +79,7 @@ struct Recordings {
 private:
     static std::string path_of(const std::string& of) { return "/recordings/" + percent_encoded(of); }
 
-    /// What is answered to a body; throws Failure with its words when it is refused.
+    /// Sends a request and returns the response; throws Failure with its text when it is refused.
     Json ask(const std::string& method, const std::string& target, const Json& body = nullptr) const {
         http::Request request;
         request.method = method;
@@ -121,7 +121,7 @@ private:
             note += (note.empty() ? "" : "; ") + sum.of + ": " + sum.frames;
         }
         const std::string file = text_at(one, "file");
-        const bool tells_of_the_file = one.contains("file_seconds");    // an older gateway does not
+        const bool tells_of_the_file = one.contains("file_seconds");    // false for older gateways
         return {file.empty() ? text_at(one, "name") : file,
                 state,
                 size_of(number_at(one, "file_bytes")),
@@ -152,7 +152,7 @@ private:
             if (!words->empty()) body[key] = *words;
         return say_one(ask("POST", "/recordings", body), "is being recorded", streams);
     }
-    // Where the format is said, a name may end as it likes.
+    // With --format, any ending of the name is allowed.
     void check_ending() const {
         if (format.empty() && name.rfind('.') != name.npos && !anogate::recording_format_of(name))
             throw UsageError{ending_refused(name)};
@@ -168,7 +168,7 @@ private:
     int end(Streams& streams) const { return say_one(ask("POST", path_of(name) + "/end", Json::object()), "is ended", streams); }
     int remove(Streams& streams) const { return say_one(ask("DELETE", path_of(file_meant())), "is deleted", streams); }
 
-    /// NAME with the ending of the one file that it has. The gateway says what it is when there is none.
+    /// NAME with the ending of its only file. Unchanged when there is none: the gateway then says so.
     std::string file_meant() const {
         if (anogate::recording_format_of(name)) return name;
         std::vector<std::string> files;
@@ -193,7 +193,7 @@ private:
         return fine;
     }
 
-    // Piece by piece: it may be larger than memory, and is no other one in the middle.
+    // Gets the file piece by piece, since it may be larger than memory, and checks that it is not replaced meanwhile.
     int get(Streams& streams) const {
         const std::string which = file_meant(), into = place_for(which);
         if (into == "-" && streams.terminal) throw UsageError{"a recording is nothing for a terminal: say a file"};
@@ -201,7 +201,7 @@ private:
         std::string tag;
         for (std::uint64_t at = 0, size = 1; at < size;) {
             const http::Answer part = piece_at(which, at, tag);
-            if (part.status == 416) break;    // it is empty
+            if (part.status == 416) break;    // the file is empty
             if (part.status / 100 != 2) throw Failure{words_of(part)};
             if (part.status != 206 && at > 0) throw Failure{which + " is another one now: get it again"};
             const std::string_view range = part.header("Content-Range");
@@ -220,7 +220,7 @@ private:
         if (into != "-") tell(streams, into + ": " + counted(output->size(), "byte"));
         return fine;
     }
-    /// Where that file goes: "." is a folder.
+    /// The path to write to; it may be a folder, as ".".
     std::string place_for(const std::string& which) const {
         std::string plain = which.substr(which.rfind('/') + 1);
         std::error_code none;

@@ -19,7 +19,7 @@ void write_details(std::ostream& out, const ano::Message& row, bool color);
 
 /// "u16", "text[20]", "bytes, to the end".
 std::string type_text(const ano::Field& field);
-/// Which DATA selects a layout, behind a comma; empty for a base layout.
+/// The DATA that selects a layout, after a comma; empty for a base layout.
 std::string taken_for(const ano::Message& row);
 
 }    // namespace anoctl

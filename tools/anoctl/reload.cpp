@@ -1,4 +1,4 @@
-// anoctl reload: the gateway reads its configuration again.
+// anoctl reload: makes the gateway read its configuration again.
 #include "anoctl.hpp"
 #include "gateway.hpp"
 #include "gateway_json.hpp"
@@ -66,7 +66,7 @@ private:
         return fine;
     }
 
-    // What the gateway calls by the word of its query is an option here.
+    // Replaces names of query parameters in the gateway's text by those of our options.
     [[noreturn]] static void throw_words_of(const anogate::http::Answer& answer) {
         const std::string words = words_of(answer);
         constexpr std::string_view query_word = "'confirm_within'";
@@ -74,7 +74,7 @@ private:
         throw Failure{words};
     }
 
-    // A configuration with faults: they are the answer.
+    // The configuration has faults, which the response lists.
     int refused(const anogate::http::Answer& answer, Streams& streams) const {
         const Json came = parse_answer(answer.body);
         if (json) streams.out << came.dump() << '\n';

@@ -1,4 +1,4 @@
-// anoctl replay FILE LINK: says again by a link what devices said, as fast as they did.
+// anoctl replay FILE LINK: sends the frames of a recording on a link, with the same timing.
 #include "anoctl.hpp"
 #include "counted.hpp"
 #include "own_link.hpp"
@@ -33,11 +33,11 @@ using ano::Clock;
 using anogate::RecordedFrame;
 
 constexpr auto look_again = std::chrono::milliseconds{
-    10};    // at what tells no event: a link that comes up, a queue that gets empty
-constexpr auto look_soon = std::chrono::milliseconds{1};        // at a queue, where the link is to be kept busy
-constexpr auto patience_with_link = std::chrono::seconds{5};    // with a link that takes nothing
-constexpr auto time_to_leave = std::chrono::seconds{2};         // for the last frames
-constexpr int max_at_once = 64;                                 // frames: then the link is looked after
+    10};    // polls for changes without an event: a link that comes up, a queue that becomes empty
+constexpr auto look_soon = std::chrono::milliseconds{1};        // polls a queue, so that the link is kept busy
+constexpr auto patience_with_link = std::chrono::seconds{5};    // with a link that sends nothing
+constexpr auto time_to_leave = std::chrono::seconds{2};         // for the last frames to be sent
+constexpr int max_at_once = 64;                                 // frames: then the loop serves the link
 
 class Replayer final : public FrameTaker {
 public:
@@ -61,7 +61,7 @@ public:
         io_.run();
     }
 
-    // What others say by the link is not for a replay.
+    // Ignores frames that are received on the link.
     bool take(ano::FrameView, const Passage&) override { return true; }
     bool flush() override { return true; }
     void miss(std::uint64_t, const std::string&, std::string_view) override {}
@@ -84,7 +84,7 @@ private:
         step();
     }
 
-    // Nobody may hear it: that is told once, as soon as it is known.
+    // Reports once when nobody can receive the replay, as soon as that is known.
     void look_for_trouble() {
         if (has_told_) return;
         const std::string trouble = link_.trouble();
@@ -109,7 +109,7 @@ private:
         asio::post(io_, [this] { step(); });
     }
 
-    // As fast as the link takes it: what waits is not to grow old, nor to give way to newer frames.
+    // Whether to wait for the link, so that queued frames neither become stale nor are replaced by newer ones.
     bool must_wait() {
         const auto now = Clock::now();
         if (link_.waiting() == 0) waits_since_.reset();
@@ -151,8 +151,8 @@ private:
     ano::TimePoint began_{};
     std::optional<RecordedFrame> next_;    // valid until the next one is read
     std::optional<ano::TimePoint> due_;
-    std::optional<ano::TimePoint> waits_since_;    // for the link
-    bool has_told_ = false;                        // of its trouble
+    std::optional<ano::TimePoint> waits_since_;    // since when it waits for the link
+    bool has_told_ = false;                        // of the trouble of the link
 };
 
 struct Replay {

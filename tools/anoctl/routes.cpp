@@ -1,4 +1,4 @@
-// anoctl routes: where each address leads.
+// anoctl routes: the route of each address.
 #include "anoctl.hpp"
 #include "gateway.hpp"
 #include "gateway_json.hpp"

@@ -8,7 +8,7 @@
 namespace anoctl {
 namespace {
 
-constexpr std::size_t hanging_indent = 4;    // of the lines behind the first
+constexpr std::size_t hanging_indent = 4;    // of the lines after the first
 
 std::size_t width_of(bool is_terminal, const Streams& streams) { return is_terminal ? streams.width : 0; }
 

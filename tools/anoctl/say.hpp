@@ -1,4 +1,4 @@
-// Lines for people: on a terminal broken between words.
+// Prints lines for people; on a terminal they are broken between words.
 #pragma once
 #include "anoctl.hpp"
 
@@ -8,9 +8,9 @@ namespace anoctl {
 
 /// On standard output.
 void say(Streams& streams, std::string_view text);
-/// On standard error, behind "anoctl: ".
+/// On standard error, after "anoctl: ".
 void tell(Streams& streams, std::string_view text);
-/// A question on standard error; the cursor stays behind it.
+/// A question on standard error, without a line end.
 void ask(Streams& streams, std::string_view question);
 
 }    // namespace anoctl

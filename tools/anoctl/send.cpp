@@ -1,4 +1,4 @@
-// anoctl send NAME FIELD=VALUE...: one frame by the gateway that runs.
+// anoctl send NAME FIELD=VALUE...: sends one frame through the running gateway.
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
 #include "gateway.hpp"

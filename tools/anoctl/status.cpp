@@ -1,4 +1,4 @@
-// anoctl status: how the gateway is.
+// anoctl status: the state of the gateway.
 #include "anoctl.hpp"
 #include "gateway.hpp"
 #include "gateway_json.hpp"

@@ -57,8 +57,8 @@ std::string in_cells(std::string_view text, std::size_t cells) {
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent, std::size_t begin) {
     if (width == 0) return std::string{text};
     std::string all;
-    std::size_t line = 0, cells = begin;      // the line that grows: where it begins, how far it got
-    std::size_t end = text.npos, next = 0;    // where it may be broken
+    std::size_t line = 0, cells = begin;      // begin of the present line, and its cells so far
+    std::size_t end = text.npos, next = 0;    // where the line may be broken
     bool has_word = false;
     for (std::size_t at = 0; at < text.size();) {
         const auto [c, size] = character(text, at);
@@ -118,14 +118,14 @@ std::string time_text(double seconds) {
     return two(whole / 86400, " d", whole / 3600 % 24, " h");
 }
 
-// Where the cells of a column stand: in a line of its own row, at which cell, how many.
+// The place of a column: the line within its row, the first cell, the number of cells.
 struct Table::Column {
     std::size_t number, line, at, width;
     bool is_right;
 };
 
 std::vector<Table::Column> Table::columns(std::size_t indent, std::size_t width) const {
-    constexpr std::size_t least = 16;    // cells: a text that is narrower is hard to read
+    constexpr std::size_t min_cells = 16;    // narrower text is hard to read
     std::vector<Column> all;
     std::size_t at = indent, line = 0;
     for (std::size_t i = 0; i < heading_.size(); ++i) {
@@ -137,7 +137,7 @@ std::vector<Table::Column> Table::columns(std::size_t indent, std::size_t width)
         cells = std::max(cells, cells_of(heading_[i]) - (is_right ? 1u : 0u));
         const bool may_shrink = i + 1 == heading_.size() && !is_right;
         const auto room = [&] { return width - std::min(width, at); };
-        const bool fits = width == 0 || cells <= room() || (may_shrink && room() >= least);
+        const bool fits = width == 0 || cells <= room() || (may_shrink && room() >= min_cells);
         if (!fits && !all.empty()) {
             at = indent + 4;
             ++line;

@@ -1,4 +1,4 @@
-// Columns for people.
+// Prints tables for people.
 #pragma once
 #include <cstddef>
 #include <iosfwd>
@@ -8,7 +8,7 @@
 
 namespace anoctl {
 
-/// Two spaces stand between columns; one without anything below its heading is left out.
+/// There are two spaces between columns. A column that is empty below its heading is omitted.
 class Table {
 public:
     using Line = std::vector<std::string>;
@@ -19,8 +19,8 @@ public:
     /// A line of its own below the last row.
     void note(std::string text) { lines_.push_back({std::move(text)}); }
     bool empty() const noexcept { return lines_.empty(); }
-    /// In at most `width` cells a line, where that is possible (0: as long as it gets): columns without room stand below the others, and the last
-    /// one is broken between words.
+    /// Uses at most `width` cells a line, if possible (0: no limit): columns without room go below the others, and the last one is broken
+    /// between words.
     void write(std::ostream& out, std::string_view indent = {}, std::size_t width = 0) const;
 
 private:
@@ -34,20 +34,20 @@ private:
 /// How many cells of a terminal `text` takes: Chinese characters take two.
 std::size_t cells_of(std::string_view text) noexcept;
 
-/// As much of `text` as fits into so many cells, never half a character.
+/// The beginning of `text` that fits into `cells`, never half a character.
 std::string in_cells(std::string_view text, std::size_t cells);
 
-/// `text` in lines of at most `width` cells, broken between words or Chinese characters; those behind the first begin with `indent`
-/// spaces, and `begin` cells stand before the first. A word that is longer than a line stays whole. `width` 0: as it is.
+/// `text` in lines of at most `width` cells, broken between words or Chinese characters. The lines after the first begin with `indent`
+/// spaces; before the first one, `begin` cells are already used. A word that is longer than a line stays whole. `width` 0: unchanged.
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent = 0, std::size_t begin = 0);
 
-/// Without control characters, which a terminal would obey: each becomes '?'.
+/// Replaces each control character, which a terminal would execute, by '?'.
 std::string without_controls(std::string_view text);
 
 /// "1 waypoint", "3 waypoints"
 std::string plural(std::size_t number, const std::string& word);
 
-/// "0.3 s", "12 s", rounded to the nearest; from two minutes on what is whole: "5 min", "3 h 12 min", "2 d 3 h"
+/// "0.3 s", "12 s", rounded to the nearest; from two minutes on rounded down: "5 min", "3 h 12 min", "2 d 3 h"
 std::string time_text(double seconds);
 
 }    // namespace anoctl

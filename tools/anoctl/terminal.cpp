@@ -30,12 +30,12 @@ bool is_screen() noexcept {
 void Screen::enter() noexcept {
     if (entered_ || ::tcgetattr(STDIN_FILENO, &before_) != 0) return;
     termios raw = before_;
-    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);    // Ctrl-C and Ctrl-Z mean what they do elsewhere
+    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);    // Ctrl-C and Ctrl-Z keep their effects
     raw.c_cc[VMIN] = 1;
     raw.c_cc[VTIME] = 0;
     ::tcsetattr(STDIN_FILENO, TCSADRAIN, &raw);
     entered_ = true;
-    write_all("\x1b[?1049h\x1b[?25l");    // another screen, no cursor
+    write_all("\x1b[?1049h\x1b[?25l");    // alternate screen, no cursor
 }
 
 void Screen::leave() noexcept {

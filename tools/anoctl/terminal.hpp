@@ -1,4 +1,4 @@
-// A terminal that is used as a screen, and given back as it was.
+// Uses a terminal as a full screen, and restores it afterwards.
 #pragma once
 #include <termios.h>
 
@@ -8,10 +8,10 @@
 
 namespace anoctl {
 
-/// Standard input and output are one, and it can move its cursor.
+/// Whether standard input and output are a terminal that can move its cursor.
 bool is_screen() noexcept;
 
-/// While it lives, keys come without Enter and are not shown, and lines stand at their places.
+/// While it exists, keys are read without Enter and not echoed, and the alternate screen is shown.
 class Screen {
 public:
     Screen() noexcept { enter(); }
@@ -19,7 +19,7 @@ public:
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
 
-    /// As it was before, and back: for a program that is stopped meanwhile.
+    /// Restores the terminal, and takes it again: for a program that is stopped meanwhile (Ctrl-Z).
     void leave() noexcept;
     void enter() noexcept;
 
@@ -27,7 +27,7 @@ public:
         std::size_t width = 80, height = 24;
     };
     static Size size() noexcept;
-    /// False: it is gone.
+    /// False: the terminal is gone.
     static bool show(const std::vector<std::string>& lines);
 
 private:

@@ -1,4 +1,4 @@
-// anoctl top: the channels and addresses of the gateway that runs, as a live screen.
+// anoctl top: the channels and addresses of the running gateway, as a live screen.
 #include "anoctl.hpp"
 #include "gateway.hpp"
 #include "terminal.hpp"
@@ -41,13 +41,13 @@ http::Request get(std::string target) {
 class Top {
 public:
     explicit Top(const std::string& socket) : status_{io_, socket}, frames_{io_, socket} {
-        keys_.assign(::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC));    // by itself: what never waits is not for others
+        keys_.assign(::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC));    // not shared: Asio makes it non-blocking
         signals_.add(SIGQUIT);
         signals_.add(SIGWINCH);
         signals_.add(SIGTSTP);
     }
 
-    /// Until it is ended; the fault that ended it, or nothing.
+    /// Runs until it is ended. Returns the fault that ended it, or empty.
     std::string run() {
         await_signal();
         await_key();

@@ -14,7 +14,7 @@ namespace {
 
 using Status = nlohmann::json;
 
-// Of a status: what is missing or of another type counts as nothing.
+// A member of a status; a missing member, or one of another type, counts as empty.
 const Status& member_of(const Status& object, std::string_view key) {
     static const Status nothing;
     if (!object.is_object()) return nothing;
@@ -138,19 +138,19 @@ std::string column(std::string_view text, std::size_t width) {
     return shown.append(width - characters_of(shown), ' ');
 }
 
-// A space before it, and never cut: that would be another number.
+// With a space before it. Never cut, since that would give another number.
 std::string number_column(std::string_view text, std::size_t width) {
     return std::string(1 + width - std::min(width, text.size()), ' ').append(text);
 }
 
 constexpr std::array<std::size_t, 5> number_widths{5, 5, 6, 5, 6};
-constexpr std::size_t usual_width = 80, names_there = 31;    // and so much of it is for link and peer
+constexpr std::size_t usual_width = 80, names_there = 31;    // names_there: the part for link and peer
 
 struct NameWidths {
     std::size_t link = 0, peer = 0;
 };
 
-// What they need, as far as it is there: of a wider screen they get two thirds of what it has more, and the causes the rest.
+// The width that the names need, as far as available: of the additional width of a wide screen they get two thirds, the causes the rest.
 NameWidths name_widths(const std::vector<TopChannel>& rows, std::size_t width) {
     NameWidths need{4, 4};
     for (const TopChannel& row : rows)
@@ -180,7 +180,7 @@ std::string address_line(const TopAddress& row) {
            number_column(age_text(row.age), 6) + "  " + row.links;
 }
 
-/// The first of `lines` that fit in `room`, the last of which says how many do not.
+/// Appends those of `lines` that fit in `room`; the last line says how many are omitted.
 void put(std::vector<std::string>& screen, const std::vector<std::string>& lines, std::size_t room) {
     const std::size_t shown = lines.size() <= room ? lines.size() : room == 0 ? 0 : room - 1;
     screen.insert(screen.end(), lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(shown));

@@ -1,4 +1,4 @@
-// Which frames of a link of our own are wanted: a gateway chooses those of its own by itself.
+// Selects the wanted frames of a link of our own. (A gateway filters its frames itself.)
 #pragma once
 #include <ano/frame.hpp>
 
@@ -10,7 +10,7 @@ namespace anoctl {
 
 class WantedFrames {
 public:
-    /// The words of --id, --from and --to; none: all. Throws UsageError.
+    /// The words of --id, --from and --to; empty: all. Throws UsageError.
     WantedFrames(const std::vector<std::string>& ids, const std::vector<std::string>& from, const std::vector<std::string>& to);
 
     bool takes(ano::FrameView frame) const { return ids_[frame.id()] && from_[frame.source()] && to_[frame.destination()]; }

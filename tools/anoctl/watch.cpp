@@ -27,7 +27,7 @@ using Told = nlohmann::json;
 
 constexpr auto flush_time = std::chrono::milliseconds{250};
 
-// The names of numbers that the gateway told.
+// The names for the numbers in records, as sent by the gateway.
 class Names {
 public:
     void set(const Told& list) {
@@ -90,7 +90,7 @@ private:
         FrameWatcher& watcher_;
     };
 
-    // What the numbers mean, or what was lost.
+    // A text message has the names for the numbers, or the lost frames.
     void hear(std::string_view text) {
         const Told told = Told::parse(text, nullptr, false);
         if (!told.is_object()) return;
@@ -127,7 +127,7 @@ private:
         }
     }
 
-    // What waits is written also when nothing comes any more.
+    // Writes waiting output also when no more frames come.
     void tick() {
         tick_.expires_after(flush_time);
         tick_.async_wait([this](anogate::error_code ec) {

@@ -50,7 +50,7 @@ WebDoor door_of(const Json& http) {
     return door;
 }
 
-/// What is the matter where no HTTP is served, and what to do.
+/// Why HTTP is not served, and what to do.
 std::string why_not(const Json& http, const std::string& file) {
     const std::string state = text_at(http, "state"), error = text_at(http, "error");
     if (state == "waiting") return "no HTTP yet: " + error + "; the gateway waits for it";

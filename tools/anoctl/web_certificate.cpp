@@ -31,8 +31,8 @@ CertificateNames names_for(const Computer& computer) {
     return names;
 }
 
-// The service is no root, and a key that only root may read is of no use to it. What root made here may have been replaced meanwhile
-// by who owns the folder: a second name of a file of root's is left alone.
+// The service does not run as root, and can't read a key that only root may read. The owner of the folder may have replaced the file
+// meanwhile by a hard link to another file of root: such a file is left alone.
 bool give_to_service(const std::string& key) {
     const passwd* user = ::geteuid() == 0 ? ::getpwnam(user_of_the_service) : nullptr;
     if (!user) return false;
@@ -62,7 +62,7 @@ std::string certificate_folder() {
 MadeCertificate make_certificate_in(const std::string& folder, const Computer& computer) {
     std::error_code ec;
     fs::path whole = fs::absolute(folder, ec).lexically_normal();
-    if (!whole.has_filename() && whole.has_relative_path()) whole = whole.parent_path();    // a slash at its end
+    if (!whole.has_filename() && whole.has_relative_path()) whole = whole.parent_path();    // removes a slash at the end
     MadeCertificate made{whole / "certificate.pem", whole / "key.pem", {}, {}, false};
     check(whole, made);
     const CertificateNames names = names_for(computer);

@@ -1,4 +1,4 @@
-// A certificate of our own for a gateway's TCP door.
+// Makes a self-signed certificate for the TCP access of a gateway.
 #pragma once
 #include "web_names.hpp"
 
@@ -8,17 +8,17 @@
 namespace anoctl {
 
 struct MadeCertificate {
-    std::string certificate, key;      // whole paths
-    std::vector<std::string> names;    // that it is for: hosts and addresses
+    std::string certificate, key;      // absolute paths
+    std::vector<std::string> names;    // hosts and addresses that it is valid for
     std::string fingerprint;           // SHA-256
-    bool is_for_service = false;       // the service's user owns the key
+    bool is_for_service = false;       // the key is owned by the user of the service
 };
 
-/// The folder when none is given: that of the gateway's configuration for root, where there is one, else this one.
+/// The default folder: for root that of the gateway's configuration, if it exists; else the current one.
 std::string certificate_folder();
 
-/// Makes certificate.pem and key.pem in `folder`, for the names and addresses of `computer`, localhost included. Throws Failure: what
-/// is in the way, and what to do. Nothing is written over.
+/// Makes certificate.pem and key.pem in `folder`, for the names and addresses of `computer`, localhost included. Throws Failure with the
+/// problem and a solution. Existing files are not overwritten.
 MadeCertificate make_certificate_in(const std::string& folder, const Computer& computer);
 
 }    // namespace anoctl

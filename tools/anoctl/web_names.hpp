@@ -1,4 +1,4 @@
-// Under which names and addresses a gateway is found by HTTP: arithmetic, no I/O.
+// The names and addresses under which a gateway is reached by HTTP. No I/O.
 #pragma once
 #include <gateway/ip.hpp>
 
@@ -7,29 +7,29 @@
 
 namespace anoctl {
 
-/// The computer that it runs on.
+/// The computer of the gateway.
 struct Computer {
-    std::string name;                             // of the host; empty: it has none
+    std::string name;                             // the host name; empty: it has none
     std::vector<anogate::IpAddress> addresses;    // of its interfaces
 };
 
-/// Where it listens.
+/// The endpoint where the gateway listens.
 struct WebDoor : anogate::Endpoint {
     bool is_encrypted = false;
-    std::vector<std::string> hosts{};    // names that the configuration gives it
+    std::vector<std::string> hosts{};    // configured names
 };
 
 /// "vehicle", "vehicle.local".
 std::vector<std::string> names_of(const Computer& computer);
 
-/// Addresses that others can reach and write into a browser: neither of a loopback, nor of one link alone.
+/// Addresses that other computers can type into a browser: neither loopback nor link-local ones.
 std::vector<anogate::IpAddress> reachable(const Computer& computer);
 
-/// "https://192.168.1.5:8088/": every way to it, addresses first, for they always work; of a loopback address, those of this
-/// computer alone.
+/// "https://192.168.1.5:8088/": all URLs of the gateway, those with addresses first, since they always work. When it listens on a loopback
+/// address, only those for this computer.
 std::vector<std::string> urls_of(const WebDoor& door, const Computer& computer);
 
-/// The way to it on this computer itself.
+/// The URL on this computer itself.
 std::string url_here(const WebDoor& door);
 
 }    // namespace anoctl

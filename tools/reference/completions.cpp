@@ -11,7 +11,7 @@ std::string joined(const std::vector<std::string>& words) {
     return all;
 }
 
-/// In single quotation marks, as bash and zsh read them.
+/// In single quotation marks, for bash and zsh.
 std::string quoted(std::string_view text) {
     std::string out = "'";
     for (const char c : text) out += c == '\'' ? std::string{"'\\''"} : std::string{c};
@@ -42,7 +42,7 @@ std::string offered_by_bash(const Program& program, const Argument& argument) {
     return ":";
 }
 
-/// The lines of a case statement: what is offered behind each option of a command.
+/// The lines of a case statement: what is offered after each option of a command.
 std::string values_for_bash(const Program& program, const Command& command) {
     std::string text;
     for (const Argument& option : command.options)
@@ -97,7 +97,7 @@ _%P_links() {
 }
 )bash";
 
-// The gateway is asked by the program as it was called, with the words so far: --control may be among them.
+// Calls the program in the same way as on the command line, with the words so far, since --control may be among them.
 constexpr char bash_known[] =
     R"bash(_%P_known() { "${COMP_WORDS[0]}" __complete "$1" "${COMP_WORDS[@]:1}" 2>/dev/null | cut -f1; }
 _%P_addresses() { _%P_words "%ADDRESSES% $(_%P_known devices)"; }
@@ -161,7 +161,7 @@ bool has_commands(const Program& program) { return !program.commands.front().nam
 
 // --- zsh --------------------------------------------------------------------------------------------------------------
 
-/// In a description of _arguments.
+/// Escaped for a description of _arguments.
 std::string described(const std::string& help) {
     std::string text = first_clause(help);
     for (const char c : {'[', ']'}) std::replace(text.begin(), text.end(), c, ' ');

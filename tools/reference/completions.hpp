@@ -1,4 +1,4 @@
-// What shells offer behind the names of the programs.
+// The completions of shells for the programs.
 #pragma once
 #include "programs.hpp"
 

@@ -7,10 +7,10 @@
 namespace reference {
 namespace {
 
-// Pages have a date in mdoc; it is that of the form, not of what a table says.
+// mdoc requires a date; it is that of the form of the pages, not of their generated content.
 constexpr char date[] = "November 22, 2026";
 
-/// A hyphen that stays one when it is copied, and no escapes.
+/// Escapes hyphens, so that they stay hyphens when copied, and backslashes.
 std::string escaped(std::string_view words) {
     std::string out;
     for (const char c : words) {
@@ -21,7 +21,7 @@ std::string escaped(std::string_view words) {
     return out;
 }
 
-/// One line as text: what would be a command at its beginning is none.
+/// Escapes a line, so that its beginning is not taken for a command.
 std::string line_of_text(std::string_view line) {
     const bool is_command = !line.empty() && (line.front() == '.' || line.front() == '\'');
     return (is_command ? "\\&" : "") + escaped(line) + "\n";
@@ -29,19 +29,19 @@ std::string line_of_text(std::string_view line) {
 
 /// Words in lines of at most 80 bytes, as mdoc wants them.
 std::string lines_of_text(std::string_view words) {
-    constexpr std::size_t width = 78;    // \& may stand before it
+    constexpr std::size_t width = 78;    // \& may be put before it
     std::string all;
     while (escaped(words).size() > width) {
         std::size_t end = std::min(words.size(), width);
         while (end != 0 && (words[end - 1] != ' ' || escaped(words.substr(0, end)).size() > width)) --end;
-        if (end == 0) end = std::min(words.find(' '), words.size() - 1) + 1;    // a word that is longer
+        if (end == 0) end = std::min(words.find(' '), words.size() - 1) + 1;    // a word longer than the line
         all += line_of_text(words.substr(0, end - (words[end - 1] == ' ' ? 1 : 0)));
         words.remove_prefix(end);
     }
     return words.empty() ? all : all + line_of_text(words);
 }
 
-/// One argument of a macro, whatever is in it.
+/// Quotes one argument of a macro.
 std::string argument(std::string_view word) {
     std::string out = "\"\\&";
     for (const char c : escaped(word)) out += c == '"' ? std::string{"\"\""} : std::string{c};
@@ -78,7 +78,7 @@ void Page::subsection(std::string_view title) {
     began_ = false;
 }
 
-// mdoc wants every sentence on a line of its own.
+// mdoc requires every sentence on a line of its own.
 void Page::text(std::string_view words) {
     for (std::size_t at = 0; at < words.size(); ++at) {
         if (!ends_sentence(words, at)) continue;

@@ -13,16 +13,16 @@ public:
 
     void section(std::string_view title);
     void subsection(std::string_view title);
-    /// Words for people: nothing in it is taken for a command of mdoc.
+    /// A text; nothing in it is taken for a command of mdoc.
     void text(std::string_view words);
-    /// Between two texts.
+    /// A paragraph break between two texts.
     void paragraph();
-    /// Lines as they are.
+    /// Lines that are not reformatted.
     void literal(std::string_view lines);
 
-    /// A list of what is explained by words.
+    /// A list of terms with explanations.
     void begin_list();
-    /// `name` is to be written as it stands, `value` stands for something else; either may be empty.
+    /// `name` is typed literally, `value` is a placeholder; either may be empty.
     void item(std::string_view name, std::string_view value, std::string_view words);
     void end_list();
 
@@ -36,7 +36,7 @@ private:
     void macro(std::string_view line);
 
     std::string text_;
-    bool began_ = false;    // something stands in this section or item already
+    bool began_ = false;    // this section or item has content already
 };
 
 }    // namespace reference

@@ -86,7 +86,7 @@ std::vector<std::string> message_names() {
     return names;
 }
 
-// Upper and lower case are the same, and '_' stands for a space.
+// Case does not matter, and '_' stands for a space.
 std::vector<std::string> address_names() {
     std::vector<std::string> names;
     for (unsigned a = 1; a <= 255; ++a) {

@@ -10,7 +10,7 @@ namespace reference {
 enum class Offer { nothing, words, files, messages, links, ports, addresses, link_names, fields, devices, parameters, commands };
 
 struct Argument {
-    std::vector<std::string> names;    // "-c", "--config"; none: it is known by its place
+    std::vector<std::string> names;    // "-c", "--config"; empty: an operand
     std::string value;                 // "FILE"; empty: a flag
     std::string help;
 
@@ -36,7 +36,7 @@ Program anogated_program();
 Program anoctl_program();
 
 std::vector<std::string> message_names();
-/// Those that stand for one address: "host", "flight_controller", …
+/// The names of single addresses: "host", "flight_controller", …
 std::vector<std::string> address_names();
 /// "serial:", "udp-listen:", …
 std::vector<std::string> link_prefixes();

@@ -1,9 +1,9 @@
-// Who an address is.
+// The names of addresses.
 import { whoText } from "./i18n";
 import { devices, status } from "./live/gateway";
 import { hexByte } from "./protocol/table";
 
-/** The name that the device says, else what the gateway knows the address as. */
+/** The name that the device gives itself, else the gateway's name for the address. */
 export function nameOf(address: number): string {
   const hex = hexByte(address);
   const said = devices.get().find((device) => Number(device.address) === address)?.name;

@@ -1,7 +1,7 @@
-// Questions to the gateway, and how they ended.
+// Requests to the gateway, and their results.
 
 export interface Refusal {
-  status: number; // 0: there was no answer
+  status: number; // 0: no response
   error: string;
   what: string;
   evidence?: Record<string, unknown> | undefined;
@@ -10,13 +10,13 @@ export interface Refusal {
 
 export type Answer<T> = { ok: true; value: T; status: number } | { ok: false; refusal: Refusal };
 
-/** Told of every answer, whatever it says: the gateway is there. */
+/** Called for every response, of any status: the gateway is there. */
 export const onHeard: { call: () => void } = { call: () => undefined };
 export const onTokenNeeded: { call: () => void } = { call: () => undefined };
 
 export interface Options {
   method?: string;
-  body?: unknown; // JSON, or a Blob as it is
+  body?: unknown; // JSON, or a Blob, which is sent unchanged
   timeout?: number; // milliseconds; 0: none
   accept?: string;
 }
@@ -32,7 +32,7 @@ export function refusalOf(status: number, body: unknown): Refusal {
   };
 }
 
-/** Where the page is, without its file: it may stand behind a proxy's path. */
+/** The path of the page, without its file: the page may be behind a proxy, below a path. */
 const base = (): string => location.pathname.replace(/[^/]*$/, "");
 export const path = (route: string): string => base() + route.replace(/^\//, "");
 

@@ -1,4 +1,4 @@
-// What stands around every page: where one is, whether the gateway is there, how to go elsewhere.
+// The frame around every page: the present page, the state of the gateway, the navigation.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { t, setLanguage, useLanguage } from "./i18n";
@@ -42,7 +42,7 @@ function Switches() {
   );
 }
 
-/** The addresses whose pages are offered: who was heard, but for hosts; who is in a recording; and the one that is looked at. */
+/** The addresses whose pages are offered: those that were heard, except hosts; those in a recording; and the chosen one. */
 function useDevices(chosen: number | undefined, replayed: Map<number, string>): number[] {
   const heard = useStore(devices).map((device) => Number(device.address));
   const all = new Set([...heard.filter((address) => address !== 0xfe && address !== 0xd2), ...replayed.keys()]);
@@ -50,7 +50,7 @@ function useDevices(chosen: number | undefined, replayed: Map<number, string>): 
   return [...all].sort((a, b) => a - b);
 }
 
-/** `among`: how many there are; with more of them it may be out of sight again. */
+/** `among`: the number of tabs; when it changes, this one may have to be scrolled into view again. */
 function Tab({ page, device, here, among }: { page: Page; device?: number | undefined; here: boolean; among: number }) {
   const ref = useRef<HTMLAnchorElement>(null);
   useEffect(() => {
@@ -157,7 +157,7 @@ function Banner() {
   );
 }
 
-/** What the pages of a device say is of both, where two claim to be it; and what acts may reach either. */
+/** A note when two devices have this address: the pages show values of both, and commands may reach either. */
 function ConflictNote({ device }: { device: number }) {
   const conflict = useStore(status)?.conflicts.find((one) => Number(one.address) === device);
   if (!conflict) return null;
@@ -168,7 +168,7 @@ function ConflictNote({ device }: { device: number }) {
   );
 }
 
-/** Whoever is looked at is in a recording alone. */
+/** A note that the chosen device exists only in a recording. */
 function ReplayedNote({ link }: { link: string }) {
   return <p class="note" role="status">{t("replayed_more", { link })}</p>;
 }

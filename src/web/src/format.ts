@@ -1,16 +1,16 @@
-// Numbers and times as people read them.
+// Formats numbers and times for people.
 import type { FieldRow, Value } from "./protocol/table";
 
-/** As many digits as the scale of the field gives, and no more. */
+/** The number of decimal places that the scale of the field gives. */
 export function digitsOf(scale: number | undefined): number {
   if (scale === undefined || scale >= 1) return 0;
   return Math.min(Math.max(Math.ceil(-Math.log10(scale) - 1e-9), 0), 7);
 }
 
-/** No minus before a zero. */
+/** Without a minus before a zero. */
 export const fixed = (value: number, digits: number): string => value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1");
 
-/** Short enough for a table: four digits that count. */
+/** Short enough for a table: four significant digits. */
 export function shortNumber(value: number): string {
   const size = Math.abs(value);
   if (!Number.isFinite(value)) return "–";
@@ -50,13 +50,13 @@ export function numberText(value: number | bigint, field: FieldRow): string {
   return field.scale !== undefined && field.scale < 1 ? value.toFixed(digitsOf(field.scale)) : String(value);
 }
 
-const longest = 400; // characters of a text that a device sent
+const maxText = 400; // characters of a text that a device sent
 
-/** Without its unit. Whatever a device sends stays text. */
+/** Without its unit. Text from a device is never interpreted as HTML. */
 export function valueText(value: Value, field: FieldRow): string {
   if (value === null) return "–";
   if (typeof value === "number" || typeof value === "bigint") return numberText(value, field);
-  if (typeof value === "string") return value.length > longest ? value.slice(0, longest) + "…" : value;
+  if (typeof value === "string") return value.length > maxText ? value.slice(0, maxText) + "…" : value;
   if (Array.isArray(value)) {
     const shown = value.slice(0, 16).map((one) => valueText(one, field));
     return "[" + shown.join(", ") + (value.length > 16 ? `, … ${value.length}` : "") + "]";
@@ -64,6 +64,6 @@ export function valueText(value: Value, field: FieldRow): string {
   return Object.entries(value).map(([name, one]) => `${name} ${one === null ? "–" : String(one)}`).join(" ");
 }
 
-/** What a number of an enumeration means. */
+/** The meaning of a number of an enumeration. */
 export const meaningOf = (value: Value, field: FieldRow): string | undefined =>
   typeof value === "number" ? field.values?.[String(value)] : undefined;

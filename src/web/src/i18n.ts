@@ -1,4 +1,4 @@
-// The page's words in two languages. {x} is filled in.
+// The texts of the page in two languages. {x} is replaced by a value.
 import { Store, useStore } from "./live/store";
 import { remember, remembered } from "./kept";
 import { words } from "./words";
@@ -35,7 +35,7 @@ export function t(key: Key, args?: Record<string, unknown>): string {
 
 export const useLanguage = (): Language => useStore(language);
 
-/** What the gateway says of a link: in Chinese where its id is known, else as it says it. */
+/** The gateway's text about a link: in Chinese when its id is known, else unchanged. */
 export function hintText(id: string, text: string, args: Record<string, unknown>): string {
   if (language.get() !== "zh") return hintsInEnglish[id] ?? text;
   const known = hints[id];
@@ -45,10 +45,10 @@ export function errorText(id: string, text: string, args: Record<string, unknown
   const known = language.get() === "zh" ? errors[id] : undefined;
   return known === undefined ? text : filled(known, args);
 }
-/** What a job does, and why it did not end well: in Chinese where that is known. */
+/** What a job does, or why it failed: in Chinese when a translation is known. */
 export const messageText = (text: string): string => (language.get() === "zh" ? messageInChinese(text) : text);
 export const reasonText = (text: string): string => (language.get() === "zh" ? reasonInChinese(text) : text);
-/** What a counter counts; its name where it is not known. */
+/** The meaning of a counter; its name when that is not known. */
 export const causeText = (name: string): string => causes[name]?.[language.get() === "zh" ? 1 : 0] ?? name;
 export const whoText = (who: string): string => (language.get() === "zh" ? (whos[who] ?? who) : who);
 export const titleText = (name: string, title: string): string => (language.get() === "zh" ? (titles[name] ?? title) : title);

@@ -1,6 +1,6 @@
-// What the browser keeps for the next time.
+// Settings that the browser keeps for the next visit.
 
-/** A browser may forbid to keep anything: then it is forgotten. */
+/** A browser may forbid storage: then nothing is kept. */
 export function remember(key: string, value: string): void {
   try {
     localStorage.setItem("anogate." + key, value);

@@ -1,4 +1,4 @@
-// Light, dark, or as the system has it.
+// Light, dark, or as in the system settings.
 import { remember, remembered } from "./kept";
 import { Store } from "./live/store";
 

@@ -1,4 +1,4 @@
-// In Chinese, what the gateway says in English of jobs: what is under way, and why it did not end well. What is not here stays as it is.
+// Chinese translations of the gateway's texts about jobs: progress and errors. Other texts stay in English.
 
 const messages: Record<string, string> = {
   "reading parameters": "正在读取参数",
@@ -81,7 +81,7 @@ const reasons: [RegExp, string][] = [
   [/^it was not turned to all sides within 10 minutes$/, "10 分钟内没有转遍所有方向"],
 ];
 
-/** "sending, 12.3 KB/s, 40 s left" as well. */
+/** Also of texts with numbers: "sending, 12.3 KB/s, 40 s left". */
 export function messageInChinese(message: string): string {
   const [first = "", ...rest] = message.split(", ");
   const whole = messages[message];

@@ -1,4 +1,4 @@
-// In Chinese, what the gateway says in English with an id beside it; and what its counters count, in both.
+// Chinese translations of the gateway's texts that have an id; and the meanings of its counters in both languages.
 
 export const unhandled = { try_hello: "（有的设备要先有人说话才开口：试试 hello=on）" };
 
@@ -31,13 +31,13 @@ export const hints: Record<string, string> = {
   nothing_from_peer: "对端还什么都没发来",
 };
 
-/** Where the gateway's own English is for another reader than this page's. */
+/** English texts for this page, where the gateway's own ones are for other readers. */
 export const hintsInEnglish: Record<string, string> = {
   two_peers_one_device: "two peers speak as one device: what needs attention names it",
   no_host_takes: "shown on this page, and no other host takes it: one gets it when it sends something, or where it is named: --route 0xFE=LINK",
 };
 
-/** A link that has such a hint is well: this page shows what comes, and who listens may wait. */
+/** A link with such a hint is not in trouble: this page shows its frames, and a listener may wait. */
 export const calmHints: ReadonlySet<string> = new Set(["no_host_takes", "no_peer_yet", "recording_ended"]);
 
 export const errors: Record<string, string> = {

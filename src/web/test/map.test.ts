@@ -38,7 +38,7 @@ for (const [leaves, packed] of [[false, true], [true, true], [true, false]])
   test(`finds tiles ${leaves ? "by two levels of directories" : "in one directory"}, ${packed ? "packed" : "as they are"}`, async () => {
     const tiles = [tile(0, 0, 0, "world"), tile(1, 1, 0, "sea"), tile(1, 1, 1, "sea"), tile(14, 13490, 6203, "field"), tile(14, 13491, 6203, "wood")];
     const file = await open(mapFile(tiles, { leaves, packed, attribution: '<a href="https://example.org">&copy; somebody</a>' }));
-    assert.deepEqual([file.header.least, file.header.most, file.header.type], [0, 14, "image/png"]);
+    assert.deepEqual([file.header.minZoom, file.header.maxZoom, file.header.type], [0, 14, "image/png"]);
     for (const one of tiles) assert.equal(await words(await file.tile(one.zoom, one.x, one.y)), one.picture.toString());
     for (const [z, x, y] of [[1, 0, 0], [14, 13492, 6203], [13, 0, 0]]) assert.equal(await file.tile(z!, x!, y!), undefined);
     assert.equal(await file.attribution(), "© somebody");

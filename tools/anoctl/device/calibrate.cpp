@@ -1,4 +1,4 @@
-// anoctl calibrate: finds the calibration of a sensor while somebody turns the device.
+// anoctl calibrate: finds the calibration of a sensor while the user turns the device.
 #include "calibration_text.hpp"
 #include "device_client.hpp"
 #include "job_view.hpp"
@@ -46,7 +46,7 @@ private:
     Streams& streams_;
     const bool yes_;
     LiveLines lines_;
-    std::string message_, step_;    // told last
+    std::string message_, step_;    // as printed last
 };
 
 struct Calibrate {

@@ -22,7 +22,7 @@ using ano::Json;
 namespace {
 
 constexpr std::array<std::string_view, 6> faces{"+x", "-x", "+y", "-y", "+z", "-z"};
-constexpr std::size_t bands = 6, sectors = 12;    // of the sphere, as GET /jobs tells it: band 0 is below
+constexpr std::size_t bands = 6, sectors = 12;    // of the sphere, as in GET /jobs: band 0 is at the bottom
 
 bool lists(const Json& array, std::string_view word) {
     return std::any_of(array.begin(), array.end(), [&](const Json& one) { return one.is_string() && one == word; });
@@ -58,7 +58,7 @@ std::vector<std::string> faces_drawn(const Json& step) {
     return lines;
 }
 
-// From above to below; around it from the x axis.
+// Bands from top to bottom; sectors around it, beginning at the x axis.
 std::vector<std::string> sphere_drawn(const Json& step) {
     const Json& covered = at(step, "coverage");
     std::vector<std::string> lines;

@@ -1,4 +1,4 @@
-// anoctl command: what a device can be told to do.
+// anoctl command: lists and sends the commands of a device.
 #include "command_values.hpp"
 #include "device_client.hpp"
 

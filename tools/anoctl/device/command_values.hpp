@@ -1,4 +1,4 @@
-// The values of a command, as somebody typed them.
+// Parses the values of a command from the command line.
 #pragma once
 #include <ano_json/frame_json.hpp>
 
@@ -9,11 +9,11 @@
 
 namespace anoctl {
 
-/// The one of `commands` (as GET /devices/A/commands has them) that `word` stands for: its name, or its number. Throws UsageError for none, and for
-/// several of that name.
+/// The one of `commands` (as in GET /devices/A/commands) named or numbered `word`. Throws UsageError when there is none, or several
+/// have that name.
 const ano::Json& command_called(const ano::Json& commands, const std::string& word);
 
-/// As the types of `command` want them. Throws UsageError: too few or too many, which one is no number, or beyond the range of its type.
+/// The values in the types of `command`. Throws UsageError when there are too few or too many, or one is no number or out of range.
 ano::Json command_values(const ano::Json& command, const std::vector<std::string>& words);
 
 /// "move u16 i16 f32"

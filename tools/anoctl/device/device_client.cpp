@@ -44,14 +44,14 @@ http::Request request_of(const std::string& method, std::string target, std::str
     return request;
 }
 
-// " --control PATH" behind a command that is to be typed, where it was given with this one.
+// " --control PATH" for a suggested command, if it was given with this one.
 std::string place_to_type(const DeviceOptions& options) {
     const std::string& path = options.gateway.control;
     const bool is_plain = path.find_first_of(" \t'\"\\$*?;&|<>()") == std::string::npos;
     return path.empty() ? path : " --control " + (is_plain ? path : ano::in_quotes(path));
 }
 
-// Why it was not done; where somebody else has the device, what can be done about it.
+// Why it was refused; when another client uses the device, with what can be done about it.
 std::string words_of_refusal(const http::Answer& answer, const Json& device, const DeviceOptions& options) {
     std::string words = with_device_named(with_options_named(words_of(answer), options.command), device);
     const Json json = Json::parse(answer.body, nullptr, false);
@@ -66,7 +66,7 @@ std::string words_of_refusal(const http::Answer& answer, const Json& device, con
 struct DeviceClient::Loop {
     asio::io_context io{1};
     std::unique_ptr<DeviceDoor> door;
-    Json device;    // null: it is not chosen yet
+    Json device;    // null: not chosen yet
 };
 
 // One job, from the request to its end.
@@ -98,7 +98,7 @@ private:
         loop_.door->stream(
             std::move(request), [this](std::string_view line) { hear(line); },
             [this](http::Outcome outcome) {
-                // Firmware and calibration: the job is the answer, and is followed from there.
+                // Firmware and calibration: the response is the job, which is followed separately.
                 if (outcome.fault.empty() && outcome.answer.status == 202 && !has_job_) {
                     hear(outcome.answer.body);
                     http::Request follow = request_of("GET", "/jobs/" + text_at(job_, "id") + "?while_connected", {});
@@ -128,11 +128,11 @@ private:
         loop_.door->ask(request_of("POST", "/jobs/" + text_at(job_, "id") + "/next", {}), [](const http::Outcome&) {});
     }
 
-    // Enter says that a job that waits may go on.
+    // Enter continues a job that waits.
     void await_key() {
         if (!streams_.in_is_terminal || keys_.is_open()) return;
         error_code ec;
-        keys_.assign(::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC), ec);    // by itself: what never waits is not for others
+        keys_.assign(::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC), ec);    // not shared: Asio makes it non-blocking
         if (!ec) read_key();
     }
     void read_key() {
@@ -145,7 +145,7 @@ private:
         });
     }
 
-    // The first cancels the job and waits for its end, the second does not wait.
+    // The first signal cancels the job and waits for its end, the second one does not wait.
     void await_signal() {
         signals_.async_wait([this](error_code ec, int) {
             if (ec) return;
@@ -185,13 +185,13 @@ private:
         if (!rest.empty()) return ": " + rest;
         return error.empty() || error.starts_with("cancelled") ? rest : ": " + error;
     }
-    static constexpr std::string_view gateway_ends = "the gateway ends";    // in front of what the service says at its end
+    static constexpr std::string_view gateway_ends = "the gateway ends";    // prefix of the texts of the service when it ends
 
     Loop& loop_;
     Streams& streams_;
     JobView& view_;
     const DeviceOptions& options_;
-    const std::string client_;    // as the gateway calls us to others
+    const std::string client_;    // our name, which the gateway shows to other clients
     asio::signal_set signals_{loop_.io, SIGINT, SIGTERM};
     asio::posix::stream_descriptor keys_{loop_.io};
     Json job_;
@@ -254,10 +254,10 @@ Json DeviceClient::devices(bool scan) {
 
 const Json& DeviceClient::device() {
     if (!loop_->device.is_null()) return loop_->device;
-    // A link of our own has heard nobody yet.
+    // A link of our own has not heard any device yet: so it asks.
     Json found = choose(devices(!options_.link.empty()));
     if (found.empty() && options_.link.empty()) found = choose(devices(true));
-    if (found.size() > 1 && !all_have_names(found)) found = choose(devices(true));    // to be chosen by name
+    if (found.size() > 1 && !all_have_names(found)) found = choose(devices(true));    // so that the user can choose by name
     if (found.size() == 1) return loop_->device = found.front();
     if (found.size() > 1) throw UsageError{"there are several devices, choose one by --device: " + list_of(found)};
     throw Failure{options_.device.empty() ? "no device answers" : no_such_device(options_.device, devices(false))};
@@ -272,7 +272,7 @@ Json DeviceClient::choose(const Json& found) const {
     if (number == nullptr) return named;
     for (const Json& device : found)
         if (text_at(device, "address") == ano::hex_byte(*number)) return Json::array({device});
-    return Json::array({Json{{"address", ano::hex_byte(*number)}}});    // it may answer although it was not heard
+    return Json::array({Json{{"address", ano::hex_byte(*number)}}});    // it may answer even if it was not heard yet
 }
 
 const Json& DeviceClient::known_device() {

@@ -1,4 +1,4 @@
-// anoctl devices: who is there, and what is asked of them.
+// anoctl devices: the devices, and the jobs with them.
 #include "device_client.hpp"
 #include "device_names.hpp"
 #include "job_text.hpp"
@@ -40,7 +40,7 @@ bool has_ended(const Json& job) { return text_at(job, "state") != "running" && t
 struct Devices {
     DeviceOptions options;
     bool scan = false, jobs = false;
-    std::optional<unsigned> job;    // to be cancelled
+    std::optional<unsigned> job;    // the job to be cancelled
 
     int run(Streams& streams) const {
         DeviceClient client{options, streams};
@@ -50,7 +50,7 @@ struct Devices {
 
 private:
     int list_devices(DeviceClient& client, Streams& streams) const {
-        const Json found = client.devices(scan || !options.link.empty());    // a link of our own has heard nobody yet
+        const Json found = client.devices(scan || !options.link.empty());    // a link of our own has not heard any device yet
         if (options.json) {
             for (const Json& device : found) streams.out << device.dump() << '\n';
             return fine;
@@ -61,7 +61,7 @@ private:
         for (const Json& device : found) {
             const std::string rate = text_at(device, "rate"), name = text_at(device, "name"), link = text_at(device, "link");
             std::string peer = text_at(device, "peer");
-            if (peer == link) peer.clear();    // a link with one end has no other name for it
+            if (peer == link) peer.clear();    // the only peer of a link has no name of its own
             have_names = have_names && !name.empty();
             table.row({text_at(device, "address"), name, text_at(device, "hw"), text_at(device, "sw"), text_at(device, "pt"),
                        text_at(device, "parameters"), link, peer, age_of(device), rate.empty() ? rate : rate + "/s",
@@ -75,7 +75,7 @@ private:
     }
 
     int list_jobs(DeviceClient& client, Streams& streams) const {
-        constexpr std::size_t max_ended = 10;    // are shown to people
+        constexpr std::size_t max_ended = 10;    // jobs shown to people
         const Json answer = client.ask("GET", "/jobs");
         const Json& all = at(answer, "jobs");
         auto ended = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), has_ended));
@@ -93,7 +93,7 @@ private:
         return fine;
     }
 
-    // Others leave the device as it was, or say what became of it; one in its loader does nothing else any more.
+    // Asks only for upgrades: other jobs leave the device usable or say what became of it, but a device left in its loader does not work.
     static std::string question_before_cancelling(const Json& job) {
         if (has_ended(job) || text_at(job, "kind") != "firmware") return {};
         const std::string by = text_at(job, "client");

@@ -1,4 +1,4 @@
-// The routes of devices, wherever they are: at a gateway that runs, or in this process, over a link of its own.
+// Access to the routes of devices: those of a running gateway, or those in this process, over a link of its own.
 #pragma once
 #include <anoctl/anoctl.hpp>
 
@@ -13,22 +13,22 @@
 
 namespace anoctl {
 
-/// It works when its loop runs, and calls from the loop only, never at once.
+/// It works while its loop runs. Callbacks are called from the loop, never from within ask() or stream().
 class DeviceDoor {
 public:
     using Done = std::function<void(anogate::http::Outcome)>;
     using Line = std::function<void(std::string_view)>;
 
     virtual ~DeviceDoor() = default;
-    /// The answer whole. One at a time; beside it there may be a stream.
+    /// Calls `done` with the complete response. One request at a time, besides one stream.
     virtual void ask(anogate::http::Request request, Done done) = 0;
-    /// An answer in lines. One at a time. `done` has the body of an answer that is not 200.
+    /// Calls `line` for each line of the response. One stream at a time. `done` gets the body of a response that is not 200.
     virtual void stream(anogate::http::Request request, Line line, Done done) = 0;
-    /// Ends both without a word to who waits for them; at the other side it is seen that nobody does any more.
+    /// Ends both without calling their callbacks; the server notices the disconnect.
     virtual void hang_up() = 0;
 };
 
-/// Of the gateway with this socket.
+/// Access to the gateway with this socket.
 std::unique_ptr<DeviceDoor> gateway_door(anogate::asio::io_context& io, const std::string& socket);
 
 }    // namespace anoctl

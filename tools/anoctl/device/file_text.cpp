@@ -18,18 +18,18 @@ std::string why() { return std::generic_category().message(errno); }
 
 }    // namespace
 
-std::string text_of_file(const std::string& path, std::size_t most) {
+std::string text_of_file(const std::string& path, std::size_t max_bytes) {
     if (path.empty()) throw UsageError{"a FILE has a name"};
     const int fd = path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) throw UsageError{path + ": it can't be read: " + why()};
     std::string text;
     char room[64 * 1024];
     ssize_t n = 0;
-    while ((n = ::read(fd, room, sizeof room)) > 0 && text.size() <= most) text.append(room, static_cast<std::size_t>(n));
+    while ((n = ::read(fd, room, sizeof room)) > 0 && text.size() <= max_bytes) text.append(room, static_cast<std::size_t>(n));
     const std::string fault = n < 0 ? why() : "";
     ::close(fd);
     if (!fault.empty()) throw UsageError{path + ": it can't be read: " + fault};
-    if (text.size() > most) throw UsageError{path + ": it has more than " + std::to_string(most >> 20) + " MiB"};
+    if (text.size() > max_bytes) throw UsageError{path + ": it has more than " + std::to_string(max_bytes >> 20) + " MiB"};
     return text;
 }
 
@@ -50,7 +50,7 @@ void write_file(const std::string& path, const std::string& text) {
     std::error_code error;
     const fs::file_status there = fs::status(path, error);
     const bool is_plain = !fs::exists(there) || fs::is_regular_file(there);
-    const fs::path real = fs::is_regular_file(there) ? fs::canonical(path, error) : fs::path{path};    // not the link to it
+    const fs::path real = fs::is_regular_file(there) ? fs::canonical(path, error) : fs::path{path};    // follows a link
     const std::string target = error && real.empty() ? path : real.string();
     const std::string part = is_plain ? target + ".part" : target;
     std::FILE* file = std::fopen(part.c_str(), "we");

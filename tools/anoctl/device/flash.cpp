@@ -1,4 +1,4 @@
-// anoctl flash FILE: new firmware for a device.
+// anoctl flash FILE: writes new firmware to a device.
 #include "device_client.hpp"
 #include "file_text.hpp"
 #include "job_text.hpp"

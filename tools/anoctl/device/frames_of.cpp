@@ -30,7 +30,7 @@ Chosen addresses_of_devices(const std::vector<std::string>& words) {
     return chosen;
 }
 
-// Of all that a link brings, these.
+// Passes only the wanted frames of a link.
 class OnlyThese final : public FrameTaker {
 public:
     OnlyThese(const Chosen& ids, const Chosen& from, FrameTaker& taker) : ids_{ids}, from_{from}, taker_{taker} {}
@@ -54,7 +54,7 @@ void FramesOf::add(Options& declared, FramesOf& self) {
     GatewayOptions::add(declared, self.gateway);
 }
 
-// The gateway knows what its devices call themselves; behind its start only who was asked has said it.
+// Asks the gateway for the names of the devices. After its start it knows only those of devices that were asked.
 std::vector<std::string> FramesOf::by_address() const {
     std::vector<std::string> all = devices;
     for (std::string& word : all) {

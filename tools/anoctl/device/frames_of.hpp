@@ -1,4 +1,4 @@
-// Where commands that only listen have their frames from: the gateway that runs, or a link of our own.
+// The source of frames for commands that only listen: the running gateway, or a link of our own.
 #pragma once
 #include <anoctl/anoctl.hpp>
 #include <anoctl/frame_taker.hpp>
@@ -11,13 +11,13 @@ namespace anoctl {
 
 struct FramesOf {
     GatewayOptions gateway;
-    std::string link;                    // empty: the gateway's
-    std::vector<std::string> devices;    // only from these; empty: from all
+    std::string link;                    // empty: the gateway
+    std::vector<std::string> devices;    // only frames from these; empty: from all
 
     /// Declares --device, --link and --control. `self` lives as long as the run.
     static void add(Options& declared, FramesOf& self);
-    /// Gives those of the messages `ids` to `taker` until it is interrupted or wants no more. Returns why no more will come; empty: one of
-    /// these. Throws UsageError, and Failure when there is no gateway. `who` is the command.
+    /// Passes frames of the messages `ids` to `taker`. Returns empty when it is interrupted or `taker` wants no more, otherwise why no more
+    /// will come. Throws UsageError, and Failure when there is no gateway. `who`: the command.
     std::string each(const std::vector<std::string>& ids, FrameTaker& taker, Streams& streams, const std::string& who) const;
 
 private:

@@ -1,4 +1,4 @@
-// anoctl image DIR: the pictures of devices (0xB0) as files.
+// anoctl image DIR: saves the pictures of devices (0xB0) as files.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/frame_printer.hpp>
 #include <anoctl/gateway_json.hpp>
@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The files of a folder: DIR/0xDF-0001.png and on, behind those that are there.
+/// The files of a folder: DIR/0xDF-0001.png and so on, numbered after the existing ones.
 class PictureFolder {
 public:
     explicit PictureFolder(fs::path folder) : folder_{std::move(folder)} {
@@ -38,7 +38,7 @@ public:
         if (error) throw Failure{folder_.string() + ": it can't be made: " + error.message()};
     }
 
-    /// The name of the file, which is there only when it is whole.
+    /// Writes the file, and returns its name. The file appears only when it is complete.
     std::string write(const Picture& picture) {
         const std::string bytes = png_of(picture);
         std::string path;
@@ -50,7 +50,7 @@ public:
     }
 
 private:
-    static constexpr const char *whole = ".png", *part = "-part.png";    // a number is of one of them
+    static constexpr const char *whole = ".png", *part = "-part.png";    // a number is used with only one of them
 
     std::string numbered(std::uint8_t source, unsigned number) const {
         std::array<char, 32> digits{};
@@ -85,7 +85,7 @@ public:
     void miss(std::uint64_t count, const std::string&, std::string_view) override {
         tell(streams_, plural(count, "frame") + " did not come, the gateway had no room for " + (count == 1 ? "it" : "them"));
     }
-    /// Nothing more comes.
+    /// No more frames will come.
     void end() {
         if (!done_)
             for (const Picture& picture : pictures_.end()) write(picture, false);
@@ -96,7 +96,7 @@ public:
     }
 
 private:
-    /// `is_joined`: the first of its sender came without its beginning, as far as can be told. It is not counted.
+    /// `is_joined`: the first picture of its sender probably came without its beginning. It is not counted.
     void write(const Picture& picture, bool is_joined) {
         const std::string file = folder_.write(picture);
         if (is_joined) ++joined_;
@@ -128,7 +128,7 @@ private:
     std::uint64_t left_;    // 0: no end
     Streams& streams_;
     Pictures pictures_;
-    std::string fault_;    // told last
+    std::string fault_;    // as printed last
     std::uint64_t written_ = 0, partial_ = 0, joined_ = 0;
     bool done_ = false;
 };

@@ -1,4 +1,4 @@
-// What is told of a job while it runs and when it ends, as text.
+// The texts about a job while it runs and when it ends.
 #pragma once
 #include <ano_json/frame_json.hpp>
 
@@ -10,21 +10,21 @@
 
 namespace anoctl {
 
-/// "[#####.....] 63 of 150 parameters, 12/s, 7 s left", in at most `width` cells; `seconds` since it began. Its message, where nothing is
-/// counted.
+/// "[#####.....] 63 of 150 parameters, 12/s, 7 s left", in at most `width` cells; `seconds`: since it began. Its message, when it counts
+/// nothing.
 std::string progress_text(const ano::Json& job, double seconds, std::size_t width);
 
-/// Its message, without the rate that the message of an upgrade has.
+/// Its message; that of an upgrade without the rate.
 std::string step_text(const ano::Json& job);
 
 /// The command of anoctl that asks for jobs of this kind: "waypoint put".
 std::string command_of_job(const std::string& kind);
 
-/// What is half done when it was cancelled, in a clause: "4096 of 16384 bytes were written, the device is left in its loader: flash it
-/// again". Empty: nothing is.
+/// A clause: what is half done after it was cancelled: "4096 of 16384 bytes were written, the device is left in its loader: flash it
+/// again". Empty: nothing.
 std::string half_done(const ano::Json& job);
 
-/// What a refusal says, with the option of anoctl `command` that allows it all the same.
+/// The text of a refusal, with the option of anoctl `command` that overrides it.
 std::string with_options_named(std::string words, std::string_view command);
 
 /// "128 KiB", "900 bytes".

@@ -14,35 +14,35 @@ namespace anoctl {
 class JobView {
 public:
     virtual ~JobView() = default;
-    /// It has changed, or goes on.
+    /// The job has changed or progressed.
     virtual void show(const ano::Json& job) = 0;
-    /// Nothing more is shown: the terminal is as it was.
+    /// Ends the display, and restores the terminal.
     virtual void end() {}
-    /// Somebody pressed Enter so often: the terminal showed that, and its cursor is so many lines further down.
+    /// Enter was pressed `lines` times and echoed: the cursor moved down by as many lines.
     virtual void went_down(std::size_t /*lines*/) {}
-    /// Whether it may go on, when it waits for a word: a person pressed Enter at a terminal.
+    /// Whether the job, when it waits to be continued, is continued without Enter being pressed.
     virtual bool goes_on_by_itself() const { return false; }
 };
 
-/// Lines at the bottom of a terminal that are written anew.
+/// Lines at the bottom of a terminal that are overwritten in place.
 class LiveLines {
 public:
     explicit LiveLines(std::ostream& err) : err_{err} {}
     ~LiveLines() { clear(); }
     LiveLines(const LiveLines&) = delete;
     LiveLines& operator=(const LiveLines&) = delete;
-    /// Of a terminal that is so wide: what is longer is cut off, for it would take two of its lines.
+    /// `width`: columns of the terminal. Longer lines are cut off, since they would take two lines of the terminal.
     void show(std::vector<std::string> lines, std::size_t width);
-    /// The cursor left the last line by itself.
+    /// The cursor moved below the last line, by an echoed Enter.
     void went_down(std::size_t lines) { below_ += shown_ > 0 ? lines : 0; }
     void clear() { show({}, 0); }
 
 private:
     std::ostream& err_;
-    std::size_t shown_ = 0, below_ = 0;    // the cursor is so many lines below the last
+    std::size_t shown_ = 0, below_ = 0;    // below_: how many lines the cursor is below the last one
 };
 
-/// A bar on a terminal; else, where `tells_steps`, a line for each new message.
+/// A progress bar on a terminal; otherwise, with `tells_steps`, a line for each new message.
 class ProgressView final : public JobView {
 public:
     ProgressView(Streams& streams, bool tells_steps) : streams_{streams}, tells_steps_{tells_steps}, lines_{streams.err} {}

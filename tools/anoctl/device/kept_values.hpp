@@ -1,14 +1,14 @@
-// What must survive a crash of this program: the old values of a calibration that has begun.
+// Keeps the old values of a running calibration, so that they survive a crash of this program.
 #pragma once
 #include <string>
 
 namespace anoctl {
 
-/// Keeps `text` as the file `name` in $XDG_STATE_HOME/anogate (else ~/.local/state/anogate); an empty one is removed. Why it can't be
-/// kept, in a clause; empty: it is. What an earlier run left there is not overwritten: it says how to write it back.
+/// Keeps `text` as the file `name` in $XDG_STATE_HOME/anogate (else ~/.local/state/anogate); an empty text removes the file. Returns empty,
+/// or a clause with the reason why not. A file of an earlier run is not overwritten: the reason then says how to restore its values.
 std::string keep_in_state_folder(const std::string& name, const std::string& text);
 
-/// Whether it is a file of that folder: as long as it is there, no other of its name is kept.
+/// Whether `path` is a file in that folder: while it exists, no other one of its name is kept.
 bool is_in_state_folder(const std::string& path);
 
 }    // namespace anoctl

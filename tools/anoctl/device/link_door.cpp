@@ -27,9 +27,9 @@ namespace http = anogate::http;
 using ano::TimePoint;
 using anogate::error_code;
 
-constexpr auto time_to_open = std::chrono::seconds{5};    // of the link, until what is asked fails
+constexpr auto time_to_open = std::chrono::seconds{5};    // for the link to open, before a request fails
 
-// The parser of that profile has so many bytes for a text.
+// The parser of that profile limits the bytes of a text.
 anogate::DeviceManners manners_of(const anogate::LinkSettings& settings) {
     constexpr std::size_t vendor_text = 29;
     anogate::DeviceManners manners;
@@ -39,7 +39,7 @@ anogate::DeviceManners manners_of(const anogate::LinkSettings& settings) {
     return manners;
 }
 
-// What surrounds the host engine here: one link.
+// The network of the host engine: a single link.
 class LinkNet final : public anogate::DeviceNet, public FrameTaker {
 public:
     LinkNet(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams)
@@ -60,7 +60,7 @@ private:
     struct Heard {
         std::string peer;
         std::optional<TimePoint> at{};
-        bool elsewhere = false;    // from two peers: which one is meant is not known
+        bool elsewhere = false;    // heard from two peers: the meant one is not known
     };
 
     bool take(ano::FrameView frame, const Passage& passage) override {
@@ -120,7 +120,7 @@ private:
     http::Routes routes_;
 };
 
-/// An answer as it is made, until it is whole or nobody wants it any more.
+/// A response that is being made, until it is complete or nobody needs it any more.
 class Answering : public std::enable_shared_from_this<Answering> {
 public:
     Answering(asio::io_context& io, DeviceDoor::Line line, DeviceDoor::Done done)
@@ -221,7 +221,7 @@ private:
         if (opened_by_ == TimePoint{}) opened_by_ = ano::Clock::now() + time_to_open;
         when_open(place, std::move(request));
     }
-    // The link opens by itself; until it has, nobody could answer.
+    // Waits until the link is open, since nobody could answer before.
     void when_open(const std::shared_ptr<Answering>& answering, http::Request request) {
         if (net_.is_up() || ano::Clock::now() >= opened_by_) {
             asio::post(io_, [this, answering, request = std::move(request)]() mutable {

@@ -10,7 +10,7 @@
 
 namespace anoctl {
 
-/// `io` and `streams` outlive it. What the link says goes to `err`.
+/// `io` and `streams` outlive it. Messages about the link go to `err`.
 std::unique_ptr<DeviceDoor> link_door(anogate::asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// anoctl log: what devices write (0xA0, 0xA1).
+// anoctl log: the log messages of devices (0xA0, 0xA1).
 #include <anoctl/anoctl.hpp>
 #include <anoctl/frame_printer.hpp>
 #include <anoctl/own_link.hpp>
@@ -20,7 +20,7 @@
 namespace anoctl {
 namespace {
 
-// What an ANSI terminal shows for the colours of the table; its default colour for others.
+// The ANSI escape sequence for a colour of the table; the default colour for others.
 const char* escape_of(std::uint8_t color) {
     constexpr const char* escapes[]{"", "\x1b[31m", "\x1b[32m", "\x1b[34m"};
     return color < std::size(escapes) ? escapes[color] : "";
@@ -50,7 +50,7 @@ public:
     }
 
 private:
-    // As it stands on the wire, without the NUL and the line ends that some put behind it.
+    // The text as received, without the NUL and line ends that some devices append.
     std::string text_of(std::span<const std::uint8_t> bytes) const {
         std::string text = ano::to_utf8(bytes, encoding_);
         text.resize(std::min(text.find('\0'), text.size()));

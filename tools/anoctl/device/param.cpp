@@ -81,7 +81,7 @@ private:
         return fine;
     }
 
-    // NAME=VALUE, as `set` takes it.
+    // Writes NAME=VALUE, as `set` accepts it.
     static void write_assigned(const Json& row, std::ostream& out) {
         out << text_at(row, "name") << '=' << plain_at(row, "value") << '\n';
     }
@@ -99,7 +99,7 @@ private:
         return fine;
     }
 
-    /// Without values.
+    /// The parameters without values.
     static Json descriptions(DeviceClient& client) {
         return at(client.run("GET", client.target("/parameters?values=0")), "parameters");
     }
@@ -110,7 +110,7 @@ private:
         return body;
     }
 
-    // Nothing is written before all of them are known to be right.
+    // Writes nothing before all values are checked.
     int set(Streams& streams) const {
         const std::vector<Assignment> wanted = assignments(words);
         DeviceClient client{options, streams};
@@ -186,7 +186,7 @@ private:
         else say(streams, plural(number, "parameter") + " of " + client.device_words() + " in " + path);
         return fine;
     }
-    // Who says .params or .csv wants a form that is not made.
+    // A path with .params or .csv asks for a format that is not supported.
     static void must_be_json(const std::string& path) {
         const std::string extension = std::filesystem::path{path}.extension().string();
         const bool is_word = extension.size() > 1 && std::all_of(extension.begin() + 1, extension.end(),
@@ -195,13 +195,13 @@ private:
             throw UsageError{path + ": " + ano::in_quotes(extension) + " is no form of parameters; .json is"};
     }
 
-    /// What a file would change; nothing is changed.
+    /// What a file would change.
     struct Difference {
         Json values, answer;
         std::size_t left_out = 0, changes = 0;
         std::string without_value;
     };
-    // A file that a calibration kept has nothing else.
+    // Files kept by a calibration contain only calibration values.
     Difference difference(DeviceClient& client, const Json& given, bool may_be_longer, Streams& streams) const {
         Difference d;
         d.values = wanted_values(given, with_calibration || is_kept_by_calibration(words[0]), d.left_out);
@@ -217,7 +217,7 @@ private:
         d.changes = at(d.answer, "parameters").size() - rows_with(d.answer, "unchanged");
         return d;
     }
-    /// All that this device has no place for; returns it in a clause.
+    /// Prints all parameters that do not fit this device; returns the error for them.
     std::string show_misfits(DeviceClient& client, const Json& given, const Json& answer, Streams& streams) const {
         if (const std::string other = of_another_device(given, client.known_device()); !other.empty()) tell(streams, other);
         for (const Json& row : at(answer, "parameters")) {
@@ -237,7 +237,7 @@ private:
         if (!d.without_value.empty()) say(streams, "without a value in the file: " + d.without_value);
     }
 
-    // As the command diff does: 1, something differs; 2, that could not be found out.
+    // Exit status as of the command diff: 1: something differs; 2: the comparison failed.
     int diff(Streams& streams) const {
         try {
             return differs(streams) ? failed : fine;
@@ -293,7 +293,7 @@ private:
         std::string why;
         try {
             if (d.changes > 0) came = client.run("POST", client.target("/apply"), order.dump());
-        } catch (const JobFailure& e) {    // what became of each is told before
+        } catch (const JobFailure& e) {    // first prints what became of each
             came = parse_answer(e.result);
             why = e.what();
         }
@@ -311,7 +311,7 @@ private:
         if (failures > 0)
             throw Failure{plural(failures, "parameter") + (failures == 1 ? " was" : " were") + " not written" +
                           (untried > 0 ? ", and " + std::to_string(untried) + " not tried any more: " + why : "")};
-        if (wrong == 0 && is_kept_by_calibration(words[0]) && is_file(words[0]))    // a gateway removes its own
+        if (wrong == 0 && is_kept_by_calibration(words[0]) && is_file(words[0]))    // a gateway removes its own file itself
             tell(streams,
                  "the old calibration is in the device; when it is saved, remove " + words[0] +
                      (is_in_state_folder(words[0]) ? ": while it is there, anoctl calibrate --link begins no other" : ""));

@@ -1,4 +1,4 @@
-// NAME=VALUE, as somebody typed them, and the parameters of a device.
+// Parses NAME=VALUE from the command line, and checks them against the parameters of a device.
 #pragma once
 #include <ano_json/frame_json.hpp>
 
@@ -16,11 +16,11 @@ struct Assignment {
 /// NAME VALUE, or NAME=VALUE... Throws UsageError.
 std::vector<Assignment> assignments(const std::vector<std::string>& words);
 
-/// The one of `parameters` (as GET /devices/A/parameters has them) that `word` stands for: its name, else its number. Throws Failure for
-/// none, with the name that is near, and for several of that name.
+/// The one of `parameters` (as in GET /devices/A/parameters) with `word` as its name, else as its number. Throws Failure when there is
+/// none, with the most similar name, and when several have that name.
 const ano::Json& parameter_called(const ano::Json& parameters, const std::string& word);
 
-/// Whether every one is there, once, and its value of its type. Throws Failure with the first that is not.
+/// Checks that every parameter exists, occurs once, and has a value of its type. Throws Failure with the first one that does not.
 void check(const std::vector<Assignment>& wanted, const ano::Json& parameters);
 
 }    // namespace anoctl

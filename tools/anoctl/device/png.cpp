@@ -14,7 +14,7 @@ namespace {
 struct Rgb {
     std::uint8_t red, green, blue;
 };
-// Of 1 to 6 in the table of colours.
+// Colours 1 to 6 of the table.
 constexpr std::array<Rgb, 6> inks{{{255, 255, 255}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {255, 255, 0}, {160, 32, 240}}};
 
 void append_png(png_structp png, png_bytep bytes, std::size_t size) {
@@ -22,9 +22,9 @@ void append_png(png_structp png, png_bytep bytes, std::size_t size) {
 }
 void flush_nothing(png_structp) {}
 
-// The library jumps back here when it refuses: nothing in between has a destructor.
+// On an error the library jumps back here: so nothing in between may have a destructor.
 bool write_png(png_structp png, png_infop info, const Picture& picture, std::string& out) {
-    if (setjmp(png_jmpbuf(png)) != 0) return false;    // NOLINT(bugprone-*): as the library wants it
+    if (setjmp(png_jmpbuf(png)) != 0) return false;    // NOLINT(bugprone-*): required by the library
     png_set_write_fn(png, &out, append_png, flush_nothing);
     const bool grey = picture.color == 0;
     png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.rows()), grey ? 8 : 1,

@@ -1,4 +1,4 @@
-// A picture as a PNG.
+// Writes a picture as PNG.
 #pragma once
 #include "pictures.hpp"
 
@@ -6,8 +6,8 @@
 
 namespace anoctl {
 
-/// Grey is grey; a bit a pixel is black and its colour (mono: white). The rows that came, all of them when it is whole. Throws Failure
-/// when the library refuses.
+/// Grey pictures stay grey; those with one bit per pixel are black and their colour (mono: white). Contains the received rows. Throws
+/// Failure when the library fails.
 std::string png_of(const Picture& picture);
 
 }    // namespace anoctl

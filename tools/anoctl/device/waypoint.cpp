@@ -1,4 +1,4 @@
-// anoctl waypoint: the waypoints of a device, to a file and back.
+// anoctl waypoint: reads the waypoints of a device into a file, and writes them back.
 #include "device_client.hpp"
 #include "file_text.hpp"
 #include "waypoint_form.hpp"
@@ -65,7 +65,7 @@ private:
         }
     }
 
-    /// As the engine reads them: what is wrong with the file is said before anybody is asked.
+    /// Parsed as the engine does it: errors in the file are reported before the user is asked.
     std::vector<ano::host::Waypoint> waypoints_of(const Json& json, const std::string& form) const {
         auto read = anogate::waypoints_in(json, anogate::waypoint_form(form).value_or(anogate::WaypointForm::plain));
         if (const auto* wrong = std::get_if<std::string>(&read)) throw UsageError{file + ": " + *wrong};

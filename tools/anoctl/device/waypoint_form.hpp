@@ -1,4 +1,4 @@
-// In which of the three forms a file of waypoints is.
+// The three forms of files with waypoints.
 #pragma once
 #include <ano_json/frame_json.hpp>
 #include <host/waypoints.hpp>
@@ -11,15 +11,15 @@
 
 namespace anoctl {
 
-/// "geojson", "qgc" or "json"; this for "-" and for a name without an extension. Throws UsageError for an extension that stands for none.
+/// "geojson", "qgc" or "json", by the extension; "json" for "-" and without an extension. Throws UsageError for an unknown extension.
 std::string form_of_name(const std::string& file);
-/// Of a file that was read. Throws UsageError, with the name of the `file`, when it is none of them.
+/// The form of the content of `file`. Throws UsageError, with the name of the file, when it is none of the three.
 std::string form_of_content(const ano::Json& json, const std::string& file);
 
-/// What writing these means to a device that has `had`, 0 and on, as clauses before the question: which are overwritten, which stay (the
-/// protocol has no way to remove one), which the file leaves out. Empty: nothing is to be said.
+/// Clauses before the question: the effect of writing these to a device that has `had` waypoints, numbered from 0: which are overwritten,
+/// which stay (the protocol can't remove any), which numbers the file omits. Empty: no such effects.
 std::string overwriting_text(const std::vector<ano::host::Waypoint>& waypoints, std::size_t had);
-/// Which of them have no speed in the file, as such a clause; `waypoints` are those of its rows. Empty: all have.
+/// Such a clause: which waypoints have no speed in the file; `waypoints`: those of its rows. Empty: all have one.
 std::string speedless_text(const ano::Json& json, const std::string& form, const std::vector<ano::host::Waypoint>& waypoints);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// The fields that are drawn over time, and the frames they are in.
+// The fields of the chart, and the frames that contain them.
 import type { FrameRecord } from "../protocol/records";
 import { Reading, type FieldRow, type MessageRow, type MessageTable } from "../protocol/table";
 import { Series } from "./series";
@@ -23,7 +23,7 @@ export class ChartData {
   private readonly fieldsOf = new Map<MessageRow, Map<string, FieldRow | undefined>>();
   /** Senders and messages that were heard: from × 256 + id. */
   readonly heard = new Set<number>();
-  private offset: number | undefined; // Unix time when the gateway's computer was started: its clock may be set meanwhile
+  private offset: number | undefined; // Unix time when the gateway's computer was started; kept, since its clock may be changed later
   newest = Number.NEGATIVE_INFINITY;
 
   constructor(

@@ -1,28 +1,28 @@
-// Rates from counters that are looked at now and then.
+// Rates from counters that are read at intervals.
 
 export interface Counters {
   [name: string]: unknown;
 }
 
-/** What a link counts of frames that did not arrive. Its other numbers are none of these: what it carried, a position, a port, a rate. */
+/** The counters of frames that did not arrive. The other numbers of a link are traffic, a position, a port, a rate. */
 const losses: ReadonlySet<string> = new Set([
   "bad_check", "bad_length", "expired", "denied_in", "inhibited", "looped", "duplicate", "no_route",
   "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big", "send_failed", "held_back",
-  "kernel_drops", "refused", "transfer_errors", // of some kinds of links; wrong_source is in denied_in as well
-  "faults_lost", "faults_unheard", // simulated; faults_corrupted is counted as bad_check where it is heard
+  "kernel_drops", "refused", "transfer_errors", // of some kinds of links; wrong_source is contained in denied_in
+  "faults_lost", "faults_unheard", // simulated; faults_corrupted is counted as bad_check by the receiver
 ]);
 
-/** Names and numbers of what was dropped, the most first. */
+/** Names and numbers of dropped frames, the highest number first. */
 export function drops(counters: Counters): [string, number][] {
   return Object.entries(counters)
     .filter((entry): entry is [string, number] => losses.has(entry[0]) && typeof entry[1] === "number" && entry[1] > 0)
     .sort((a, b) => b[1] - a[1]);
 }
 
-/** Where no host is, or where a recording speaks to those of its time, frames to nobody are no loss: the page shows them all the same. */
+/** Without a host, or with a replayed recording, frames without a receiver are no loss: the page shows them anyway. */
 const isAlone = (link: Counters): boolean => link.hint_id === "no_host_takes" || link.replayed !== undefined;
 
-/** What was dropped and should have arrived, the most first. */
+/** Dropped frames that should have arrived, the highest number first. */
 export const lost = (link: Counters): [string, number][] => drops(link).filter(([cause]) => cause !== "no_route" || !isAlone(link));
 
 interface Look {
@@ -30,12 +30,12 @@ interface Look {
   values: Map<string, number>;
 }
 
-/** Of each of several things by name. A counter that has become less has begun anew. */
+/** Rates of several objects, by name. A counter that has decreased was restarted. */
 export class CounterRates {
   private readonly looks = new Map<string, Look>();
   private readonly rates = new Map<string, Map<string, number>>();
 
-  /** `now` in seconds; looks closer than half a second are not counted. */
+  /** `now` in seconds; readings less than half a second apart are ignored. */
   look(of: string, counters: Counters, now: number): void {
     const before = this.looks.get(of);
     if (before && now - before.at < 0.5) return;

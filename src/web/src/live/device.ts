@@ -1,4 +1,4 @@
-// Questions to one device, by the gateway's host engine.
+// Requests to one device, through the gateway's host engine.
 import { ask, type Answer } from "../api";
 import { Store } from "./store";
 
@@ -29,7 +29,7 @@ const part = (name: string | number): string => encodeURIComponent(String(name))
 const kept = new Map<number, Store<Commands | undefined>>();
 const asking = new Set<number>();
 
-/** What a device describes; asked for once, and again when that did not come. */
+/** The commands that a device describes; requested once, and again after a failure. */
 export function commandsOf(device: number): Store<Commands | undefined> {
   let store = kept.get(device);
   if (!store) kept.set(device, (store = new Store<Commands | undefined>(undefined)));
@@ -50,7 +50,7 @@ export const call = (device: number, command: Command, values: unknown[], repeat
 
 const plain = (name: string): string => name.replace(/[\s_-]+/g, "").toLowerCase();
 
-/** The commands that end a flight, where the device has them under a name that says so and they want no values. */
+/** The commands that end a flight, if the device has commands with such names and without values. */
 export function pinnedOf(commands: readonly Command[]): { lock: Command | undefined; land: Command | undefined } {
   const called = (...names: string[]): Command | undefined => commands.find((command) => command.values.length === 0 && names.includes(plain(command.name)));
   return {

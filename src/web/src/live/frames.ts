@@ -1,4 +1,4 @@
-// The one stream of frames that the page has: each view says what it needs, and gets no more.
+// The only stream of frames of the page: the present view says which frames it needs, and gets only those.
 import { onHeard, socketAddress } from "../api";
 import { Arrivals } from "./rate";
 import { takeRecords, textMessage, type FrameRecord, type Lost, type Tables } from "../protocol/records";
@@ -13,15 +13,15 @@ export interface FrameWish {
 
 export interface FrameUser {
   wish: FrameWish;
-  /** `at`: when the gateway saw it, in seconds of the page's clock. */
+  /** `at`: when it passed the gateway, in seconds of the page's clock. */
   take(record: FrameRecord, at: number): void;
   tables?(tables: Tables): void;
   lost?(lost: Lost): void;
-  /** Frames that passed meanwhile were not seen. */
+  /** The stream was begun anew: frames in between were not seen. */
   began?(): void;
 }
 
-/** Milliseconds in which the gateway collects frames for one message: the eye sees no step, and each message costs the gateway a wake-up. */
+/** Milliseconds in which the gateway collects frames for one message: too short to be seen, while each message costs the gateway a wake-up. */
 export const batch = 50;
 
 export function queryOf(wish: FrameWish): string {
@@ -46,7 +46,7 @@ class FrameStream {
     document.addEventListener("visibilitychange", () => (document.hidden ? this.close() : this.open()));
   }
 
-  /** The view that is seen; the last one that came counts. Call what it answers when the view goes. */
+  /** Registers the visible view; the last one counts. Returns a function to be called when the view is removed. */
   use(user: FrameUser): () => void {
     this.close();
     this.user = user;
@@ -59,7 +59,7 @@ class FrameStream {
     };
   }
 
-  /** The gateway was not heard for a while: a new connection, for the old one may never say that it is dead. */
+  /** Opens a new connection when the gateway was not heard for a while, since the old one may never report that it is broken. */
   reopen(): void {
     this.close();
     this.open();

@@ -1,4 +1,4 @@
-// What the page knows of the gateway: whether it is there, its status, its message table, who is heard.
+// What the page knows of the gateway: whether it is there, its status, its message table, the devices that are heard.
 import { ask, onHeard, onTokenNeeded } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
@@ -26,7 +26,7 @@ export interface Link extends Counters {
   hint_id: string;
   hint_args: Record<string, unknown>;
   channels: Channel[];
-  /** Who spoke in the recording that it plays. */
+  /** The devices in the recording that the link plays. */
   replayed?: { address: string; who: string }[];
 }
 export interface Route {
@@ -177,6 +177,6 @@ export async function logIn(token: string): Promise<string> {
   return "";
 }
 
-/** "view": who looks only. What he may not is not offered; the gateway decides. */
+/** "view": read-only. Actions that are not allowed are not offered; the gateway checks the rights. */
 export const access = new Store(remembered("access"));
 export const mayAct = (): boolean => access.get() !== "view" || status.get()?.http.token_needed === false;

@@ -1,4 +1,4 @@
-// What takes long: the gateway tells of it line by line, and at its end what came of it.
+// Jobs, which take long: the gateway reports their progress line by line, and the result at the end.
 import { ask, onHeard, path, refusalOf, requestOf, type Answer, type Options } from "../api";
 
 export interface Job<T = unknown> {
@@ -19,7 +19,7 @@ export interface Job<T = unknown> {
   result?: T;
 }
 
-/** Takes whole lines off what came so far, and keeps the rest. */
+/** Splits the received text into whole lines, and keeps the rest. */
 export class Lines {
   private rest = "";
 
@@ -43,11 +43,11 @@ const over = (job: Job): boolean => job.state !== "running" && job.state !== "wa
 const lost: Answer<never> = { ok: false, refusal: { status: 0, error: "", what: "no_contact" } };
 const againAfter = 500; // milliseconds
 
-/** A gateway that was restarted counts its jobs from the first again: the number of one that it no longer knows may be another's. */
+/** A restarted gateway numbers its jobs from 1 again: so the number of an earlier job may belong to another one. */
 export const isSameJob = (before: Job, now: Job): boolean => before.id === now.id && before.kind === now.kind && before.device === now.device;
 
-/** Follows a job to its end; `onJob` is told of each change. A job goes on without us: when the contact was lost, it is looked for until the
- * gateway is there again. Without an end nobody knows what came of it. */
+/** Follows a job to its end, and calls `onJob` for each change. A job goes on without a connection: after a lost connection, this tries until the
+ * gateway is there again. When the end was missed, the result is not known. */
 export async function follow<T>(route: string, options: Options, onJob: (job: Job<T>) => void, known?: Job<T>): Promise<Answer<T>> {
   let isAnother = false;
   const take = (job: Job<T>): void => {
@@ -63,7 +63,7 @@ export async function follow<T>(route: string, options: Options, onJob: (job: Jo
   return isAnother || (!answer.ok && known && answer.refusal.status === 404) ? lost : answer;
 }
 
-/** One connection long. */
+/** Follows a job on one connection. */
 async function listen<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
   try {
     const response = await fetch(path(route), requestOf({ ...options, accept: "application/x-ndjson" }));
@@ -90,7 +90,7 @@ async function listen<T>(route: string, options: Options, onJob: (job: Job<T>) =
   }
 }
 
-/** A route that answers with the job at once, and then with what comes of it. */
+/** For a route that responds with the job at once: then follows the job to its result. */
 export async function begin<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
   const answer = await ask<Job<T>>(route, { ...options, method: "POST" });
   if (!answer.ok) return answer;

@@ -9,7 +9,7 @@ export interface Seen {
   late: boolean;
 }
 
-/** Lengths and speeds as people say them. */
+/** Converts lengths and speeds to the units that people use. */
 export function inPeoplesUnits(value: number, unit: string): [number, string] {
   if (unit === "cm") return [value / 100, "m"];
   if (unit === "cm/s") return [value / 100, "m/s"];
@@ -51,7 +51,7 @@ export class Latest {
     return this.row(message)?.rate.isLate(now) ?? true;
   }
 
-  /** A number in people's units; undefined where it was never said, or is said to be no data. */
+  /** A number in people's units; undefined when it was never received, or means "no data". */
   number(message: string, field: string, now: number): Seen | undefined {
     const reading = this.reading(message);
     const row = reading?.row.fields.find((one) => one.name === field);

@@ -1,9 +1,9 @@
-// Whether the gateway is there, from when it was heard last. It decides only; times are milliseconds of one clock.
+// Decides whether the gateway is there, by the time when it was heard last. No I/O; times are milliseconds of one clock.
 
 export const askEvery = 400; // while nothing else is heard
 export const askAtLeastEvery = 1000; // for what the answer says
-export const lostAfter = 940; // with what drawing it takes, people see it within a second
-export const mostOutstanding = 3;
+export const lostAfter = 940; // with the time for drawing, it is seen within a second
+export const maxOutstanding = 3;
 
 export type Contact = "never" | "live" | "lost";
 
@@ -18,7 +18,7 @@ export class Liveness {
     this.heardAt = now;
   }
 
-  /** A page that was hidden asked nothing: its silence was its own. */
+  /** To be called after the page was hidden: it sent no requests, so silence in that time means nothing. */
   restart(now: number): void {
     this.outstanding.clear();
     this.askedAt = Number.NEGATIVE_INFINITY;
@@ -39,12 +39,12 @@ export class Liveness {
     return now - this.heardAt;
   }
 
-  /** The number of a question that is to be asked now. On a slow line several are on their way at a time. */
+  /** The number of the request to be sent now; undefined: none. On a slow line, several may be outstanding. */
   ask(now: number): number | undefined {
     const patience = 5000;
     for (const [question, at] of this.outstanding) if (now - at > patience) this.outstanding.delete(question);
     const silent = Math.min(now - this.askedAt, now - this.heardAt);
-    if ((silent < askEvery && now - this.askedAt < askAtLeastEvery) || this.outstanding.size >= mostOutstanding) return undefined;
+    if ((silent < askEvery && now - this.askedAt < askAtLeastEvery) || this.outstanding.size >= maxOutstanding) return undefined;
     this.askedAt = now;
     this.outstanding.set(++this.asked, now);
     return this.asked;

@@ -1,20 +1,20 @@
-// Pictures out of the frames that bring their rows. Frames of one picture have the same sender, flag, colour and size, and come in the
-// order of the rows. Rows have no numbers: a lost frame is noticed when the next picture begins. Pure.
+// Assembles pictures from frames with some of their rows. Frames of one picture have the same sender, flag, colour and size, and come in
+// the order of the rows. Rows have no numbers: a lost frame is noticed when the next picture begins. Pure.
 import type { Reading } from "../protocol/table";
 
 export interface Picture {
   from: number;
   flag: number;
-  colour: number; // 0: grey, a byte a pixel; else a bit a pixel, the highest first
+  colour: number; // 0: grey, one byte per pixel; else one bit per pixel, the highest first
   width: number;
   height: number;
   pixels: Uint8Array;
-  filled: number; // bytes that came
+  filled: number; // received bytes
   began: number; // Unix seconds
 }
 
-const mostBytes = 16 * 1024 * 1024;
-const pause = 1; // seconds behind which a picture is another
+const maxBytes = 16 * 1024 * 1024;
+const pause = 1; // seconds: after such a pause, the next picture begins
 
 export const rowBytes = (picture: { colour: number; width: number }): number => (picture.colour === 0 ? picture.width : (picture.width + 7) >> 3);
 
@@ -22,7 +22,7 @@ export class Pictures {
   private readonly begun = new Map<number, { picture: Picture; last: number }>();
   refused = 0;
 
-  /** The pictures that this frame ends: whole, or with a part lost. */
+  /** The pictures that this frame ends: complete, or with missing rows. */
   take(reading: Reading, from: number, time: number): Picture[] {
     const number = (name: string): number => {
       const value = reading.get(name);
@@ -32,7 +32,7 @@ export class Pictures {
     const field = reading.row.fields.find((one) => one.name === "pixels");
     const rows = field ? reading.data.subarray(field.offset) : new Uint8Array(0);
     const row = rowBytes(picture), size = row * picture.height;
-    if (picture.colour > 6 || size === 0 || size > mostBytes || rows.length === 0 || rows.length % row !== 0 || rows.length > size) {
+    if (picture.colour > 6 || size === 0 || size > maxBytes || rows.length === 0 || rows.length % row !== 0 || rows.length > size) {
       ++this.refused;
       return [];
     }
@@ -62,7 +62,7 @@ export class Pictures {
 
 const tints: [number, number, number][] = [[255, 255, 255], [255, 255, 255], [255, 60, 60], [60, 220, 90], [80, 140, 255], [255, 220, 60], [200, 90, 255]];
 
-/** Red, green, blue and opacity of each pixel; what did not come is clear. */
+/** Red, green, blue and opacity of each pixel; missing pixels are transparent. */
 export function pixelsOf(picture: Picture): Uint8ClampedArray<ArrayBuffer> {
   const { width, height, colour, pixels, filled } = picture;
   const row = rowBytes(picture), all = new Uint8ClampedArray(width * height * 4);

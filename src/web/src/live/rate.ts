@@ -1,4 +1,4 @@
-// How often something comes, and whether it is late.
+// The rate of events, and whether the next one is late.
 
 /** All times are seconds of one clock. */
 export class Rate {
@@ -18,7 +18,7 @@ export class Rate {
     this.forget(now);
   }
 
-  /** Events a second over the window; of what is rarer, from the smoothed interval. */
+  /** Events per second over the window; for rarer events, from the smoothed interval. */
   perSecond(now: number): number {
     this.forget(now);
     if (this.times.length >= 4) {
@@ -33,7 +33,7 @@ export class Rate {
     return now - this.last;
   }
 
-  /** It should have come again by now, by its own rate. What came once promises nothing for five seconds. */
+  /** Whether the next event is overdue by its own rate; after a single event, only after five seconds. */
   isLate(now: number): boolean {
     const promised = this.interval > 0 ? Math.min(Math.max(3 * this.interval, 0.5), 30) : 5;
     return now - this.last > promised;
@@ -46,17 +46,17 @@ export class Rate {
   }
 }
 
-/** When something was seen elsewhere, by the page's clock: what comes in one message was seen one after the other. What was on its way the
- * shortest tells how far the clocks are apart. */
+/** Converts times of the gateway's clock to the page's clock, since the frames of one message passed at different times. The message with
+ * the shortest delay shows the difference of the clocks. */
 export class Arrivals {
   private ahead = Number.NEGATIVE_INFINITY;
 
-  /** A message has come: its clock may run a little slower than ours. */
+  /** To be called for each message: corrects for a clock that runs a little slower than ours. */
   begin(): void {
     this.ahead -= 0.0005;
   }
 
-  /** `seen`: seconds of the other clock, that only grow. */
+  /** `seen`: seconds of the other clock, never decreasing. */
   at(seen: number, now: number): number {
     this.ahead = Math.max(this.ahead, seen - now);
     return seen - this.ahead;

@@ -1,4 +1,4 @@
-// What the gateway records: what it has, what it writes, and how it is asked to.
+// The recordings of the gateway: stored ones, running ones, and requests for new ones.
 import { ask, type Answer } from "../api";
 
 export interface RunningRecording {
@@ -21,7 +21,7 @@ export interface Recording {
   bytes: number;
   frames: number | null;
   begun: number | null; // Unix seconds
-  seconds: number | null; // its length, as the file tells it
+  seconds: number | null; // its length according to the file
   time: number;
   state: string; // "recording", "ended" or "unfinished"
 }
@@ -46,11 +46,11 @@ export interface Recordings {
   recordings: Recording[];
 }
 
-/** What the status tells of recordings; null: nothing records here. */
+/** The section `recording` of the status; null: there are no recordings. */
 export type RecordingState = Pick<Recordings, "keep_last" | "running"> | null;
 
 export interface RecordingFault {
-  name: string; // of the recording; empty: what keep_last holds could not be saved
+  name: string; // of the recording; empty: the frames of keep_last could not be saved
   error: string;
 }
 
@@ -59,7 +59,7 @@ export function faultsOf(state: RecordingState | undefined): RecordingFault[] {
   return [...all, { name: "", error: state?.keep_last?.error ?? "" }].filter((one) => one.error !== "");
 }
 
-/** What is typed before a recording is begun; empty: not given. */
+/** The input for a new recording; empty: not given. */
 export interface Wishes {
   name: string;
   format: string;
@@ -68,7 +68,7 @@ export interface Wishes {
   from: string;
   to: string;
   link: string;
-  limit: string; // "euler=10 0x01=50": so many of a message a second
+  limit: string; // "euler=10 0x01=50": maximum rates of messages, per second
   seconds: string;
 }
 
@@ -77,14 +77,14 @@ export const fileOf = route;
 
 const listed = (text: string): string => text.split(/[\s,]+/).filter(Boolean).join(",");
 
-/** The rates by message; undefined: it is not written so. */
+/** The rates by message; undefined: the text is not valid. */
 export function limitsIn(text: string): Record<string, number> | undefined {
   const pairs = text.split(/[\s,]+/).filter(Boolean).map((one) => /^([^=]+)=(\d+(?:\.\d+)?)$/.exec(one));
   if (pairs.some((pair) => !pair)) return undefined;
   return Object.fromEntries(pairs.map((pair) => [pair![1]!, Number(pair![2])]));
 }
 
-/** The body of a question to begin one, or which field can't be meant. */
+/** The body of the request for a new recording, or the field that is not valid. */
 export function questionOf(wishes: Wishes): { body: Record<string, unknown> } | { fault: "name" | "limit" | "seconds" } {
   const name = wishes.name.trim(), seconds = wishes.seconds.trim(), limit = limitsIn(wishes.limit);
   if (name !== "" && !/^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$/.test(name)) return { fault: "name" };

@@ -1,4 +1,4 @@
-// What was heard, a row for each link, sender and message: how often, and what it said last.
+// The frames heard, a row for each link, sender and message: its rate, and its last frame.
 import type { FrameRecord } from "../protocol/records";
 import type { MessageTable } from "../protocol/table";
 import { Rate } from "./rate";
@@ -17,12 +17,12 @@ export class FrameRow {
     readonly link: number,
     readonly from: number,
     readonly id: number,
-    readonly variant: number, // the first byte of DATA where that tells messages of one id apart; else -1
+    readonly variant: number, // the first byte of DATA if it distinguishes messages of the same id; else -1
   ) {}
 }
 
-/** A hostile sender can name 254 sources × 256 messages; so many rows a page can show. */
-const mostRows = 2000;
+/** A hostile sender can use 254 sources × 256 messages; a page can show this many rows. */
+const maxRows = 2000;
 
 export class FrameRows {
   private readonly all = new Map<string, FrameRow>();
@@ -43,7 +43,7 @@ export class FrameRows {
     const key = `${record.from}.${record.id}.${variant}.${record.link}`;
     let row = this.all.get(key);
     if (!row) {
-      if (this.all.size >= mostRows) {
+      if (this.all.size >= maxRows) {
         ++this.left_out;
         return undefined;
       }

@@ -1,4 +1,4 @@
-// A job of one kind at one device, followed wherever it was begun.
+// Follows a job of one kind at one device, also one that another client began.
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Answer } from "../api";
 import { hexByte } from "../protocol/table";
@@ -6,9 +6,9 @@ import { begin, follow, jobs, type Job } from "./jobs";
 import type { Options } from "../api";
 
 export interface Running<T> {
-  job: Job<T> | undefined; // while it has not ended
+  job: Job<T> | undefined; // undefined: it has ended, or there is none
   ended: Answer<T> | undefined;
-  /** Nothing while the last one has not ended: no action twice by a nervous finger. */
+  /** Does nothing while a job runs, so that a double click does not begin two. */
   start(route: string, options: Options): void;
 }
 

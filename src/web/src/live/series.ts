@@ -1,4 +1,4 @@
-// Numbers over time, bounded: what is old is kept as its smallest and largest, so that a drawing of it looks the same. Pure.
+// Values over time, in bounded memory: of old values only the smallest and largest are kept, so that a chart of them looks the same. Pure.
 
 const capacity = 1 << 17; // points
 export const history = 600; // seconds
@@ -7,7 +7,7 @@ export class Series {
   private times = new Float64Array(1 << 12);
   private values = new Float64Array(1 << 12);
   private first = 0;
-  private end = 0; // behind the last
+  private end = 0; // one past the last
 
   get length(): number {
     return this.end - this.first;
@@ -23,7 +23,7 @@ export class Series {
     return this.length > 0 ? this.times[this.end - 1]! : Number.NEGATIVE_INFINITY;
   }
 
-  /** Times only grow: a point before the last one is left out. */
+  /** Times must not decrease: a point before the last one is ignored. */
   push(time: number, value: number): void {
     if (time < this.lastTime()) return;
     while (this.first < this.end && this.times[this.first]! < time - history) ++this.first;
@@ -56,7 +56,7 @@ export class Series {
     this.values = values;
   }
 
-  // Of each four of the older half, the smallest and the largest stay, in their order.
+  // Of each four points of the older half, keeps the smallest and the largest, in their order.
   private thin(): void {
     this.move(this.times, this.values);
     const { times, values } = this;
@@ -81,7 +81,7 @@ export class Series {
     this.end = to + this.end - half;
   }
 
-  /** The first point at or behind `time`. */
+  /** The first point at or after `time`. */
   at(time: number): number {
     let low = 0, high = this.length;
     while (low < high) {
@@ -99,7 +99,7 @@ export class Series {
   }
 }
 
-/** Two places for each column of a drawing: the smallest and the largest value in it. Columns without a value stay as they were. */
+/** Writes two values for each column of a chart: the smallest and the largest one in it. Columns without a value are not changed. */
 export function envelope(series: Series, from: number, to: number, columns: number, into: (number | null)[]): void {
   into.length = columns * 2;
   into.fill(null);
@@ -131,10 +131,10 @@ export function envelope(series: Series, from: number, to: number, columns: numb
   put();
 }
 
-/** Between two values of an angle that is less than a turn, whatever its ends are (±180°, 0 to 360°): further apart, it went over the end. */
+/** Whether an angle wrapped around between two values, independent of its range (±180°, 0 to 360°): they differ by more than half a turn. */
 export const wentOver = (unit: string, a: number, b: number): boolean => unit === "°" && Math.abs(a - b) > 180;
 
-/** The times of the places that envelope() fills. */
+/** The times of the values that envelope() writes. */
 export function columnTimes(from: number, to: number, columns: number, into: number[]): void {
   into.length = columns * 2;
   const half = (to - from) / (columns * 2);
@@ -143,7 +143,7 @@ export function columnTimes(from: number, to: number, columns: number, into: num
 
 const quoted = (text: string): string => (/[",\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
 
-/** A row for each moment at which any of them has a value. */
+/** A row for each time at which any of them has a value. */
 export function csvOf(all: readonly { label: string; series: Series }[], from: number, to: number): string {
   const lines = [["time", ...all.map((one) => quoted(one.label))].join(",")];
   const next = all.map((one) => one.series.at(from));

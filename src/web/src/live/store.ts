@@ -1,4 +1,4 @@
-// A value that tells when it changes.
+// A value with notification of changes.
 import { useEffect, useState } from "preact/hooks";
 
 export class Store<T> {
@@ -26,14 +26,14 @@ export class Store<T> {
   }
 }
 
-/** The component is drawn again whenever the value changes. */
+/** Renders the component again when the value changes. */
 export function useStore<T>(store: Store<T>): T {
   const [, again] = useState(0);
   useEffect(() => store.subscribe(() => again((n) => n + 1)), [store]);
   return store.get();
 }
 
-/** The component is drawn again so often, while the page is seen. */
+/** Renders the component again at this interval, while the page is visible. */
 export function useTick(milliseconds: number): void {
   const [, again] = useState(0);
   useEffect(() => {

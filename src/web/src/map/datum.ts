@@ -1,4 +1,4 @@
-// Where a place lies on maps that were made in China: GCJ-02, some hundred metres beside what satellites say. Pure.
+// Converts to GCJ-02, the datum of maps made in China, which is shifted by some hundred metres against WGS 84. Pure.
 
 export interface Place {
   lng: number; // degrees
@@ -17,7 +17,7 @@ const isShifted = ({ lng, lat }: Place): boolean => lng >= 72.004 && lng <= 137.
 /** One of the four waves of the shift, with two periods. */
 const wave = (a: number, p: number, b: number, q: number): number => ((a * Math.sin(p * Math.PI) + b * Math.sin(q * Math.PI)) * 2) / 3;
 
-/** Metres north and east, of a place so many degrees from 105° E, 35° N. */
+/** Metres north and east; x and y: degrees from 105° E, 35° N. */
 function shiftOf(x: number, y: number): { north: number; east: number } {
   const both = wave(20, 6 * x, 20, 2 * x), root = Math.sqrt(Math.abs(x));
   return {
@@ -36,5 +36,5 @@ export function gcj02Of(place: Place): Place {
   return { lng: place.lng + east / metresOfLng, lat: place.lat + north / metresOfLat };
 }
 
-/** Where a map has what satellites say is at `place`. */
+/** The position on a map with `datum`, of a `place` by satellites. */
 export const onMap = (place: Place, datum: Datum): Place => (datum === "gcj02" ? gcj02Of(place) : place);

@@ -1,23 +1,23 @@
-// The map of the gateway, read by ranges: what is looked at, and no more.
+// Reads the map of the gateway by ranges: only the parts that are needed.
 import { headerOf, headerSize, directoryOf, entryFor, MapFault, tileNumber, type Entry, type MapHeader, type Part } from "./pmtiles";
 
-/** Reads so many bytes; fewer where the file ends. */
+/** Reads the bytes of a part; fewer at the end of the file. */
 export type ReadPart = (part: Part) => Promise<ArrayBuffer>;
 
 const firstBytes = 16384; // the header and the root directory are in these
-const mostOfDirectory = 4 << 20; // bytes, unpacked
-const mostOfTile = 4 << 20;
-const mostOfAbout = 1 << 20;
-const mostLevels = 4; // of directories
+const maxDirectory = 4 << 20; // bytes, uncompressed
+const maxTile = 4 << 20;
+const maxAbout = 1 << 20;
+const maxLevels = 4; // of directories
 const keptDirectories = 32;
 
-async function unpacked(bytes: ArrayBuffer, most: number): Promise<Uint8Array> {
+async function unpacked(bytes: ArrayBuffer, maxBytes: number): Promise<Uint8Array> {
   const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip")).getReader();
   const parts: Uint8Array[] = [];
   let size = 0;
   for (let part = await reader.read(); !part.done; part = await reader.read()) {
     parts.push(part.value);
-    if ((size += part.value.length) > most) throw new MapFault("a directory is too large");
+    if ((size += part.value.length) > maxBytes) throw new MapFault("a directory is too large");
   }
   const all = new Uint8Array(size);
   let at = 0;
@@ -25,7 +25,7 @@ async function unpacked(bytes: ArrayBuffer, most: number): Promise<Uint8Array> {
   return all;
 }
 
-/** Words without their marks: what a file says of itself is shown as text. */
+/** Removes HTML tags: the attribution of a file is shown as text. */
 const plain = (html: string): string => html.replace(/<[^>]*>/g, "").replace(/&copy;/g, "©").replace(/&amp;/g, "&").trim().slice(0, 200);
 
 export class MapFile {
@@ -49,20 +49,20 @@ export class MapFile {
     return file;
   }
 
-  /** Who made it, as its maker wants to be named. */
+  /** The attribution that the maker of the map asks for. */
   async attribution(): Promise<string> {
     const { about } = this.header;
-    if (about.size === 0 || about.size > mostOfAbout) return "";
-    const bytes = await this.bytesOf(await this.read(about), mostOfAbout);
+    if (about.size === 0 || about.size > maxAbout) return "";
+    const bytes = await this.bytesOf(await this.read(about), maxAbout);
     const json = JSON.parse(new TextDecoder().decode(bytes)) as { attribution?: unknown };
     return typeof json.attribution === "string" ? plain(json.attribution) : "";
   }
 
-  /** The picture; undefined where the map has none. */
+  /** The picture; undefined: the map has none there. */
   async tile(zoom: number, x: number, y: number): Promise<Blob | undefined> {
     const number = tileNumber(zoom, x, y);
     let directory: Part = this.header.root;
-    for (let level = 0; level < mostLevels; ++level) {
+    for (let level = 0; level < maxLevels; ++level) {
       const entry = entryFor(await this.entries(directory), number);
       if (!entry) return undefined;
       if (entry.run > 0) return this.picture({ at: this.header.tiles.at + entry.at, size: entry.size });
@@ -72,27 +72,27 @@ export class MapFile {
   }
 
   private async picture(part: Part): Promise<Blob> {
-    if (part.size > mostOfTile) throw new MapFault("a tile is too large");
+    if (part.size > maxTile) throw new MapFault("a tile is too large");
     return new Blob([await this.read(part)], { type: this.header.type });
   }
 
-  private async bytesOf(bytes: ArrayBuffer, most: number): Promise<Uint8Array> {
+  private async bytesOf(bytes: ArrayBuffer, maxBytes: number): Promise<Uint8Array> {
     if (!this.header.packed) return new Uint8Array(bytes);
-    return unpacked(bytes, most).catch((fault: unknown) => { throw fault instanceof MapFault ? fault : new MapFault("a directory is damaged"); });
+    return unpacked(bytes, maxBytes).catch((fault: unknown) => { throw fault instanceof MapFault ? fault : new MapFault("a directory is damaged"); });
   }
 
   private async entriesIn(bytes: ArrayBuffer): Promise<Entry[]> {
-    return directoryOf(await this.bytesOf(bytes, mostOfDirectory));
+    return directoryOf(await this.bytesOf(bytes, maxDirectory));
   }
 
   private entries(part: Part): Promise<Entry[]> {
     let known = this.directories.get(part.at);
     if (known) return known;
-    if (part.size > mostOfDirectory) throw new MapFault("a directory is too large");
+    if (part.size > maxDirectory) throw new MapFault("a directory is too large");
     if (this.directories.size > keptDirectories) this.directories.delete([...this.directories.keys()].find((at) => at !== this.header.root.at)!);
     known = this.read(part).then((bytes) => this.entriesIn(bytes));
     this.directories.set(part.at, known);
-    known.catch(() => this.directories.delete(part.at)); // asked for again
+    known.catch(() => this.directories.delete(part.at)); // read again the next time
     return known;
   }
 }

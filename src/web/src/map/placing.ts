@@ -1,10 +1,10 @@
-// Which tiles lie under a drawing, and where: Web Mercator, north up. Pure.
+// The tiles under a drawing and their positions: Web Mercator, north up. Pure.
 import type { Place } from "./datum";
 
 const equator = 2 * Math.PI * 6378137; // m
-const tileSize = 256; // pixels that a tile is best seen with
-const smallest = 64; // pixels: farther away there would be too many of them
-const farthest = 85; // degrees of latitude that such maps have
+const tileSize = 256; // pixels: the natural size of a tile
+const minSize = 64; // pixels of a tile: smaller ones would be too many
+const maxLatitude = 85; // degrees; Web Mercator maps end there
 
 export interface PlacedTile {
   zoom: number;
@@ -15,19 +15,19 @@ export interface PlacedTile {
   size: number;
 }
 
-/** In parts of the whole map, from its upper left corner. */
+/** As fractions of the whole map, from its upper left corner. */
 export function onSquare({ lng, lat }: Place): { x: number; y: number } {
   const sine = Math.sin((lat * Math.PI) / 180);
   return { x: lng / 360 + 0.5, y: 0.5 - Math.log((1 + sine) / (1 - sine)) / (4 * Math.PI) };
 }
 
-/** `middle` is in the middle of `width` × `height` pixels. Of zooms that the map has, the one whose tiles are nearest their own size. */
-export function tilesUnder(middle: Place, metresPerPixel: number, width: number, height: number, least: number, most: number): PlacedTile[] {
-  if (Math.abs(middle.lat) > farthest || !(metresPerPixel > 0)) return [];
+/** `middle` is the centre of `width` × `height` pixels. Uses the zoom of the map at which tiles are nearest to their natural size. */
+export function tilesUnder(middle: Place, metresPerPixel: number, width: number, height: number, minZoom: number, maxZoom: number): PlacedTile[] {
+  if (Math.abs(middle.lat) > maxLatitude || !(metresPerPixel > 0)) return [];
   const square = (equator * Math.cos((middle.lat * Math.PI) / 180)) / metresPerPixel; // pixels of the whole map
-  const zoom = Math.min(Math.max(Math.round(Math.log2(square / tileSize)), least), most);
+  const zoom = Math.min(Math.max(Math.round(Math.log2(square / tileSize)), minZoom), maxZoom);
   const count = 2 ** zoom, size = square / count;
-  if (size < smallest) return [];
+  if (size < minSize) return [];
   const at = onSquare(middle);
   const left = width / 2 - at.x * square, top = height / 2 - at.y * square;
   const all: PlacedTile[] = [];

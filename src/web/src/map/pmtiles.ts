@@ -1,4 +1,4 @@
-// What is where in a .pmtiles file of version 3. Pure. A file may be anything: each number is checked before it is used.
+// Reads the structure of .pmtiles files of version 3. Pure. A file may contain anything: each number is checked before it is used.
 
 export interface Part {
   at: number; // bytes from the begin of the file
@@ -12,23 +12,23 @@ export interface MapHeader {
   tiles: Part;
   packed: boolean; // directories and metadata, by gzip
   type: string; // of the pictures
-  least: number; // zoom
-  most: number;
+  minZoom: number;
+  maxZoom: number;
 }
 
 export interface Entry {
   tile: number;
-  run: number; // so many tiles in a row are the same picture; 0: of them a directory tells more
+  run: number; // this number of consecutive tiles have the same picture; 0: the entry is a directory
   size: number;
   at: number;
 }
 
 export const headerSize = 127;
-const greatestZoom = 26; // beyond that, numbers of tiles are not whole in a double
-const mostEntries = 1 << 20;
+const maxWholeZoom = 26; // above this, a double can't hold the numbers of tiles exactly
+const maxEntries = 1 << 20;
 const pictures: Record<number, string> = { 2: "image/png", 3: "image/jpeg", 4: "image/webp", 5: "image/avif" };
 
-/** In a clause for people why a file can't be shown. */
+/** A clause for people: why a file can't be shown. */
 export class MapFault extends Error {}
 
 function whole(view: DataView, at: number): number {
@@ -45,12 +45,12 @@ export function headerOf(bytes: ArrayBuffer): MapHeader {
   const packing = view.getUint8(97), type = pictures[view.getUint8(99)];
   if (packing !== 1 && packing !== 2) throw new MapFault("its directories are packed otherwise than by gzip");
   if (!type) throw new MapFault("its tiles are no pictures: only raster tiles can be shown");
-  const least = view.getUint8(100), most = view.getUint8(101);
-  if (least > most || most > greatestZoom) throw new MapFault(`it has zooms ${least} to ${most}`);
-  return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, least, most };
+  const minZoom = view.getUint8(100), maxZoom = view.getUint8(101);
+  if (minZoom > maxZoom || maxZoom > maxWholeZoom) throw new MapFault(`it has zooms ${minZoom} to ${maxZoom}`);
+  return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, minZoom, maxZoom };
 }
 
-/** Numbers of seven bits a byte, the lowest first. */
+/** Numbers with seven bits per byte, the lowest first (varints). */
 class Numbers {
   private at = 0;
 
@@ -71,13 +71,13 @@ class Numbers {
 export function directoryOf(bytes: Uint8Array): Entry[] {
   const numbers = new Numbers(bytes);
   const count = numbers.next();
-  if (count > mostEntries || count > bytes.length) throw new MapFault("a directory has too many entries");
+  if (count > maxEntries || count > bytes.length) throw new MapFault("a directory has too many entries");
   const entries: Entry[] = [];
   let tile = 0;
   for (let i = 0; i < count; ++i) entries.push({ tile: (tile += numbers.next()), run: 0, size: 0, at: 0 });
   for (const entry of entries) entry.run = numbers.next();
   for (const entry of entries) entry.size = numbers.next();
-  let end = 0; // of the one before: most lie one behind the other
+  let end = 0; // of the entry before: most are contiguous
   for (const [i, entry] of entries.entries()) {
     const said = numbers.next();
     if (said === 0 && i === 0) throw new MapFault("a directory begins nowhere");
@@ -87,9 +87,9 @@ export function directoryOf(bytes: Uint8Array): Entry[] {
   return entries;
 }
 
-/** The entry that `tile` falls under; undefined: there is no such tile. */
+/** The entry that contains `tile`; undefined: there is no such tile. */
 export function entryFor(entries: readonly Entry[], tile: number): Entry | undefined {
-  let low = 0, high = entries.length; // all before `low` begin at or before it
+  let low = 0, high = entries.length; // all entries before `low` begin at or before `tile`
   while (low < high) {
     const middle = (low + high) >> 1;
     if (entries[middle]!.tile <= tile) low = middle + 1;
@@ -99,7 +99,7 @@ export function entryFor(entries: readonly Entry[], tile: number): Entry | undef
   return entry && (entry.run === 0 || tile < entry.tile + entry.run) ? entry : undefined;
 }
 
-/** Tiles are counted zoom after zoom, and in each along Hilbert's curve, so that neighbours lie together. */
+/** Tiles are numbered zoom after zoom, and within a zoom along the Hilbert curve, so that neighbours have close numbers. */
 export function tileNumber(zoom: number, x: number, y: number): number {
   let number = (4 ** zoom - 1) / 3;
   for (let side = 2 ** (zoom - 1); side >= 1; side /= 2) {

@@ -1,18 +1,18 @@
-// The pictures of the gateway's map, fetched when they are looked at.
+// The pictures of the gateway's map, fetched when they become visible.
 import { onHeard, onTokenNeeded, path, refusalOf } from "../api";
 import { Store } from "../live/store";
 import { MapFile } from "./map_file";
 import { MapFault, type Part } from "./pmtiles";
 
-const mostKept = 160; // pictures: of 256 × 256 pixels, 40 MB
-const mostAtOnce = 6; // requests; others are made when these have ended, if they are still looked at
-const againAfter = 5000; // milliseconds after one failed
+const maxKept = 160; // pictures: 40 MB with 256 × 256 pixels
+const maxRequests = 6; // at once; further ones are made when these have ended, if still needed
+const againAfter = 5000; // milliseconds after a failed request
 
 type Kept = { picture?: ImageBitmap; asked?: boolean; failedAt?: number; none?: boolean };
 
-/** Counts what has come: who has drawn without it draws again. */
+/** Changes when a picture has come, so that the map is drawn again. */
 export const mapNews = new Store(0);
-/** In a clause, why there is no map to be seen; empty: there is one, or it is not known yet. */
+/** A clause: why no map can be shown; empty: there is a map, or it is not known yet. */
 export const mapFault = new Store("");
 
 export class MapTiles {
@@ -24,23 +24,23 @@ export class MapTiles {
   private version = "";
   attribution = "";
 
-  /** What the map has; nothing while that is not known. */
-  get zooms(): { least: number; most: number } | undefined {
+  /** The zooms of the map; undefined while they are not known. */
+  get zooms(): { minZoom: number; maxZoom: number } | undefined {
     if (!this.file) void this.open().catch(() => undefined);
     return this.file?.header;
   }
 
-  /** The picture, if it is here; with `ask` it comes. */
+  /** The picture, if it was fetched; with `ask`, a missing one is fetched. */
   picture(zoom: number, x: number, y: number, ask: boolean): ImageBitmap | undefined {
     const key = `${zoom}/${x}/${y}`;
     const known = this.kept.get(key);
     if (known?.picture) {
-      this.kept.delete(key); // it is the last again
+      this.kept.delete(key); // moves it to the end: used last
       this.kept.set(key, known);
       return known.picture;
     }
     const mayAsk = !known || (!known.asked && !known.none && performance.now() - (known.failedAt ?? 0) > againAfter);
-    if (ask && mayAsk && this.asking < mostAtOnce) void this.ask(key, zoom, x, y);
+    if (ask && mayAsk && this.asking < maxRequests) void this.ask(key, zoom, x, y);
     return undefined;
   }
 
@@ -66,7 +66,7 @@ export class MapTiles {
 
   private forgetOldest(): void {
     for (const [key, one] of this.kept) {
-      if (this.kept.size <= mostKept) return;
+      if (this.kept.size <= maxKept) return;
       if (one.asked) continue;
       one.picture?.close();
       this.kept.delete(key);
@@ -105,7 +105,7 @@ export class MapTiles {
     return response.arrayBuffer();
   }
 
-  /** Another file was put in its place: what is known of the old one is wrong. */
+  /** The file was replaced: forgets everything about the old one. */
   private beginAnew(): never {
     this.version = "";
     this.file = this.opening = undefined;

@@ -1,4 +1,4 @@
-// Calibration of accelerometer and compass: what is to be done, and how far it is.
+// Calibration of accelerometer and compass: instructions and progress.
 import { useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { messageText, t, useLanguage } from "../i18n";
@@ -78,7 +78,7 @@ function Step({ step }: { step: unknown }) {
 
 const shown = (value: unknown): string => (typeof value === "number" ? String(Number(value.toPrecision(5))) : String(value));
 
-/** Whatever the gateway tells of how well it went. */
+/** All figures of the gateway about the quality of the result. */
 function Result({ value }: { value: unknown }) {
   const rows = typeof value === "object" && value !== null ? Object.entries(value) : [];
   return (

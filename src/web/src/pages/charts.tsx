@@ -14,7 +14,7 @@ import { hexByte, isNumeric, type MessageTable } from "../protocol/table";
 
 const windows = [5, 10, 30, 60, 180, 600];
 
-/** What is drawn stays while the page is open, whatever else is looked at. */
+/** The chart data is kept while the page is open, also when another view is shown. */
 let kept: ChartData | undefined;
 
 function chosenBefore(): Chosen[] {
@@ -78,7 +78,7 @@ function Picker({ data, onChange }: { data: ChartData; onChange: () => void }) {
 
 const numberText = (value: number | undefined): string => (value === undefined || Number.isNaN(value) ? "–" : Number(value.toPrecision(6)).toString());
 
-/** The newest value of each, that under the pointer, and how far that is from where the measure was put. */
+/** The newest value of each line, the one under the pointer, and its difference from the one at the measuring mark. */
 function Values({ lines, look, mark, onRemove }: { lines: readonly Line[]; look: number | undefined; mark: number | undefined; onRemove: (key: string) => void }) {
   useTick(250);
   const measures = look !== undefined && mark !== undefined;
@@ -113,11 +113,11 @@ function Values({ lines, look, mark, onRemove }: { lines: readonly Line[]; look:
 }
 
 interface View {
-  width: number; // seconds that are shown
-  stopped: { from: number; to: number } | undefined; // paused there
+  width: number; // visible seconds
+  stopped: { from: number; to: number } | undefined; // the visible range while paused
 }
 
-/** Draws as often as the screen does, and no more than there is to see. */
+/** Draws once per frame of the screen, and only when something has changed visibly. */
 function useDrawing(data: ChartData | undefined, count: number, view: { current: View }, onLook: (time: number | undefined) => void, onZoom: (from: number, to: number) => void) {
   const holder = useRef<HTMLDivElement>(null);
   const plot = useRef<Plot | undefined>(undefined);
@@ -128,7 +128,7 @@ function useDrawing(data: ChartData | undefined, count: number, view: { current:
     let changed = true;
     const watch = new ResizeObserver(() => { drawn.fit(); changed = true; });
     watch.observe(holder.current);
-    let lead = Number.NEGATIVE_INFINITY; // how far the newest frame is before the page's clock, when it comes without delay: what is before that by a batch has come
+    let lead = Number.NEGATIVE_INFINITY; // how far the newest frame is ahead of the page's clock without delay: everything older than that by `batch` has been received
     let running = 0;
     const step = (): void => {
       running = requestAnimationFrame(step);

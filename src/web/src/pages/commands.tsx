@@ -1,4 +1,4 @@
-// The commands of a device, as it describes them itself.
+// The commands of a device, as described by the device.
 import { useEffect, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { t, useLanguage } from "../i18n";

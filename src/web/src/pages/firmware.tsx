@@ -1,4 +1,4 @@
-// A firmware upgrade: what the file is, what the device is, and each step until the device has checked the image.
+// Firmware upgrade: shows the file, the device, and each step until the device has checked the image.
 import { useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { shortNumber } from "../format";

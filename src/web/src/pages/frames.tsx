@@ -1,4 +1,4 @@
-// What passes, a row for each sender and message; opened, its fields and bytes.
+// The frames that pass, a row for each sender and message; an opened row shows fields and bytes.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { meaningOf, rateText, valueText } from "../format";
@@ -11,11 +11,11 @@ import { directions, type Direction, type Tables } from "../protocol/records";
 import { hexByte, hexOf, type MessageTable, type Reading, type Unreadable } from "../protocol/table";
 import { SendForm } from "../parts/send_form";
 
-const mostShown = 300;
+const maxShown = 300;
 
 export const unreadableText = (why: Unreadable): string => t(why);
 
-/** A few values, as they fit into a line. */
+/** The first values, as many as fit into a line. */
 function Brief({ reading }: { reading: Reading | Unreadable }) {
   if (typeof reading === "string") return <span class="muted">{unreadableText(reading)}</span>;
   const shown = reading.fields().filter(({ field }) => field.type !== "bytes" && field.type !== "list" && field.type !== "frames").slice(0, 8);
@@ -83,7 +83,7 @@ function matches(row: FrameRow, of: MessageTable, words: string[]): boolean {
   return words.every((word) => text.includes(word));
 }
 
-/** The rows of one direction, as long as it is looked at. */
+/** The rows of one direction, while it is shown. */
 function useRows(direction: Direction): { rows: FrameRows; tables: Tables | undefined; lost: number } {
   const of = useStore(table);
   const rows = useMemo(() => new FrameRows(), [direction]);
@@ -134,12 +134,12 @@ export function Frames() {
       {rows.left_out > 0 && <p class="note warn">{t("rows_left_out", { n: rows.left_out })}</p>}
       {found.length === 0 ? <p class="muted">{t("no_frames_yet")}</p> : (
         <ul class="rows">
-          {found.slice(0, mostShown).map((row) => (
+          {found.slice(0, maxShown).map((row) => (
             <Row key={row.key} row={row} of={of} open={open.has(row.key)} onToggle={() => toggle(row.key)} now={now} tables={tables} />
           ))}
         </ul>
       )}
-      {found.length > mostShown && <p class="muted">{t("rows_more", { n: found.length - mostShown })}</p>}
+      {found.length > maxShown && <p class="muted">{t("rows_more", { n: found.length - maxShown })}</p>}
     </div>
   );
 }

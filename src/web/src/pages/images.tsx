@@ -14,7 +14,7 @@ import { hexByte, Reading } from "../protocol/table";
 interface Shown {
   picture: Picture;
   rate: Rate;
-  broken: number; // with a part lost
+  broken: number; // number of pictures with missing rows
 }
 
 function Canvas({ picture, stopped }: { picture: Picture; stopped: boolean }) {
@@ -57,7 +57,7 @@ export function Images() {
           const whole = picture.filled === rowBytes(picture) * picture.height;
           const isFirst = !heard.current.has(record.from);
           heard.current.add(record.from);
-          if (isFirst && !whole) continue; // its first rows went by before anybody looked
+          if (isFirst && !whole) continue; // it may have begun before this page was shown
           const one = shown.current.get(record.from) ?? { picture, rate: new Rate(), broken: 0 };
           one.picture = picture;
           one.rate.add(seconds());

@@ -1,4 +1,4 @@
-// Every page, in the order in which it is offered: a row each.
+// The table of all pages, in the order of the navigation.
 import type { FunctionComponent } from "preact";
 import type { Key } from "../i18n";
 import { pageOfDevice, type Place } from "../route";
@@ -19,7 +19,7 @@ export interface Page {
   name: string;
   title: Key;
   ofDevice: boolean;
-  asks?: true; // the device must be there: one of a recording answers nothing
+  asks?: true; // needs a real device: those of a recording do not answer
   view: FunctionComponent<{ device: number }>;
 }
 

@@ -1,4 +1,4 @@
-// What devices say in words: 0xA0 and 0xA1.
+// The log messages of devices: 0xA0 and 0xA1.
 import { useEffect, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { t, useLanguage } from "../i18n";
@@ -9,7 +9,7 @@ import { download, stamp } from "../parts/download";
 import { hexByte, Reading } from "../protocol/table";
 
 export interface Entry {
-  missed?: string; // nothing was heard here: why
+  missed?: string; // why messages may be missing here
   number: number;
   time: number;
   from: number;
@@ -18,19 +18,19 @@ export interface Entry {
   text: string;
 }
 
-const mostEntries = 2000;
-const longest = 2000; // characters of one: a device can send more than anybody reads
+const maxEntries = 2000;
+const maxText = 2000; // characters of an entry: a device can send more than anybody reads
 
-/** They stay while the page is open. */
+/** Kept while the page is open. */
 const entries: Entry[] = [];
 let count = 0;
 
 function add(entry: Omit<Entry, "number">): void {
   entries.push({ ...entry, number: ++count });
-  if (entries.length > mostEntries) entries.splice(0, entries.length - mostEntries);
+  if (entries.length > maxEntries) entries.splice(0, entries.length - maxEntries);
 }
 
-let leftAt: number | undefined; // when the page went elsewhere
+let leftAt: number | undefined; // when the view was left
 const miss = (why: string): void => add({ time: Date.now() / 1000, from: 0, colour: 0, value: undefined, text: "", missed: why });
 
 const clock = (time: number): string => {
@@ -42,7 +42,7 @@ const lineOf = (entry: Entry): string =>
   entry.missed !== undefined ? `${new Date(entry.time * 1000).toISOString()} # ${entry.missed}` :
   `${new Date(entry.time * 1000).toISOString()} ${hexByte(entry.from)} ${entry.value === undefined ? "" : entry.value + " "}${entry.text.replace(/[\r\n]+/g, " ")}`;
 
-const inBrief = 240; // characters: one long line is not to push all others away
+const inBrief = 240; // characters: a long line must not displace all others
 
 function Words({ text }: { text: string }) {
   const [open, setOpen] = useState(false);
@@ -71,7 +71,7 @@ export function Log() {
         const reading = of.read(record.id, record.from, record.data);
         if (!(reading instanceof Reading)) return;
         const text = reading.get("str"), value = reading.get("val"), colour = reading.get("color");
-        add({ time: record.time, from: record.from, colour: typeof colour === "number" ? colour : 0, value: typeof value === "number" ? value : undefined, text: typeof text === "string" ? text.slice(0, longest) : "" });
+        add({ time: record.time, from: record.from, colour: typeof colour === "number" ? colour : 0, value: typeof value === "number" ? value : undefined, text: typeof text === "string" ? text.slice(0, maxText) : "" });
       },
     });
     return () => {

@@ -1,4 +1,4 @@
-// The gateway at a glance, bad news first.
+// Overview of the gateway, problems first.
 import { useState } from "preact/hooks";
 import { ask } from "../api";
 import { causeText, errorText, hintText, language, reasonText, t, useLanguage } from "../i18n";
@@ -16,7 +16,7 @@ interface Trouble {
   who: string;
   text: string;
   bad: boolean;
-  page?: string; // where more is said of it
+  page?: string; // the page with details
 }
 
 function troublesOf(status: Status): Trouble[] {

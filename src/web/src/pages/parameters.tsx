@@ -1,4 +1,4 @@
-// The parameters of a device: what is changed is written, and only that; what the device stored is shown.
+// The parameters of a device: writes only the changed ones, and shows the values that the device stored.
 import { useEffect, useState } from "preact/hooks";
 import { nameOf as nameOfAddress } from "../addresses";
 import { ask, type Answer } from "../api";

@@ -1,4 +1,4 @@
-// Recordings on the gateway: begun, ended, taken home, deleted; and whether the disk takes them.
+// Recordings on the gateway: begin, end, download, delete; and the state of the disk.
 import { useEffect, useState } from "preact/hooks";
 import { path, type Refusal } from "../api";
 import { bytesText, duration, shortNumber } from "../format";
@@ -8,7 +8,7 @@ import { beginRecording, deleteRecording, endRecording, fileOf, questionOf, read
 import { OutcomeLine, refusalText, useAction, type Action } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 
-const between = 1000; // milliseconds from one answer to the next question
+const between = 1000; // milliseconds from a response to the next request
 
 const lasts = (seconds: number): string => duration(seconds, language.get() === "zh");
 const clock = (time: number): string => {
@@ -16,7 +16,7 @@ const clock = (time: number): string => {
   return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())} ${date.toTimeString().slice(0, 8)}`;
 };
 
-/** Asked for as long as somebody looks. */
+/** Requested periodically while the page is shown. */
 function useRecordings(): { all: All | undefined; fault: Refusal | undefined; look: () => void } {
   const [all, setAll] = useState<All>();
   const [fault, setFault] = useState<Refusal>();

@@ -1,4 +1,4 @@
-// One vehicle: where it looks, where it is, how it is.
+// One vehicle: attitude, position, state.
 import { useEffect, useMemo } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { fixed } from "../format";
@@ -15,7 +15,7 @@ import { Track } from "../parts/track";
 import { addPlace, addPoint, earthTrackOf, trackOf } from "../parts/tracks";
 import { isPlace, onGround } from "../parts/waypoint_set";
 
-/** Frames a second of each message that the page shows; the eye needs no more. */
+/** Maximum rates of the messages that the page shows, per second; more would not be seen. */
 const wanted: Record<string, number> = {
   euler: 30, altitude: 10, velocity: 10, position: 10, mode: 10, power: 4, gps: 5, module_status: 2, return_home: 4, wind: 2, remote_control: 20, pwm: 10,
 };
@@ -52,7 +52,7 @@ function addPointOf(latest: Latest, device: number): void {
   if (point) addPoint(trackOf(device), point);
 }
 
-const fixes = [2, 3, 4]; // of fix_sta: where it is, is known
+const fixes = [2, 3, 4]; // values of fix_sta with a known position
 
 function placeOf(latest: Latest): Place | undefined {
   const fix = latest.number("gps", "fix_sta", 0), lng = latest.number("gps", "lng", 0), lat = latest.number("gps", "lat", 0);

@@ -21,7 +21,7 @@ const columns: { name: Column; unit: string; factor: number }[] = [
   { name: "spd", unit: "m/s", factor: 100 }, { name: "yaw", unit: "°", factor: 1 }, { name: "fun", unit: "", factor: 1 },
 ];
 
-/** A number that is being typed: what is none stays as it is, and the value with it. */
+/** An input for a number: text that is not a number stays in the field, but does not change the value. */
 function Cell({ label, value, disabled, onValue }: { label: string; value: number; disabled: boolean; onValue: (value: number) => void }) {
   const [typed, setTyped] = useState<string>();
   const bad = typed !== undefined && numberIn(typed) === undefined;

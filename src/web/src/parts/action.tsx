@@ -1,4 +1,4 @@
-// Something that is done to a device: once at a time, and with its end told.
+// An action on a device: one at a time, and its result is shown.
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Answer, Refusal } from "../api";
 import { messageText, reasonText, t } from "../i18n";
@@ -10,7 +10,7 @@ export interface Outcome {
   good: boolean;
 }
 
-/** What the gateway tells of how it came to that end. */
+/** The details that the gateway gives about a failure. */
 export function evidenceText(evidence: Record<string, unknown> | undefined): string {
   const parts: string[] = [];
   const { sent, rtt_ms: trip, ...rest } = evidence ?? {};
@@ -30,7 +30,7 @@ export function refusalText(refusal: Refusal): string {
 export interface Action {
   busy: boolean;
   outcome: Outcome | undefined;
-  /** Nothing while the last one has not ended: no action twice by a nervous finger. */
+  /** Does nothing while an action runs, so that a double click does not do it twice. */
   run<T>(work: () => Promise<Answer<T>>, words: (value: T) => string): void;
   say(outcome: Outcome | undefined): void;
 }
@@ -56,7 +56,7 @@ export function useAction(): Action {
   return { busy, outcome, run, say: setOutcome };
 }
 
-/** What takes long, with a way to end it. */
+/** The progress of a job, with a button to cancel it. */
 export function JobLine({ job, onCancel, question }: { job: Job | undefined; onCancel?: () => void; question?: string }) {
   if (!job) return null;
   const { progress, done, total, unit } = job;

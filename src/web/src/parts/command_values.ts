@@ -1,7 +1,7 @@
-// What was typed for a command, checked against the types that the device declares. Pure.
+// Checks the input for a command against the types that the device declares. Pure.
 import { numberIn } from "./frame_of";
 
-/** What a whole number of the type can be; undefined: it is no whole number. */
+/** The range of an integer type; undefined: not an integer type. */
 export function rangeOf(type: string): [number, number] | undefined {
   const [, sign, bits] = /^([ui])(8|16|32|64)$/.exec(type) ?? [];
   if (!sign) return undefined;
@@ -13,7 +13,7 @@ export const rangeText = (type: string): string => {
   return range && !type.endsWith("64") ? ` ${range[0]}…${range[1]}` : "";
 };
 
-/** What was typed, for each type that the device declares; undefined: that is no number, or none of the type. A whole number beyond 2^53 stays text. */
+/** The values for the types that the device declares; undefined: one is not a number, or out of range. Integers beyond 2^53 stay text. */
 export function valuesOf(types: readonly string[], typed: readonly string[]): unknown[] | undefined {
   const values = types.map((type, i) => {
     const text = typed[i] ?? "";

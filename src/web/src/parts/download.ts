@@ -1,4 +1,4 @@
-// A file that is made in the browser, for the user to keep.
+// Offers data of the browser as a file to download.
 export function download(name: string, blob: Blob): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
@@ -7,7 +7,7 @@ export function download(name: string, blob: Blob): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** 2026-11-23_14-05-09, by the clock of the one who looks. */
+/** 2026-11-23_14-05-09, by the user's local time. */
 export function stamp(now = new Date()): string {
   const two = (n: number): string => String(n).padStart(2, "0");
   return `${now.getFullYear()}-${two(now.getMonth() + 1)}-${two(now.getDate())}_${two(now.getHours())}-${two(now.getMinutes())}-${two(now.getSeconds())}`;

@@ -1,4 +1,4 @@
-// What the header of a .bia file says (protocol.md, 0xF0). Pure.
+// Reads the header of a .bia file (protocol.md, 0xF0). Pure.
 export interface FirmwareFile {
   bytes: number; // of the image
   header?: { version: number; crc: number; hwType: number; hwMin: number; hwMax: number };

@@ -1,9 +1,9 @@
-// What was typed into the form of a message, as the frame's JSON. Pure.
+// Makes the JSON of a frame from the input in the form of a message. Pure.
 import { isNumeric, type FieldRow, type MessageRow } from "../protocol/table";
 
 export type Typed = { frame: { from: number; to: number; name: string; fields: Record<string, unknown> } } | { fault: string };
 
-/** As in C: -1.5, 1e-7, 0xDC; undefined: it is none. */
+/** As in C: -1.5, 1e-7, 0xDC; undefined: not a number. */
 export function numberIn(text: string): number | undefined {
   const plain = text.trim();
   if (plain === "") return undefined;
@@ -17,11 +17,11 @@ function valueOf(field: FieldRow, text: string): unknown {
   const numbers = words.map(numberIn);
   if (numbers.some((n) => n === undefined)) return undefined;
   if ((field.count ?? 1) !== 1) return numbers;
-  // What a double can't hold goes as text.
+  // Integers that a double can't hold are sent as text.
   return /64$/.test(field.type) && !Number.isSafeInteger(numbers[0]!) && field.type !== "f64" ? text.trim() : numbers[0];
 }
 
-/** Fields that were left empty are left out, but for those that tell this layout from others. */
+/** Empty fields are omitted, except for those that select this layout. */
 export function frameOf(row: MessageRow, from: string, to: string, values: Record<string, string>): Typed {
   const source = numberIn(from), destination = numberIn(to);
   if (source === undefined) return { fault: "from" };

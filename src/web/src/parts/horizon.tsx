@@ -1,4 +1,4 @@
-// Attitude as an aircraft shows it. Angles in degrees, X forward, Y left, Z up: roll to the right, pitch nose down, yaw to the left.
+// Attitude indicator. Angles in degrees, X forward, Y left, Z up: positive roll to the right, pitch nose down, yaw to the left.
 import { t } from "../i18n";
 
 const perDegree = 1.6; // units of the drawing
@@ -43,7 +43,7 @@ export function Horizon({ roll, pitch, yaw, late }: { roll: number; pitch: numbe
   );
 }
 
-/** Which way the nose looks, seen from above; up is where yaw is zero. */
+/** The heading, seen from above; yaw 0 is up. */
 export function Rose({ yaw, late }: { yaw: number; late: boolean }) {
   return (
     <svg class={`rose ${late ? "late-drawing" : ""}`} viewBox="-50 -50 100 100" aria-hidden="true">

@@ -1,4 +1,4 @@
-// Who is joined to whom: the gateway, its links, who is behind each; what passes, as it passes.
+// A diagram of the network: the gateway, its links, the devices behind each link, and the live traffic.
 import { useState } from "preact/hooks";
 import { causeText, hintText, language, t } from "../i18n";
 import { drops, lost } from "../live/counters";
@@ -9,7 +9,7 @@ import { hashOf, pageOfDevice } from "../route";
 import { nameOf } from "../addresses";
 import { calmHints } from "../words_of_gateway";
 
-/** A wire with what flows on it: the more, the faster; nothing flows without frames. */
+/** A wire with an animated flow, faster at a higher rate; no flow without frames. */
 function Wire({ rate, back }: { rate: number; back: boolean }) {
   const flows = rate > 0.05;
   const period = flows ? Math.max(0.35, 2.2 - 0.55 * Math.log10(1 + rate)) : 0;
@@ -39,11 +39,11 @@ function Who({ route }: { route: Route }) {
   );
 }
 
-/** Peers that are worth a line: those of links that have several. */
+/** The peers of a link that may have several. */
 function Peers({ link }: { link: Link }) {
   if (link.kind !== "udp-listen") return null;
   const shown = link.channels.slice(0, 6);
-  if (shown.length === 0 && link.hint_id === "no_peer_yet") return null; // says it already
+  if (shown.length === 0 && link.hint_id === "no_peer_yet") return null; // the hint says it already
   if (shown.length === 0) return <p class="muted">{t("no_peers")}</p>;
   return (
     <ul class="peers" aria-label={t("peers")}>
@@ -79,7 +79,7 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
   const rate = (name: string): number => linkRates.perSecond("link:" + link.name, name) ?? 0;
   const losing = lost(link).reduce((sum, [name]) => sum + rate(name), 0);
   const calm = calmHints.has(link.hint_id);
-  const troubled = link.error !== "" || (link.hint !== "" && !calm); // the list above says which trouble it is
+  const troubled = link.error !== "" || (link.hint !== "" && !calm); // the list above names the trouble
   const where = link.device ?? link.address ?? link.peer;
   return (
     <li class={`branch ${up ? "up" : "down"} ${troubled ? "troubled" : ""}`}>

@@ -1,9 +1,9 @@
-// The parameters of a device, what was typed for them, and a file of them. Pure.
+// The parameters of a device, the input for them, and files of them. Pure.
 export interface Parameter {
   id: number;
   name?: string;
   type?: string | null;
-  value?: number | string; // "nan", "inf", "-inf" of what is no number
+  value?: number | string; // "nan", "inf", "-inf" for values that JSON does not have
   text?: string;
   min?: number;
   max?: number;
@@ -12,14 +12,14 @@ export interface Parameter {
 
 export const nameOf = (parameter: Parameter): string => parameter.name || String(parameter.id);
 
-/** What a calibration found for one piece of hardware: not for another. */
+/** Calibration values, which are valid for one piece of hardware only. */
 export const isCalibration = (name: string): boolean => name.startsWith("CAL_");
 
-/** Devices choose the names of their parameters: "constructor" is one. */
+/** Devices choose the names of their parameters, also "constructor". */
 export const has = (all: object, name: string): boolean => Object.prototype.hasOwnProperty.call(all, name);
 export const named = <T>(all: Readonly<Record<string, T>> | undefined, name: string): T | undefined => (all && has(all, name) ? all[name] : undefined);
 
-/** The same value, however it is written: 5, 5.0, 0x05. */
+/** Whether the values are equal, independent of notation: 5, 5.0, 0x05. */
 export function isSame(value: number | string | undefined, text: string, type: string | null | undefined): boolean {
   if (value === undefined) return false;
   if (type === "string" || type === "text") return String(value) === text;
@@ -37,7 +37,7 @@ export function isSame(value: number | string | undefined, text: string, type: s
   return type === "f32" ? Math.fround(number) === Math.fround(Number(value)) : number === Number(value);
 }
 
-/** What differs from what the device has, by name. */
+/** The values that differ from those of the device, by name. */
 export function changesOf(parameters: readonly Parameter[], typed: Readonly<Record<string, string>>): Record<string, string> {
   return Object.fromEntries(parameters.flatMap((parameter): [string, string][] => {
     const text = named(typed, nameOf(parameter));
@@ -45,13 +45,13 @@ export function changesOf(parameters: readonly Parameter[], typed: Readonly<Reco
   }));
 }
 
-/** The form that anoctl writes as well: {device, name, sw, parameters: {NAME: value}}. */
+/** In the same form as of anoctl: {device, name, sw, parameters: {NAME: value}}. */
 export function fileOf(device: { address: string; name?: string; sw?: number }, parameters: readonly Parameter[]): string {
   const values = Object.fromEntries(parameters.filter((one) => one.value !== undefined).map((one) => [nameOf(one), one.value]));
   return JSON.stringify({ device: device.address, name: device.name, sw: device.sw, parameters: values }, null, 2) + "\n";
 }
 
-/** Values by name; undefined: it is no such file. Whole numbers keep all their digits. */
+/** Values by name; undefined: not such a file. Integers keep all their digits. */
 export function valuesIn(text: string): Record<string, string> | undefined {
   let json: unknown;
   try {
@@ -65,7 +65,7 @@ export function valuesIn(text: string): Record<string, string> | undefined {
   return Object.fromEntries(Object.entries(values).filter(([, value]) => typeof value === "number" || typeof value === "string").map(([name, value]) => [name, String(value)]));
 }
 
-/** The device that a file is of, where it says so and that is another one than `device`: by its name, and without one by its address. */
+/** The device that a file is of, if it is known and differs from `device`: compared by name, or without one by address. */
 export function strangerIn(text: string, device: { address: string; name?: string | undefined }): string | undefined {
   let said: { device?: unknown; name?: unknown };
   try {

@@ -1,10 +1,10 @@
-// The drawing of the chart: uPlot, fed with as many points as there are columns of pixels.
+// Draws the chart with uPlot, which gets only as many points as there are columns of pixels.
 import uPlot from "uplot";
 import type { Line } from "../live/chart_data";
 import { columnTimes, envelope, wentOver } from "../live/series";
 
 export const colours = ["#1f77d0", "#d9541e", "#2a9d4a", "#a13fc4", "#c49a00", "#d43a6b", "#0a9aa8", "#7a5a3a", "#6a72e8", "#7d8b00", "#b0402f", "#3d7f6a"];
-const mostAxes = 4;
+const maxAxes = 4;
 
 const css = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const scaleOf = (unit: string): string => "y" + unit;
@@ -15,8 +15,8 @@ function clock(time: number, step: number): string {
   return step < 1 ? `${text}.${String(date.getMilliseconds()).padStart(3, "0")}` : text;
 }
 
-/** A value or two for each column of pixels: upright bars where columns stand side by side, lines over the gaps. Bars cost a tenth of what a
- * line through all of them would. Where an angle goes over its end, nothing joins the ends. */
+/** One or two values for each column of pixels: vertical bars for adjacent columns, lines over the gaps. Bars cost a tenth of a line through
+ * all values. Where an angle wraps around, its ends are not joined. */
 export function drawColumns(plot: uPlot, values: readonly (number | null)[], unit: string, colour: string): void {
   const { ctx, bbox } = plot;
   const range = plot.scales[scaleOf(unit)];
@@ -69,7 +69,7 @@ export class Plot {
   private from = 0;
   private to = 1;
 
-  /** `onLook`: the time under the pointer, or nothing; `onZoom`: a range that was drawn over. */
+  /** `onLook`: the time under the pointer, or undefined; `onZoom`: a range that the user selected. */
   constructor(
     private readonly holder: HTMLElement,
     private readonly lines: readonly Line[],
@@ -87,7 +87,7 @@ export class Plot {
       scales: { x: { time: true, auto: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), { auto: true }])) },
       axes: [
         { stroke: ink, grid, ticks: grid, values: (_, all, __, ___, step) => all.map((at) => clock(at, step)) },
-        ...units.slice(0, mostAxes).map((unit, i): uPlot.Axis => ({ scale: scaleOf(unit), side: i % 2 === 0 ? 3 : 1, stroke: ink, ticks: grid, grid: i === 0 ? grid : { show: false }, label: unit || "–", labelSize: 18, size: 54 })),
+        ...units.slice(0, maxAxes).map((unit, i): uPlot.Axis => ({ scale: scaleOf(unit), side: i % 2 === 0 ? 3 : 1, stroke: ink, ticks: grid, grid: i === 0 ? grid : { show: false }, label: unit || "–", labelSize: 18, size: 54 })),
       ],
       series: [{}, ...lines.map((line, i): uPlot.Series => ({ label: line.label, scale: scaleOf(line.unit), stroke: colours[i % colours.length]!, paths: () => null, points: { show: false } }))],
       hooks: {
@@ -112,13 +112,13 @@ export class Plot {
     this.columns = Math.max(16, Math.floor(this.plot.bbox.width / devicePixelRatio));
   }
 
-  /** Nothing where no pixel would change. */
+  /** Does nothing when no pixel would change. */
   draw(from: number, to: number, changed: boolean): void {
     const pixel = (to - from) / Math.max(this.columns, 1);
     if (!changed && Math.abs(from - this.from) < pixel && Math.abs(to - this.to) < pixel) return;
     this.from = from;
     this.to = to;
-    // Columns keep their place in time: a peak that is drawn stays what it is.
+    // Columns are aligned to fixed times, so that a drawn peak does not change its height.
     const start = Math.floor(from / pixel) * pixel, end = start + (this.columns + 1) * pixel;
     columnTimes(start, end, this.columns + 1, this.data[0] as number[]);
     this.lines.forEach((line, i) => envelope(line.series, start, end, this.columns + 1, this.data[i + 1]!));

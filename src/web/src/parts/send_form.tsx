@@ -1,4 +1,4 @@
-// A frame from a form that the message table makes, and what became of it.
+// Sends a frame from a form made from the message table, and shows what became of it.
 import { useState } from "preact/hooks";
 import { ask } from "../api";
 import { causeText, t, titleText } from "../i18n";

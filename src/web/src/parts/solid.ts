@@ -1,4 +1,4 @@
-// A box and a sphere in space, drawn flat. X forward, Y left, Z up. Pure.
+// Projects a box and a sphere onto a plane. X forward, Y left, Z up. Pure.
 export type Vec = readonly [number, number, number];
 
 export const faceNames = ["+x", "-x", "+y", "-y", "+z", "-z"] as const;
@@ -8,7 +8,7 @@ export const dot = (a: Vec, b: Vec): number => a[0] * b[0] + a[1] * b[1] + a[2] 
 
 const normals: Record<FaceName, Vec> = { "+x": [1, 0, 0], "-x": [-1, 0, 0], "+y": [0, 1, 0], "-y": [0, -1, 0], "+z": [0, 0, 1], "-z": [0, 0, -1] };
 
-/** Turns the box so that a face is up: by a quarter or a half about an axis that lies flat. */
+/** Turns the box so that a face is up: by a quarter or half turn about a horizontal axis. */
 export function turnedUp(face: FaceName, [x, y, z]: Vec): Vec {
   switch (face) {
     case "+x": return [-z, y, x];
@@ -23,10 +23,10 @@ export function turnedUp(face: FaceName, [x, y, z]: Vec): Vec {
 export interface View {
   right: Vec;
   up: Vec;
-  towards: Vec; // the eye
+  towards: Vec; // direction to the viewer
 }
 
-/** The eye stands at `azimuth` around the upright axis, `height` above the ground; degrees. */
+/** The viewer is at `azimuth` around the vertical axis, at elevation `height`; in degrees. */
 export function viewFrom(azimuth: number, height: number): View {
   const a = (azimuth * Math.PI) / 180, h = (height * Math.PI) / 180;
   return {
@@ -58,7 +58,7 @@ function corners(face: FaceName): Vec[] {
   });
 }
 
-/** The faces of the box that are seen when `face` is up. */
+/** The visible faces of the box when `face` is up. */
 export function boxFaces(face: FaceName, view: View): Flat[] {
   return faceNames
     .filter((name) => dot(turnedUp(face, normals[name]), view.towards) > 0.01)
@@ -74,7 +74,7 @@ export interface Cell {
   points: [number, number][];
 }
 
-/** The cells of equal area of a sphere that are seen; cell = band * sectors + sector, bands from below, sectors from behind on. */
+/** The visible cells of a sphere with cells of equal area; cell = band * sectors + sector, bands from the bottom, sectors from the back. */
 export function sphereCells(bands: number, sectors: number, view: View): Cell[] {
   const at = (z: number, angle: number): Vec => {
     const r = Math.sqrt(Math.max(0, 1 - z * z));

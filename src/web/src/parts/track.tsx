@@ -1,4 +1,4 @@
-// Where a vehicle was, seen from above on a metric grid, where up is x, forward at take-off; or, where the gateway has one, on a map.
+// The track of a vehicle from above, on a metric grid (up is x, forward at take-off), or on a map if the gateway has one.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { reasonText, t } from "../i18n";
 import { remember, remembered } from "../kept";
@@ -8,10 +8,10 @@ import { mapFault, mapNews, mapTiles } from "../map/tiles";
 import { drawGround, scaleFor, type Scene } from "./ground";
 import { clearTracks } from "./tracks";
 
-/** `onMap`: the same as satellites see it, where that is known. `way`: the marks are gone to in their order. */
+/** `onMap`: the same by satellite position, if known. `way`: connects the marks in their order. */
 export function Track({ device, scene, onMap, yaw, way = false }: { device: number; scene: Scene; onMap: Scene | undefined; yaw: number; way?: boolean }) {
   const canvas = useRef<HTMLCanvasElement>(null);
-  const [chosen, setScale] = useState<number>(); // metres a pixel
+  const [chosen, setScale] = useState<number>(); // metres per pixel
   const [wanted, setWanted] = useState(remembered("map") !== "off");
   const map = useStore(status)?.map;
   const fault = useStore(mapFault);

@@ -1,13 +1,13 @@
-// Where devices were, as long as the page is open. Pure.
+// The tracks of devices, while the page is open. Pure.
 import type { Place } from "../map/datum";
 import type { Point } from "./ground";
 import { onGround } from "./waypoint_set";
 
-const mostPoints = 6000;
-const nearest = 0.05; // m: nearer ones are the same point
-const farthest = 100_000; // m from where a track began: flat ground ends
+const maxPoints = 6000;
+const nearest = 0.05; // m: nearer points count as the same
+const maxDistance = 100_000; // m from the begin of a track: farther away, the earth is not flat enough
 
-/** By what the device says of itself, from where it took off. */
+/** By the position that the device reports, relative to its take-off. */
 const tracks = new Map<number, Point[]>();
 export function trackOf(device: number): Point[] {
   let track = tracks.get(device);
@@ -15,7 +15,7 @@ export function trackOf(device: number): Point[] {
   return track;
 }
 
-/** By satellites. */
+/** By satellite position. */
 export interface EarthTrack {
   origin: Place;
   points: Point[];
@@ -26,7 +26,7 @@ export const earthTrackOf = (device: number): EarthTrack | undefined => earthTra
 export function addPlace(device: number, place: Place): void {
   let track = earthTracks.get(device);
   const from = track && onGround(track.origin, place);
-  if (!track || Math.hypot(from!.x, from!.y) > farthest) earthTracks.set(device, (track = { origin: place, points: [] }));
+  if (!track || Math.hypot(from!.x, from!.y) > maxDistance) earthTracks.set(device, (track = { origin: place, points: [] }));
   addPoint(track.points, onGround(track.origin, place));
 }
 
@@ -34,9 +34,9 @@ export function addPoint(track: Point[], point: Point): void {
   const last = track[track.length - 1];
   if (last && Math.hypot(last.x - point.x, last.y - point.y) < nearest) return;
   track.push(point);
-  // Every second point of the older half goes: the way stays.
-  if (track.length > mostPoints) {
-    const half = track.splice(0, mostPoints / 2).filter((_, i) => i % 2 === 0);
+  // Removes every second point of the older half, which keeps the shape.
+  if (track.length > maxPoints) {
+    const half = track.splice(0, maxPoints / 2).filter((_, i) => i % 2 === 0);
     track.unshift(...half);
   }
 }

@@ -1,4 +1,4 @@
-// Waypoints as the gateway has them, and where they lie on the ground. Pure.
+// Waypoints in the gateway's form, and their positions on the ground. Pure.
 import type { Place } from "../map/datum";
 import type { Point } from "./ground";
 
@@ -13,17 +13,17 @@ export interface Waypoint {
   cmd: number[];
 }
 
-/** A device that has none yet says 0, 0. */
+/** False for 0, 0, which a device sends without a position. */
 export const isPlace = (at: Place | undefined): at is Place => at !== undefined && (at.lng !== 0 || at.lat !== 0) && Math.abs(at.lat) <= 90 && Math.abs(at.lng) <= 180;
 
 const metresPerDegree = 111_320;
 
-/** North and west of `home`, in metres: good for some kilometres. */
+/** Metres north and west of `home`: accurate for some kilometres. */
 export function onGround(home: Place, at: Place): Point {
   return { x: (at.lat - home.lat) * metresPerDegree, y: -(at.lng - home.lng) * metresPerDegree * Math.cos((home.lat * Math.PI) / 180) };
 }
 
-/** The other way round. */
+/** The inverse of onGround(). */
 export function onEarth(home: Place, at: Point): Place {
   const rounded = (n: number): number => Math.round(n * 1e7) / 1e7;
   return { lat: rounded(home.lat + at.x / metresPerDegree), lng: rounded(home.lng - at.y / (metresPerDegree * Math.cos((home.lat * Math.PI) / 180))) };
@@ -31,7 +31,7 @@ export function onEarth(home: Place, at: Point): Place {
 
 const numbers = ["num", "lng", "lat", "alt", "spd", "yaw", "fun"] as const;
 
-/** What is in a file of the gateway's own form; undefined: it is none. */
+/** The waypoints in a file of the gateway's own form; undefined: it has another form. */
 export function waypointsIn(json: unknown): Waypoint[] | undefined {
   const list = typeof json === "object" && json !== null ? (json as { waypoints?: unknown }).waypoints : undefined;
   if (!Array.isArray(list)) return undefined;
@@ -46,7 +46,7 @@ export function waypointsIn(json: unknown): Waypoint[] | undefined {
   return all.some((one) => !one) ? undefined : (all as Waypoint[]);
 }
 
-/** What other programs write, which the gateway reads itself. */
+/** The forms of other programs, which the gateway reads itself. */
 export function foreignForm(json: unknown): "geojson" | "qgc" | undefined {
   const given = typeof json === "object" && json !== null ? (json as Record<string, unknown>) : {};
   return given.type === "FeatureCollection" || given.type === "Feature" ? "geojson" : given.fileType === "Plan" ? "qgc" : undefined;

@@ -1,26 +1,26 @@
-// Frames as the gateway tells them (GET /frames?format=binary): one WebSocket message has many records.
+// Frames in the form of GET /frames?format=binary: one WebSocket message has many records.
 
 export const directions = ["in", "out", "dropped"] as const;
 export type Direction = (typeof directions)[number];
 
 export interface FrameRecord {
   time: number; // Unix seconds
-  boot: number; // seconds since the gateway's computer was started, the time that it slept included
+  boot: number; // seconds since the gateway's computer was started, including time asleep
   link: number;
-  channel: number; // 255: of no channel
+  channel: number; // 255: no channel
   direction: Direction;
-  cause: number; // 0: it was not dropped
+  cause: number; // 0: not dropped
   from: number;
   to: number;
   id: number;
-  data: Uint8Array; // in the memory of the message: who keeps it copies it
+  data: Uint8Array; // refers to the memory of the message: copy it to keep it
 }
 
 const headSize = 20;
 const frameHead = 6; // HEAD S_ADDR D_ADDR ID LEN
 const frameChecks = 2;
 
-/** Calls `take` for each; false: the bytes end within a record, or are none. */
+/** Calls `take` for each record; false: the bytes end within a record, or are not records. */
 export function takeRecords(message: ArrayBuffer, take: (record: FrameRecord) => void): boolean {
   const view = new DataView(message);
   let at = 0;
@@ -66,7 +66,7 @@ export function textMessage(text: string): Tables | Lost | undefined {
     if ("links" in json && "causes" in json) return json as Tables;
     if ("lost" in json) return json as Lost;
   } catch {
-    // what is no JSON says nothing
+    // a text that is not JSON is ignored
   }
   return undefined;
 }

@@ -1,4 +1,4 @@
-// The message table as the gateway sends it (GET /messages), and frames read by it. Nothing here knows a message by name.
+// The message table of the gateway (GET /messages), and reading frames by it. No message is treated by its name here.
 
 export interface FieldRow {
   name: string;
@@ -26,12 +26,12 @@ export interface MessageRow {
   class: string;
   replaces: string;
   acknowledged: string;
-  source?: number; // a flexible layout of this sender alone
+  source?: number; // a flexible layout of this sender only
   fields: FieldRow[];
   element?: FieldRow[];
 }
 
-/** null says "no data": a sentinel, or a number that is none. Bytes are hex. */
+/** null: "no data": a sentinel, or NaN. Bytes are hex. */
 export type Value = number | bigint | string | null | Value[] | { [name: string]: Value };
 
 export type Unreadable = "unknown_id" | "unknown_layout" | "too_short";
@@ -42,7 +42,7 @@ export const isNumeric = (type: string): boolean => type in numberSizes;
 
 const isOpen = (field: FieldRow): boolean => field.count === null || field.type === "list";
 
-/** Bytes of a field; 0 for one that goes to the end. */
+/** The size of a field in bytes; 0 if it extends to the end. */
 export function sizeOf(field: FieldRow): number {
   if (isOpen(field)) return 0;
   const one = field.type === "ip" ? 4 : (numberSizes[field.type] ?? 1);
@@ -72,7 +72,7 @@ function wireNumber(type: string, view: DataView, at: number): number | bigint {
   }
 }
 
-/** 4567 hundredths are 45.67, not 45.67000000000001: a scale that is one over a whole number divides. */
+/** 4567 hundredths are 45.67, not 45.67000000000001: divides if the scale is one over an integer. */
 function scaled(wire: number, scale: number): number {
   if (scale === 1) return wire;
   const divisor = 1 / scale;
@@ -92,7 +92,7 @@ const utf8 = new TextDecoder("utf-8");
 const utf8Strict = new TextDecoder("utf-8", { fatal: true });
 let gbk: TextDecoder | undefined;
 
-/** Up to the first zero byte; as GBK, which is common in the field, where it is no UTF-8. */
+/** Up to the first zero byte; decoded as GBK, which is common, when it is not UTF-8. */
 export function textOf(bytes: Uint8Array): string {
   const end = bytes.indexOf(0);
   const used = end < 0 ? bytes : bytes.subarray(0, end);
@@ -152,7 +152,7 @@ export class Reading {
     return this.row.fields.map((field) => ({ field, value: this.value(field) }));
   }
 
-  /** Bytes behind the layout: legal, their meaning is not known. */
+  /** Bytes after the layout: allowed, but their meaning is not known. */
   extra(): Uint8Array {
     const last = this.row.fields[this.row.fields.length - 1];
     if (last && last.type === "list") {
@@ -163,7 +163,7 @@ export class Reading {
   }
 }
 
-/** The same question as the gateway's own: could these bytes be meant so? */
+/** Whether these bytes can have this layout; the same rule as in the gateway. */
 function isPlausible(row: MessageRow, data: Uint8Array): boolean {
   if (data.length < row.size) return false;
   const view = viewOf(data);
@@ -213,7 +213,7 @@ export class MessageTable {
     return this.layouts(id)[0]?.title ?? "";
   }
 
-  /** The layout that DATA of `id` from `source` has, or why there is none. */
+  /** The layout of DATA of `id` from `source`, or why there is none. */
   layoutOf(id: number, source: number, data: Uint8Array): MessageRow | Unreadable {
     const all = this.layouts(id);
     const base = all[0];
