@@ -28,7 +28,8 @@ protected:
 };
 
 /// It is in the way of no frame while nobody watches. A frame is copied once for all watchers with the same filter: into a batch, which
-/// goes to each of them when its settings say so. While none of them takes anything, it is only counted.
+/// goes to each of them when its settings say so, or shortly before together with another frame: the loop is awake then. While none of
+/// them takes anything, it is only counted.
 class FrameWatch final : private Forwarder::Observer {
 public:
     static constexpr std::size_t batch_size = 64 * 1024;    // bytes; one that is as large does not wait
@@ -53,6 +54,8 @@ private:
             : settings{its_settings}, filter{its_settings}, due{alarms, [this] { deliver(); }} {}
         void end_batch(TimePoint now);
         void deliver();
+        bool is_nearly_due(TimePoint now) const noexcept { return batch && due.is_due(now + settings.batch / 5); }
+        void leave_soon() noexcept;
 
         FrameFilterSettings settings;
         FrameFilter filter;
@@ -60,6 +63,7 @@ private:
         std::shared_ptr<std::string> batch;    // nullptr: nothing was recorded since the last; as large as there is room
         std::size_t filled = 0;                // bytes of it
         std::size_t usual = 0;                 // bytes of a batch
+        bool goes_on = false;                  // frames come so often that the next batch begins at once
         Alarm due;
     };
     struct Event {
