@@ -19,8 +19,8 @@ struct RequestLimits {
 class RequestReader {
 public:
     /// How large the body may be of a request of which all but that is known; in the place of RequestLimits::body. Nothing: none of it is
-    /// taken, for a reason that who says so tells.
-    using BodyLimit = std::function<std::optional<std::uint64_t>(const Request& head)>;
+    /// taken, for a reason that who says so tells. What is added to the head is in what take() gives.
+    using BodyLimit = std::function<std::optional<std::uint64_t>(Request& head)>;
 
     explicit RequestReader(const RequestLimits& limits, BodyLimit body_limit = {});
     RequestReader(RequestReader&&) noexcept;
@@ -47,11 +47,12 @@ public:
 private:
     struct Parser;
     std::size_t put_header(std::string_view bytes);
-    Request head() const;
+    Request read_head() const;
 
     RequestLimits limits_;
     BodyLimit body_limit_;
     std::unique_ptr<Parser> parser_;
+    Request head_;    // once it is here
     std::optional<Fault> fault_;
 };
 

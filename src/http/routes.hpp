@@ -38,7 +38,8 @@ public:
 
     /// What the function of the row that fits says, or, in words: 400 for a path or query with a bad encoding, 404 with the nearest
     /// pattern, 405 with what the path does answer, 401 or 403 for a client who may not ask this.
-    Response answer(Request request) const;
+    Response answer(Request& request) const;
+    Response answer(Request&& request) const { return answer(request); }
     /// The one that answers it; nullptr: none does.
     const Row* row_for(const Request& request) const;
 

@@ -47,7 +47,8 @@ public:
     /// Of a request that may so much, of a session that says so already: the last words of that session, where too many of the sort
     /// are answered already.
     virtual std::optional<Response> crowded_out(Access access) = 0;
-    virtual Response answer(Request request) = 0;
+    /// `request` is as its answer left it, which takes what it needs.
+    virtual Response answer(Request& request) = 0;
     /// Or the answer that refuses it before it comes.
     virtual tl::expected<BodyRoom, Response> room_for_body(const Request& head) = 0;
     /// Kept as long as a large body is; or the answer to who has none, for there are few of them.
@@ -58,6 +59,8 @@ public:
     virtual void refuse(std::unique_ptr<Stream> stream, const Response& words) = 0;
     /// There is enough of it for one request and its answer.
     virtual bool has_memory() = 0;
+    /// The same; who asked a moment ago, and has waited for nobody's answer since, need not ask the system again.
+    virtual bool still_has_memory() = 0;
 };
 
 /// Reads requests one after the other, each answered before the next is looked at. It lives as long as its connection, unless it is
@@ -104,6 +107,8 @@ private:
     void wake();
     void refuse(const Response& words);
     void expect_progress();
+    void expect_nothing();
+    void await_deadline();
     void lost_patience();
 
     asio::io_context& io_;
@@ -111,6 +116,8 @@ private:
     const SessionLimits& limits_;
     std::unique_ptr<Stream> stream_;    // none: closed, refused or a WebSocket
     asio::steady_timer deadline_;
+    std::optional<ano::TimePoint> patient_until_;    // nothing: it need not come on
+    bool deadline_runs_ = false;                     // set to then, or earlier
     std::uint32_t user_;
     Party party_;
     std::optional<Access> may_;    // what the request that is answered may, or was last
