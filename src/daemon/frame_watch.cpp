@@ -141,6 +141,8 @@ void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) no
         } catch (const std::bad_alloc&) {    // the old names stand until the next frame
         }
     for (const auto& stream : streams_) {
+        if (stream->is_nearly_due(gateway_.time())) [[unlikely]]
+            stream->leave_soon();
         if (!stream->filter.takes(event.direction, static_cast<std::uint8_t>(event.link), frame, at)) continue;
         try {
             record(*stream, event, frame, at);
@@ -157,10 +159,7 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
         for (Watcher* watcher : stream.watchers) watcher->queue.lose(frame.id(), at);
         return;
     }
-    if (!stream.due.is_set()) {
-        read_clocks();
-        stream.due.set(Clock::now() + stream.settings.batch);
-    }
+    if (!stream.due.is_set()) stream.due.set(Clock::now() + stream.settings.batch);
     if (!stream.batch) begin_batch(stream);
     const std::uint64_t time = nanoseconds(at.time_since_epoch());
     const FrameRecord record{time + real_ns_,
@@ -176,11 +175,12 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
     stream.filled += record.size();
     if (stream.filled < batch_size) return;
     stream.end_batch(gateway_.time());
-    stream.due.set(Clock::now());
+    stream.leave_soon();
 }
 
 // Allocates the size of the last batch: so a batch seldom has to grow, and small batches that wait take little memory.
 void FrameWatch::begin_batch(Stream& stream) {
+    read_clocks();
     stream.batch = memory_.take(stream.usual + stream.usual / 8);
     stream.filled = 0;
 }
@@ -219,8 +219,20 @@ void FrameWatch::Stream::end_batch(TimePoint now) {
 }
 
 void FrameWatch::Stream::deliver() {
-    end_batch(Clock::now());
+    const TimePoint now = Clock::now();
+    const bool is_to_go_on = std::exchange(goes_on, false) && batch;
+    end_batch(now);
+    if (is_to_go_on) due.set(now + settings.batch);
     for (Watcher* watcher : watchers) watcher->more();
+}
+
+// Behind the frames that are read now, without a wake-up of its own. The timer is the same for as long as frames come.
+void FrameWatch::Stream::leave_soon() noexcept {
+    if (std::exchange(goes_on, true)) return;
+    try {
+        due.hurry();
+    } catch (const std::bad_alloc&) {    // then as it was set
+    }
 }
 
 }    // namespace anogate

@@ -28,7 +28,8 @@ protected:
 };
 
 /// Without watchers it costs a frame nothing. A frame is copied once for all watchers with the same filter: into a batch, which is put
-/// into the queue of each when the time `batch` of the settings is over. While all their queues are full, frames are only counted.
+/// into the queue of each when the time `batch` of the settings is over, or shortly before together with another frame, because the loop
+/// is awake then. While all their queues are full, frames are only counted.
 class FrameWatch final : private Forwarder::Observer {
 public:
     static constexpr std::size_t batch_size = 64 * 1024;    // bytes; one that is as large does not wait
@@ -53,6 +54,8 @@ private:
             : settings{its_settings}, filter{its_settings}, due{alarms, [this] { deliver(); }} {}
         void end_batch(TimePoint now);
         void deliver();
+        bool is_nearly_due(TimePoint now) const noexcept { return batch && due.is_due(now + settings.batch / 5); }
+        void leave_soon() noexcept;
 
         FrameFilterSettings settings;
         FrameFilter filter;
@@ -60,6 +63,7 @@ private:
         std::shared_ptr<std::string> batch;    // nullptr: nothing was recorded since the last; as large as there is room
         std::size_t filled = 0;                // bytes of it
         std::size_t usual = 0;                 // bytes of a batch
+        bool goes_on = false;                  // frames come so often that the next batch begins at once
         Alarm due;
     };
     struct Event {

@@ -13,20 +13,32 @@
 
 #include <algorithm>
 #include <bitset>
+#include <utility>
 
 namespace anogate {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t counters = std::size(receive_counters) + std::size(send_counters) + 1;
+
+// An ordered object that grows beyond its room copies all that stands in it, to the last leaf.
+Json object_with_room(std::size_t members) {
+    Json json = Json::object();
+    json.get_ref<Json::object_t&>().reserve(members);
+    return json;
+}
+
+// They are most of the status, and none of these names stands there already: [] would look for each among all others.
 void put(Json& json, const ReceiveCounters& received, const SendCounters& sent, std::size_t waiting) {
-    for (const auto& row : receive_counters) json[std::string{row.name}] = received.*row.value;
-    for (const auto& row : send_counters) json[std::string{row.name}] = sent.*row.value;
-    json["waiting"] = waiting;
+    Json::object_t& object = json.get_ref<Json::object_t&>();
+    for (const auto& row : receive_counters) object.emplace_back(row.name, received.*row.value);
+    for (const auto& row : send_counters) object.emplace_back(row.name, sent.*row.value);
+    object.emplace_back("waiting", waiting);
 }
 
 Json channel_json(const Channel& channel, TimePoint now) {
-    Json json;
+    Json json = object_with_room(3 + counters);
     json["peer"] = channel.peer;
     json["since_s"] = in_seconds(now - channel.opened_at);
     if (channel.heard_at != TimePoint{}) json["heard_s"] = in_seconds(now - channel.heard_at);
@@ -59,7 +71,7 @@ Json replayed_json(const std::bitset<256>& addresses) {
 Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     const LinkReport report = report_of(gateway, state, now);
     const Hint hint = find_hint(report.figures);
-    Json json;
+    Json json = object_with_room(32 + counters);
     json["name"] = state.link->name();
     json["kind"] = state.link->settings().kind->name;
     if (state.link->settings().id != 0) json["id"] = state.link->settings().id;
@@ -170,7 +182,7 @@ Json recording_json(const Gateway& gateway) {
 
 std::string status_json(Gateway& gateway, const NetworkDoor& door) {
     const TimePoint now = gateway.now();
-    Json json;
+    Json json = object_with_room(10);
     json["gateway"] = gateway_json(gateway, now);
     json["links"] = links_array(gateway, now);
     json["routes"] = routes_array(gateway, now);
@@ -180,7 +192,7 @@ std::string status_json(Gateway& gateway, const NetworkDoor& door) {
     json["recording"] = recording_json(gateway);
     json["http"] = http_json(door);
     json["map"] = map_json(gateway.settings().control.map);
-    return line_of(json);
+    return line_of(std::move(json));
 }
 
 std::string messages_json(const Gateway& gateway) {

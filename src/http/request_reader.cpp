@@ -6,6 +6,7 @@
 #include <boost/beast/http/parser.hpp>
 
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -77,10 +78,11 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
         fault_ = {400, "the only Transfer-Encoding is chunked, in HTTP/1.1"};
         return used;
     }
+    head_ = read_head();
     if (body_limit_) {
-        Request known = head();
-        known.body_to_come = parser_->chunked() ? in_chunks : parser_->content_length().value_or(0);
-        const auto max_body = body_limit_(known);
+        head_.body_to_come = parser_->chunked() ? in_chunks : parser_->content_length().value_or(0);
+        const auto max_body = body_limit_(head_);
+        head_.body_to_come = 0;
         if (!max_body) {
             fault_ = {403, "this body is not taken"};
             return used;
@@ -115,19 +117,20 @@ std::string RequestReader::take_body() { return std::exchange(parser_->get().bod
 
 bool RequestReader::is_done() const { return parser_->is_done() || parser_->at_the_last; }
 
-Request RequestReader::head() const {
+Request RequestReader::read_head() const {
     const auto& message = parser_->get();
     Request request;
     request.keep_alive = message.keep_alive();
     request.method = text(message.method_string());
     request.target = text(message.target());
     request.version = message.version() == 10 ? 10 : 11;
+    request.headers.reserve(static_cast<std::size_t>(std::distance(message.begin(), message.end())));
     for (const auto& field : message) request.headers.push_back({text(field.name_string()), text(field.value())});
     return request;
 }
 
 Request RequestReader::take() {
-    Request request = head();
+    Request request = std::move(head_);
     request.body = take_body();
     return request;
 }

@@ -19,8 +19,8 @@ struct RequestLimits {
 class RequestReader {
 public:
     /// Called with the head of a request: the maximum size of its body, instead of RequestLimits::body. std::nullopt: the body is not
-    /// read; the caller must answer with the reason.
-    using BodyLimit = std::function<std::optional<std::uint64_t>(const Request& head)>;
+    /// read; the caller must answer with the reason. What it adds to the head is in what take() returns.
+    using BodyLimit = std::function<std::optional<std::uint64_t>(Request& head)>;
 
     explicit RequestReader(const RequestLimits& limits, BodyLimit body_limit = {});
     RequestReader(RequestReader&&) noexcept;
@@ -47,11 +47,12 @@ public:
 private:
     struct Parser;
     std::size_t put_header(std::string_view bytes);
-    Request head() const;
+    Request read_head() const;
 
     RequestLimits limits_;
     BodyLimit body_limit_;
     std::unique_ptr<Parser> parser_;
+    Request head_;    // once it is here
     std::optional<Fault> fault_;
 };
 

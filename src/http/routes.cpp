@@ -95,7 +95,7 @@ std::string_view text(Access access) noexcept {
     return names[static_cast<std::size_t>(access)];
 }
 
-Response Routes::answer(Request request) const {
+Response Routes::answer(Request& request) const {
     const Target target = split(request.target);
     std::vector<std::string_view> allowed;
     for (const Row& row : rows_) {

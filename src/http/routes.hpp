@@ -36,8 +36,9 @@ public:
     const std::vector<Row>& rows() const noexcept { return rows_; }
 
     /// The answer of the matching row's function, or an error: 400 for a bad encoding in path or query, 404 with the nearest pattern,
-    /// 405 with the methods of the path, 401 or 403 for a client without the needed access.
-    Response answer(Request request) const;
+    /// 405 with the methods of the path, 401 or 403 for a client without the needed access. The function may move from `request`.
+    Response answer(Request& request) const;
+    Response answer(Request&& request) const { return answer(request); }
     /// The row that answers it; nullptr: none does.
     const Row* row_for(const Request& request) const;
 

@@ -12,6 +12,7 @@ namespace anogate::http {
 namespace {
 
 constexpr long max_large_bodies = 2;
+constexpr ano::Duration memory_stays = std::chrono::milliseconds{1};
 constexpr ano::Duration finish_look = std::chrono::milliseconds{5};
 
 Response no_place() { return try_again("all places are taken by those who ask just now"); }
@@ -54,9 +55,19 @@ std::optional<Response> Server::crowded_out(Access access) {
     return std::nullopt;
 }
 
-Response Server::answer(Request request) {
+bool Server::has_memory() {
+    if (!has_memory_) return true;
+    const bool has = has_memory_();
+    memory_seen_at_ = has ? ano::Clock::now() : ano::TimePoint{};
+    return has;
+}
+
+bool Server::still_has_memory() { return ano::Clock::now() - memory_seen_at_ < memory_stays || has_memory(); }
+
+Response Server::answer(Request& request) {
+    memory_seen_at_ = {};
     admission_.forget_token(request);
-    return routes_.answer(std::move(request));
+    return routes_.answer(request);
 }
 
 void Server::admit(std::unique_ptr<Stream> stream) {

@@ -81,17 +81,19 @@ private:
     void wait_for_turn(std::shared_ptr<Session> session) override;
     tl::expected<Access, Response> judge(const Request& request) override;
     std::optional<Response> crowded_out(Access access) override;
-    Response answer(Request request) override;
+    Response answer(Request& request) override;
     tl::expected<BodyRoom, Response> room_for_body(const Request& head) override;
     tl::expected<std::shared_ptr<void>, Response> place_for_body() override;
     void refuse(std::unique_ptr<Stream> stream, const Response& words) override;
     std::unique_ptr<BodyKeeper> keeper() override { return make_keeper_ ? make_keeper_() : nullptr; }
-    bool has_memory() override { return !has_memory_ || has_memory_(); }
+    bool has_memory() override;
+    bool still_has_memory() override;
 
     asio::io_context& io_;
     ServerLimits limits_;
     asio::steady_timer finish_check_{io_};
     HasMemory has_memory_;
+    ano::TimePoint memory_seen_at_{};    // and none was used for an answer since
     MakeKeeper make_keeper_;
     std::shared_ptr<int> large_bodies_ = std::make_shared<int>();    // its use count - 1 is the number of large bodies
     Routes routes_;

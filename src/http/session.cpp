@@ -63,7 +63,7 @@ Visitor Session::visitor(ano::TimePoint now) const {
 void Session::await_request() {
     room_for_body_ = {};
     go_on_awaited_ = false;
-    reader_.emplace(limits_.request, [this](Request head) {
+    reader_.emplace(limits_.request, [this](Request& head) {
         head.user = user_;
         head.door = stream_->door();
         return has_room(head) ? std::optional{room_for_body_.max_bytes} : std::nullopt;
@@ -76,9 +76,23 @@ void Session::await_request() {
 
 void Session::expect_progress() {
     since_ = Clock::now();
-    deadline_.expires_after(limits_.patience);
+    patient_until_ = since_ + limits_.patience;
+    await_deadline();
+}
+
+void Session::expect_nothing() { patient_until_.reset(); }
+
+// However often there is progress meanwhile, the timer is set once: to set it costs more than to let it come for nothing.
+void Session::await_deadline() {
+    if (std::exchange(deadline_runs_, true)) return;
+    deadline_.expires_at(*patient_until_);
     deadline_.async_wait([weak = weak_from_this()](error_code ec) {
-        if (const auto self = weak.lock(); self && !ec) self->lost_patience();
+        const auto self = weak.lock();
+        if (!self || ec) return;
+        self->deadline_runs_ = false;
+        if (!self->patient_until_) return;
+        if (Clock::now() < *self->patient_until_) return self->await_deadline();
+        self->lost_patience();
     });
 }
 
@@ -162,7 +176,7 @@ void Session::hear() {
     asking_ = Asking::whole;
     whole_at_ = Clock::now();
     awaits_turn_ = true;
-    deadline_.cancel();
+    expect_nothing();
     owner_.wait_for_turn(shared_from_this());
 }
 
@@ -228,7 +242,7 @@ void Session::put_body(const std::string& fault) {
 
 void Session::take_turn() {
     if (!stream_) return;
-    if (!owner_.has_memory()) return refuse_for_memory();
+    if (!owner_.still_has_memory()) return refuse_for_memory();
     awaits_turn_ = false;
     expect_progress();
     try {
@@ -279,7 +293,7 @@ void Session::answer(Request request) {
 
 // read() shows whether the client is still there.
 void Session::await_answer(std::shared_ptr<void> needed) {
-    deadline_.cancel();
+    expect_nothing();
     answer_awaited_ = true;
     needed_ = std::move(needed);
     read();
@@ -344,7 +358,7 @@ void Session::next_part() {
     if (sending_.chunked && !producer_) body_ += last_chunk;
     part_awaited_ = next == Producer::Next::later && body_.empty();
     if (part_awaited_) {
-        deadline_.cancel();
+        expect_nothing();
         return input_ended_ || finishes_ ? close() : read();    // read() shows whether the client is still there
     }
     expect_progress();

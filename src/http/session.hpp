@@ -47,7 +47,8 @@ public:
     /// For a request with `access`, which the session's visitor() already has: the last answer of the session if too many such requests
     /// are being answered; std::nullopt: go on.
     virtual std::optional<Response> crowded_out(Access access) = 0;
-    virtual Response answer(Request request) = 0;
+    /// Takes what it needs out of `request`.
+    virtual Response answer(Request& request) = 0;
     /// What is allowed for the body of `head`, or the answer that refuses it before it comes.
     virtual tl::expected<BodyRoom, Response> room_for_body(const Request& head) = 0;
     /// A place for a large body, to be held as long as that; or the answer if all of the few places are taken.
@@ -58,6 +59,8 @@ public:
     virtual void refuse(std::unique_ptr<Stream> stream, const Response& words) = 0;
     /// Whether there is memory for one request and its answer.
     virtual bool has_memory() = 0;
+    /// The same, for a session that called has_memory() just before: need not ask the system again.
+    virtual bool still_has_memory() = 0;
 };
 
 /// Reads requests one after the other; each is answered before the next is read. Lives as long as its connection, or until close().
@@ -104,6 +107,8 @@ private:
     void wake();
     void refuse(const Response& words);
     void expect_progress();
+    void expect_nothing();
+    void await_deadline();
     void lost_patience();
 
     asio::io_context& io_;
@@ -111,6 +116,8 @@ private:
     const SessionLimits& limits_;
     std::unique_ptr<Stream> stream_;    // nullptr: closed, refused or a WebSocket
     asio::steady_timer deadline_;
+    std::optional<ano::TimePoint> patient_until_;    // std::nullopt: no deadline
+    bool deadline_runs_ = false;                     // deadline_ is set, to patient_until_ or earlier
     std::uint32_t user_;
     Party party_;
     std::optional<Access> may_;    // what the current or the last request may do

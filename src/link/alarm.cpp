@@ -9,24 +9,36 @@ struct AlarmClock::Timer : asio::steady_timer {
     using asio::steady_timer::steady_timer;
 };
 
-AlarmClock::AlarmClock(asio::io_context& io) : timer_{std::make_unique<Timer>(io)} {}
+AlarmClock::AlarmClock(asio::io_context& io) : io_{io}, timer_{std::make_shared<Timer>(io)} {}
 
 AlarmClock::~AlarmClock() = default;
 
+// At the end of a ring, the timer is set once for all.
 void AlarmClock::arm(ano::TimePoint latest) {
-    if (!rings_at_ || latest < *rings_at_) wait(latest);
+    if (!ringing_ && (!rings_at_ || latest < *rings_at_)) wait(latest);
 }
 
 void AlarmClock::wait(ano::TimePoint latest) {
     rings_at_ = latest;
     timer_->expires_at(latest);
     timer_->async_wait([this, mine = ++generation_](error_code ec) {
-        if (!ec && mine == generation_) ring();
+        if (ec || mine != generation_) return;
+        rings_at_.reset();
+        ring();
     });
 }
 
+void AlarmClock::ring_next() {
+    if (rings_next_) return;
+    asio::post(io_, [this, clock = std::weak_ptr{timer_}] {
+        if (clock.expired()) return;
+        rings_next_ = false;
+        ring();
+    });
+    rings_next_ = true;
+}
+
 void AlarmClock::ring() {
-    rings_at_.reset();
     const ano::TimePoint now = ano::Clock::now();
     // A call may make and end alarms: look each up afresh, and let each keep its place.
     ringing_ = true;
@@ -41,7 +53,7 @@ void AlarmClock::ring() {
     std::optional<ano::TimePoint> next;
     for (const Alarm* alarm : alarms_)
         if (alarm->at_) next = std::min(next.value_or(ano::TimePoint::max()), *alarm->at_ + alarm->slack_);
-    if (next) arm(*next);
+    if (next && next != rings_at_) wait(*next);    // also later: to set it costs less than a wake-up for nothing
 }
 
 void AlarmClock::remove(Alarm* alarm) noexcept {
@@ -64,6 +76,12 @@ Alarm::~Alarm() { clock_.remove(this); }
 void Alarm::set(ano::TimePoint at) {
     at_ = at;
     clock_.arm(at + slack_);
+}
+
+void Alarm::hurry() {
+    if (!at_) return;
+    at_ = std::min(*at_, ano::Clock::now());
+    clock_.ring_next();
 }
 
 }    // namespace anogate

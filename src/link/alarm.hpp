@@ -25,15 +25,18 @@ private:
     friend class Alarm;
     void arm(ano::TimePoint latest);
     void wait(ano::TimePoint latest);
+    void ring_next();
     void ring();
     void remove(Alarm* alarm) noexcept;
 
     struct Timer;
-    std::unique_ptr<Timer> timer_;
+    asio::io_context& io_;
+    std::shared_ptr<Timer> timer_;    // whose end tells what was posted that we are gone
     std::vector<Alarm*> alarms_;
     std::optional<ano::TimePoint> rings_at_;
     std::uint64_t generation_ = 0;
     bool ringing_ = false;
+    bool rings_next_ = false;    // a ring is posted
 };
 
 /// Calls its function once, between the time it was set to and `slack` later; a slack lets alarms share one wake-up.
@@ -50,8 +53,12 @@ public:
     void set_no_later(ano::TimePoint at) {
         if (!at_ || at < *at_) set(at);
     }
+    /// If it is set, it need not wait any longer: it rings as soon as the loop has done what it does now, which costs no wake-up.
+    void hurry();
     void cancel() noexcept { at_.reset(); }
     bool is_set() const noexcept { return at_.has_value(); }
+    /// Set to `time` or earlier.
+    bool is_due(ano::TimePoint time) const noexcept { return at_ && *at_ <= time; }
 
 private:
     friend class AlarmClock;

@@ -3,6 +3,7 @@
 #include "processes.hpp"
 
 #include <csignal>
+#include <fstream>
 #include <stdexcept>
 
 namespace bench {
@@ -38,6 +39,16 @@ GatewayProcess::~GatewayProcess() {
 nlohmann::json GatewayProcess::status() const {
     return nlohmann::json::parse(support::body_of(support::http(folder_ / "control", "GET /status HTTP/1.0\r\n\r\n")), nullptr,
                                  false);
+}
+
+GatewayProcess::HttpDoor GatewayProcess::http_door() const {
+    const nlohmann::json http = status().at("http");
+    HttpDoor door{http.at("port"), {}};
+    if (!http.at("token_needed")) return door;
+    std::ifstream file{http.at("token_file").get<std::string>()};
+    for (std::string access, token; file >> access >> token;)
+        if (access == "control") door.token = token;
+    return door;
 }
 
 nlohmann::json GatewayProcess::link(const std::string& name) const {

@@ -19,6 +19,12 @@ public:
 
     nlohmann::json link(const std::string& name) const;
     std::uint16_t port(const std::string& link_name) const { return link(link_name).at("port").get<std::uint16_t>(); }
+    /// Where it serves HTTP, of 127.0.0.1, and what it wants to be shown there; empty: nothing.
+    struct HttpDoor {
+        std::uint16_t port;
+        std::string token;
+    };
+    HttpDoor http_door() const;
     /// The path of its control socket.
     std::string control() const { return folder_ / "control"; }
     pid_t pid() const noexcept { return process_.pid(); }

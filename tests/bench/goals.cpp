@@ -17,11 +17,14 @@ struct Goals {
 };
 
 constexpr Goals all[]{
-    {"parser", bench::measure_parser},       {"messages", bench::measure_messages}, {"udp", bench::measure_udp},
-    {"packed", bench::measure_packed},       {"pty", bench::measure_pty},           {"broadcast", bench::measure_broadcast},
-    {"latency", bench::measure_latency},     {"ports", bench::measure_ports},       {"line", bench::measure_line},
-    {"idle", bench::measure_idle},           {"calls", bench::measure_calls},       {"watchers", bench::measure_watchers},
-    {"recording", bench::measure_recording}, {"replay", bench::measure_replay},     {"simulated", bench::measure_simulated},
+    {"parser", bench::measure_parser},   {"messages", bench::measure_messages},
+    {"udp", bench::measure_udp},         {"packed", bench::measure_packed},
+    {"pty", bench::measure_pty},         {"broadcast", bench::measure_broadcast},
+    {"latency", bench::measure_latency}, {"ports", bench::measure_ports},
+    {"line", bench::measure_line},       {"idle", bench::measure_idle},
+    {"calls", bench::measure_calls},     {"watchers", bench::measure_watchers},
+    {"page", bench::measure_page},       {"recording", bench::measure_recording},
+    {"replay", bench::measure_replay},   {"simulated", bench::measure_simulated},
     {"devices", bench::measure_devices},
 };
 

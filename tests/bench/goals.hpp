@@ -21,6 +21,7 @@ void measure_line(Run& run);
 void measure_idle(Run& run);
 void measure_calls(Run& run);
 void measure_watchers(Run& run);
+void measure_page(Run& run);
 void measure_recording(Run& run);
 void measure_replay(Run& run);
 void measure_simulated(Run& run);

@@ -12,22 +12,27 @@
 
 namespace bench {
 
+/// So many frames at once, so often; one a datagram.
+struct Rate {
+    std::chrono::microseconds spacing;
+    int frames_at_once;
+};
+inline constexpr Rate fifty_thousand{std::chrono::microseconds{200}, 10};    // a second
+inline constexpr Rate one_thousand{std::chrono::milliseconds{1}, 1};
+
 /// Offers frames to two gateways at the same steady rate until it is destroyed: what else the machine does meets both.
 class Steady {
 public:
-    Steady(std::uint16_t first, std::uint16_t second) {
+    Steady(std::uint16_t first, std::uint16_t second, Rate rate = fifty_thousand) {
         sockets_[0].connect(first);
         sockets_[1].connect(second);
-        thread_ = std::thread{[this] {
-            using namespace std::chrono_literals;
-            constexpr auto spacing = 200us;
-            constexpr int frames_at_once = 10;    // each `spacing`: 50,000 a second
+        thread_ = std::thread{[this, rate] {
             const std::vector<std::uint8_t> datagram = frame(0x30, target, 0);
             std::size_t turn = 0;
-            for (auto next = std::chrono::steady_clock::now(); !stop_; std::this_thread::sleep_until(next += spacing)) {
+            for (auto next = std::chrono::steady_clock::now(); !stop_; std::this_thread::sleep_until(next += rate.spacing)) {
                 ++turn;    // neither is always the first to be woken
                 for (std::size_t one = 0; one < sockets_.size(); ++one)
-                    for (int i = 0; i < frames_at_once; ++i) sockets_[(turn + one) % sockets_.size()].send(datagram);
+                    for (int i = 0; i < rate.frames_at_once; ++i) sockets_[(turn + one) % sockets_.size()].send(datagram);
             }
         }};
     }

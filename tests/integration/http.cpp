@@ -83,6 +83,23 @@ TEST_F(HttpServer, tells_when_memory_is_short_and_when_to_come_again) {
     EXPECT_TRUE(until([&] { return later.has_heard("200 OK"); }));
 }
 
+// Each look is two calls of the system.
+TEST_F(HttpServer, looks_once_for_the_memory_of_who_is_answered_at_once_and_again_behind_another_answer) {
+    Client one = connect(), other = connect();
+    settle();
+    const auto looks = [&](std::initializer_list<Client*> clients) {
+        const int before = memory_looks;
+        for (Client* client : clients) {
+            client->heard().clear();
+            client->send(get("/short"));
+        }
+        for (Client* client : clients) EXPECT_TRUE(until([client] { return client->has_heard("200 OK"); }));
+        return memory_looks - before;
+    };
+    EXPECT_TRUE(support::wait_until([&] { return looks({&one}) == 1; })) << "unless that takes long";
+    EXPECT_GE(looks({&one, &other}), 3);
+}
+
 INSTANTIATE_TEST_SUITE_P(Over, ImpatientHttpServer, testing::Values(Way::unix_socket, Way::tcp),
                          [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
 

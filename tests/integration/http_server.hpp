@@ -173,7 +173,7 @@ protected:
     }
     void begin(const ServerLimits& limits) {
         if (server) TearDown();
-        server.emplace(io, limits, [this] { return has_memory; });
+        server.emplace(io, limits, [this] { return ++memory_looks, has_memory; });
         Routes& routes = server->routes();
         routes.add("GET", "/short",
                    [](const Request& request) { return text(std::string{request.query_value("n").value_or("")}); });
@@ -247,6 +247,7 @@ protected:
     std::string path = dir / "http.sock";
     anogate::asio::io_context io{1};
     bool has_memory = true;
+    int memory_looks = 0;
     Source::State source;
     Echo::State echo;
     Keeping keeping;

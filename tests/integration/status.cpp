@@ -93,6 +93,24 @@ TEST(Status, has_the_shape_that_programs_depend_on) {
     EXPECT_EQ(daemon.route("0xDC").at("who"), "flight controller");
 }
 
+TEST(Status, says_each_thing_once) {
+    RunningGateway daemon{settings_of({udp_listen("ground")})};
+    ASSERT_TRUE(daemon.until_up("ground"));
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return !daemon.link("ground").at("channels").empty(); }));
+    std::vector<std::set<std::string>> names;
+    const auto look = [&](int, json::parse_event_t event, json& parsed) {
+        if (event == json::parse_event_t::object_start) names.emplace_back();
+        if (event == json::parse_event_t::key) {
+            EXPECT_TRUE(names.back().insert(parsed.get<std::string>()).second) << parsed;
+        }
+        if (event == json::parse_event_t::object_end) names.pop_back();
+        return true;
+    };
+    EXPECT_FALSE(json::parse(anogate::status_json(daemon.gateway()), look).empty());
+}
+
 TEST(Status, survives_names_and_paths_that_are_not_utf_8) {
     RunningGateway daemon{serial("fc", "/nowhere/\xFF\xFE")};
     EXPECT_EQ(daemon.link("fc").at("state"), "waiting");

@@ -33,6 +33,21 @@ TEST(RequestReader, reads_a_request_however_it_is_cut) {
     }
 }
 
+TEST(RequestReader, keeps_what_was_added_to_its_head) {
+    RequestReader reader{{}, [](Request& head) {
+                             EXPECT_EQ(head.body_to_come, 4u);
+                             head.user = 7;
+                             return std::optional<std::uint64_t>{4};
+                         }};
+    EXPECT_EQ(put(reader, question, 5), "");
+    ASSERT_TRUE(reader.is_done());
+    const Request request = reader.take();
+    EXPECT_EQ(request.user, 7u);
+    EXPECT_EQ(request.header("Host"), "x");
+    EXPECT_EQ(request.body, "body");
+    EXPECT_EQ(request.body_to_come, 0u) << "all of it is here";
+}
+
 TEST(RequestReader, reads_a_body_in_chunks) {
     const std::string head = "POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n";
     for (const std::string end :

@@ -123,5 +123,49 @@ TEST_F(Alarms, one_rings_once_and_may_be_set_again_by_its_own_call) {
     EXPECT_FALSE(again.is_set());
 }
 
+TEST_F(Alarms, one_that_need_not_wait_rings_when_the_loop_has_done_what_it_does) {
+    Alarm hurried{clock, says('h'), 10s}, unset{clock, says('u')}, due{clock, says('d'), 10s};
+    hurried.set(now + 1h);
+    due.set(now);    // its slack has not passed
+    asio::post(io, [&] {
+        hurried.hurry();
+        hurried.hurry();
+        unset.hurry();
+        rung += '.';
+    });
+    io.poll();
+    EXPECT_EQ(rung, ".hd") << "and who is due rings with it";
+    EXPECT_FALSE(hurried.is_set());
+}
+
+TEST_F(Alarms, one_that_rang_before_its_time_leaves_no_wake_up_behind) {
+    Alarm later{clock, says('l')}, again{clock, [&] {
+                                             rung += 'a';
+                                             again.set(now + 1h);
+                                         }};
+    later.set(now + 2h);
+    again.set(now + 50ms);
+    again.hurry();
+    while (io.poll() > 0) {}
+    EXPECT_EQ(rung, "a");
+    EXPECT_EQ(io.run_for(ano::Clock::now() < now + 50ms ? 100ms : 0ms), 0u) << "the timer is set to the next of them";
+    again.set(ano::Clock::now());
+    while (rung.size() < 2 && io.run_one_for(10s) > 0) {}
+    EXPECT_EQ(rung, "aa");
+}
+
+TEST(AlarmClock, may_go_before_what_it_was_to_ring) {
+    asio::io_context io{1};
+    std::string rung;
+    {
+        AlarmClock clock{io};
+        Alarm alarm{clock, [&] { rung += 'x'; }};
+        alarm.set(ano::Clock::now() + 1h);
+        alarm.hurry();
+    }
+    io.poll();
+    EXPECT_EQ(rung, "");
+}
+
 }    // namespace
 }    // namespace alarm_tests

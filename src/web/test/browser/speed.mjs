@@ -60,8 +60,9 @@ async function cost() {
     const counter = await openPage(browser, gateway, { hash: "#/none" });
     await counter.goto(gateway.address + "/status");
     const port = async (name) => (await counter.evaluate(() => fetch("links").then((answer) => answer.json()))).find((link) => link.name === name).port;
-    for (const rate of [1200, 20000]) {
-      traffic.begin(await port("vehicle"), await port("ground"), rate);
+    for (const [rate, alone] of [[1000, true], [1200, false], [20000, false]]) {
+      traffic.begin(await port("vehicle"), await port("ground"), rate, alone);
+      console.log(alone ? "each frame in a datagram of its own:" : "frames packed into datagrams, every 4 ms:");
       await pause(1);
       for (const hash of Object.keys(looked)) await inTurns(browser, gateway, counter, hash);
     }

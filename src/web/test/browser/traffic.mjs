@@ -4,7 +4,7 @@ import { frame } from "./hostile_device.mjs";
 
 const senders = [220, 221, 222, 223];
 const lengths = { 1: 13, 3: 7, 4: 9, 5: 13, 6: 5, 7: 6, 8: 12 }; // of DATA, by id: inertial, attitude, height, mode, velocity, position
-const inDatagram = 40;
+const mostInDatagram = 40;
 
 export class Traffic {
   constructor() {
@@ -13,8 +13,9 @@ export class Traffic {
     this.frames = senders.flatMap((from) => Object.entries(lengths).flatMap(([id, length]) => (id <= 4 ? [1, 2, 3] : [1]).map((n) => frame(from, 255, Number(id), Array.from({ length }, (_, i) => (i % 2 ? 0 : n + i))))));
   }
 
-  /** To the port `vehicle`; what comes from `ground` is thrown away. */
-  begin(vehicle, ground, rate) {
+  /** To the port `vehicle`; what comes from `ground` is thrown away. `alone`: each frame in a datagram of its own, as evenly as timers go. */
+  begin(vehicle, ground, rate, alone = false) {
+    const inDatagram = alone ? 1 : mostInDatagram;
     clearInterval(this.timer);
     const began = performance.now();
     let sent = 0, hearing = Number.NEGATIVE_INFINITY;
@@ -28,7 +29,7 @@ export class Traffic {
         this.mouth.send(Buffer.concat(Array.from({ length: count }, (_, i) => this.frames[(sent + i) % this.frames.length])), vehicle, "127.0.0.1");
         sent += count;
       }
-    }, 4);
+    }, alone ? 1 : 4);
   }
 
   end() {

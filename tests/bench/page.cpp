@@ -1,0 +1,88 @@
+// What a page that somebody looks at costs a gateway: CPU time a frame at a steady rate, beside one that nobody looks at.
+#include "forwarder.hpp"
+#include "goals.hpp"
+#include "page_reader.hpp"
+#include "steady.hpp"
+
+#include <support/temp_dir.hpp>
+
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace bench {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int rounds = 14;
+constexpr auto measured = 2s;    // the status is asked for once a second, the devices every other second
+constexpr auto settling = 700ms;
+
+Forwarder anogated_with_http(const std::string& program) {
+    Forwarder forwarder{1};
+    std::vector<std::string> arguments = forwarder.links_out(unpacked);
+    arguments.insert(arguments.end(), {"udp-listen:127.0.0.1:0,name=in", "--http", "127.0.0.1:0"});
+    forwarder.gateway = std::make_unique<GatewayProcess>(program, arguments);
+    forwarder.port = forwarder.gateway->port("in");
+    return forwarder;
+}
+
+/// CPU time and frames of a gateway so far.
+struct Used {
+    explicit Used(const Forwarder& of) : frames{of.frames()}, cpu{cpu_seconds(of.pid())} {}
+    std::uint64_t frames;
+    double cpu;
+};
+
+double microseconds_a_frame(const Used& before, const Used& after) {
+    return (after.cpu - before.cpu) * 1e6 / static_cast<double>(after.frames - before.frames);
+}
+
+}    // namespace
+
+void measure_page(Run& run) {
+    struct Case {
+        Rate rate;
+        const char* what;
+        Goal goal;
+    };
+    const Case cases[]{
+        {fifty_thousand,
+         "50,000 frames/s, UDP to UDP, a frame a datagram, looked at by one page: CPU µs a frame, beside one without",
+         at_most(1.05)},
+        {one_thousand,
+         "1,000 frames/s, evenly spaced, a frame a datagram, looked at by one page: CPU µs a frame, beside one without",
+         at_most(1.05)},
+    };
+    const support::TempDir state;
+    ::setenv("STATE_DIRECTORY", state.path().c_str(), 1);    // where root's have their tokens
+    const Undisturbed all;                                   // where that is permitted
+    const Forwarder looked_at = anogated_with_http(run.anogated), beside = anogated_with_http(run.anogated);
+    ::unsetenv("STATE_DIRECTORY");
+    const auto door = looked_at.gateway->http_door();
+    const Sink sink{{looked_at.taken_at().front(), beside.taken_at().front()}};
+    for (const Case& c : cases) {
+        std::vector<double> with, without, routed;
+        for (int i = 0; i < rounds; ++i) {
+            const PageReader page{door.port, door.token};
+            const Steady traffic{looked_at.port, beside.port, c.rate};
+            std::this_thread::sleep_for(settling);
+            const Used looked_at_before{looked_at}, beside_before{beside};
+            std::this_thread::sleep_for(measured);
+            const Used looked_at_after{looked_at}, beside_after{beside};
+            with.push_back(microseconds_a_frame(looked_at_before, looked_at_after));
+            without.push_back(microseconds_a_frame(beside_before, beside_after));
+        }
+        run.table.compare(c.what, with, without, c.goal);
+        // Both were offered the same, and nothing is on its way any more.
+        std::this_thread::sleep_for(settling);
+        run.table.measure("… frames that it routed less than the other one",
+                          {static_cast<double>(beside.frames()) - static_cast<double>(looked_at.frames())}, at_most(0));
+    }
+}
+
+}    // namespace bench
