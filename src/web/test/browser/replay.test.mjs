@@ -1,6 +1,6 @@
 // A gateway that only plays a recording: who is in it can be watched, and is asked nothing.
 import assert from "node:assert/strict";
-import { copyFileSync, mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
+import { copyFileSync, existsSync, mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -12,11 +12,15 @@ const here = { folder: mkdtempSync(join(tmpdir(), "anogate-replay-")) };
 async function record(file) {
   const folderIn = (folder) => join(folder, "recordings");
   const gateway = await Gateway.start(["sim:fc"], (folder) => ({ record: { folder: folderIn(folder) } }));
-  const found = () => readdirSync(folderIn(gateway.folder)).filter((name) => name.endsWith(".pcapng"))[0];
-  await until("some is written", () => found() && statSync(join(folderIn(gateway.folder), found())).size > 10000);
-  await gateway.stop();
-  copyFileSync(join(folderIn(gateway.folder), found()), file);
-  await gateway.end();
+  try {
+    const folder = folderIn(gateway.folder); // made when the gateway listens already
+    const found = () => existsSync(folder) && readdirSync(folder).find((name) => name.endsWith(".pcapng"));
+    await until("some is written", () => found() && statSync(join(folder, found())).size > 10000);
+    await gateway.stop();
+    copyFileSync(join(folder, found()), file);
+  } finally {
+    await gateway.end(); // else this process would wait for it
+  }
 }
 
 before(async () => {
