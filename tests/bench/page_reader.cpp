@@ -47,7 +47,7 @@ void say(int fd, const std::string& words) {
 
 PageReader::PageReader(std::uint16_t port, const std::string& token)
     : headers_{headers(port, token)}, frames_{support::connect_tcp(port)}, requests_{support::connect_tcp(port)} {
-    say(frames_, "GET /frames?format=binary&batch=60ms&from=48&id=241&direction=in" + headers_ +
+    say(frames_, "GET /frames?format=binary&batch=100ms&from=48&id=241&direction=in" + headers_ +
                      "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
                      "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n\r\n");
     std::array<char, 12> status{};

@@ -9,6 +9,7 @@ export interface FrameWish {
   id?: (number | string)[]; // ids, names of messages or of classes
   direction?: string;
   limit?: Record<string, number>; // frames a second of an id, by its number
+  batch?: number; // milliseconds, in the place of the usual ones
 }
 
 export interface FrameUser {
@@ -23,10 +24,10 @@ export interface FrameUser {
 
 /** Milliseconds in which the gateway collects frames for one message, at most: while frames arrive, a message leaves with one of them after
  * four fifths of that, 20 times a second. Too short to be seen, while each message costs the gateway a system call. */
-export const batch = 60;
+const usualBatch = 60;
 
 export function queryOf(wish: FrameWish): string {
-  const parts = ["format=binary", `batch=${batch}ms`];
+  const parts = ["format=binary", `batch=${wish.batch ?? usualBatch}ms`];
   if (wish.from?.length) parts.push("from=" + wish.from.join(","));
   if (wish.to?.length) parts.push("to=" + wish.to.join(","));
   if (wish.id?.length) parts.push("id=" + wish.id.join(","));

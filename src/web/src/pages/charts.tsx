@@ -4,7 +4,7 @@ import { nameOf } from "../addresses";
 import { t, titleText, useLanguage } from "../i18n";
 import { remember, remembered } from "../kept";
 import { ChartData, keyOf, type Chosen, type Line } from "../live/chart_data";
-import { batch, frameStream } from "../live/frames";
+import { frameStream } from "../live/frames";
 import { devices, seconds, table } from "../live/gateway";
 import { csvOf } from "../live/series";
 import { useStore, useTick } from "../live/store";
@@ -117,6 +117,10 @@ interface View {
   stopped: { from: number; to: number } | undefined; // the visible range while paused
 }
 
+/** Milliseconds in which frames are collected: longer than where single values are read, because the curves are drawn that much later and so
+ * move without steps. */
+const batch = 100;
+
 /** Draws once per frame of the screen, and only when something has changed visibly. */
 function useDrawing(data: ChartData | undefined, count: number, view: { current: View }, onLook: (time: number | undefined) => void, onZoom: (from: number, to: number) => void) {
   const holder = useRef<HTMLDivElement>(null);
@@ -173,7 +177,7 @@ export function Charts() {
       ? { limit: Object.fromEntries(ids.filter((id) => !chosen.has(id)).map((id) => [id, 2])) }
       : { from: [...new Set(data.lines.map((line) => line.from))], id: [...chosen] };
     if (!picks && chosen.size === 0) return undefined;
-    return frameStream.use({ wish, take: (record) => data.take(record) });
+    return frameStream.use({ wish: { ...wish, batch }, take: (record) => data.take(record) });
   }, [data, version, picks]);
   if (!data) return <p class="muted" role="status">{t("waiting_first")}</p>;
   const range = (): { from: number; to: number } => stopped ?? { from: data.newest - width, to: data.newest };
