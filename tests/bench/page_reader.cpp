@@ -21,8 +21,8 @@ using std::chrono::steady_clock;
 // As in live/liveness.ts and live/gateway.ts.
 constexpr auto beat = 100ms;
 constexpr auto ask_every = 400ms;
-constexpr auto ask_at_least_every = 1000ms;
-constexpr auto status_every = 900ms;
+constexpr auto ask_at_least_every = 3000ms;    // by the page Charts
+constexpr auto status_every = ask_at_least_every - beat;
 constexpr auto devices_every = 2000ms;
 
 std::string headers(std::uint16_t port, const std::string& token) {

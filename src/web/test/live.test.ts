@@ -57,16 +57,16 @@ test("counts how often something comes, and sees that it is late", () => {
 test("a gateway is lost when it was silent for so long that people see it within a second, on a slow line as well", () => {
   const alive = new Liveness();
   assert.equal(alive.contact(0), "never");
-  assert.equal(alive.ask(0), 1);
-  assert.equal(alive.ask(399), undefined);
-  assert.equal(alive.ask(400), 2);
-  assert.equal(alive.ask(800), 3);
-  assert.equal(alive.ask(1200), undefined, "three are on their way");
+  assert.equal(alive.ask(0, 1000), 1);
+  assert.equal(alive.ask(399, 1000), undefined);
+  assert.equal(alive.ask(400, 1000), 2);
+  assert.equal(alive.ask(800, 1000), 3);
+  assert.equal(alive.ask(1200, 1000), undefined, "three are on their way");
   alive.heard(1250);
   alive.ended(1);
   assert.equal(alive.contact(1250), "live");
-  assert.equal(alive.ask(1649), undefined, "it was just heard");
-  assert.equal(alive.ask(1650), 4);
+  assert.equal(alive.ask(1649, 1000), undefined, "it was just heard");
+  assert.equal(alive.ask(1650, 1000), 4);
   assert.equal(alive.lostAt(), 1250 + lostAfter);
   assert.equal(alive.contact(1250 + lostAfter - 1), "live");
   assert.equal(alive.contact(1250 + lostAfter), "lost");
@@ -78,16 +78,18 @@ test("a gateway is lost when it was silent for so long that people see it within
 });
 
 test("who is heard anyway is asked for no more than what the answer says; who is silent, soon", () => {
-  const alive = new Liveness();
-  const asked: number[] = [];
-  for (let now = 0; now < 4500; now += 40) {
-    const question = alive.ask(now);
-    if (question !== undefined) (asked.push(now), alive.ended(question));
-    alive.heard(now);
+  for (const [atLeastEvery, expected] of [[1000, [0, 1000, 2000, 3000, 4000]], [3000, [0, 3000]]] as const) {
+    const alive = new Liveness();
+    const asked: number[] = [];
+    for (let now = 0; now < 4500; now += 40) {
+      const question = alive.ask(now, atLeastEvery);
+      if (question !== undefined) (asked.push(now), alive.ended(question));
+      alive.heard(now);
+    }
+    assert.deepEqual(asked, expected);
+    assert.equal(alive.ask(4480 + askEvery - 1, atLeastEvery), undefined);
+    assert.notEqual(alive.ask(4480 + askEvery, atLeastEvery), undefined, "half a second is left for the answer");
   }
-  assert.deepEqual(asked, [0, 1000, 2000, 3000, 4000]);
-  assert.equal(alive.ask(4480 + askEvery - 1), undefined);
-  assert.notEqual(alive.ask(4480 + askEvery), undefined, "half a second is left for the answer");
   assert.ok(askEvery < lostAfter / 2);
 });
 

@@ -3,6 +3,7 @@ import { ask, onHeard, onTokenNeeded } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
 import type { Datum } from "../map/datum";
+import { place } from "../route";
 import { CounterRates, type Counters } from "./counters";
 import { frameStream } from "./frames";
 import { Liveness, type Contact } from "./liveness";
@@ -111,13 +112,17 @@ async function keepDevices(now: number): Promise<void> {
   if (answer.ok && Array.isArray(answer.value.devices)) devices.set(answer.value.devices);
 }
 
-const statusEvery = 900; // milliseconds: people read no faster, and it costs the gateway a millisecond each
+const beatEvery = 100; // milliseconds
+
+/** Milliseconds between two requests for the status. On the overview its figures are read; elsewhere it says which devices and links there
+ * are. Each costs the gateway up to half a millisecond of its processor. */
+const statusEvery = (): number => (place.get().page === "" ? 1000 : 3000);
 let askedForStatus = Number.NEGATIVE_INFINITY;
 
 /** In between, something small: it is there, or not. */
 async function askGateway(question: number): Promise<void> {
   const now = performance.now();
-  if (now - askedForStatus < statusEvery) {
+  if (now - askedForStatus <= statusEvery() - beatEvery) {
     await ask("/jobs", { timeout: 5000 });
     return liveness.ended(question);
   }
@@ -131,12 +136,10 @@ async function askGateway(question: number): Promise<void> {
   void keepDevices(performance.now());
 }
 
-const beatEvery = 100; // milliseconds
-
 function beat(): void {
   if (document.hidden || tokenNeeded.get()) return;
   const now = performance.now();
-  const question = liveness.ask(now);
+  const question = liveness.ask(now, statusEvery());
   if (question !== undefined) void askGateway(question);
   const left = liveness.lostAt() - now;
   if (left > 0 && left < beatEvery) setTimeout(look, left + 1); // the next beat would be late

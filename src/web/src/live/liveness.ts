@@ -1,7 +1,6 @@
 // Decides whether the gateway is there, by the time when it was heard last. No I/O; times are milliseconds of one clock.
 
 export const askEvery = 400; // while nothing else is heard
-export const askAtLeastEvery = 1000; // for what the answer says
 export const lostAfter = 940; // with the time for drawing, it is seen within a second
 export const maxOutstanding = 3;
 
@@ -39,12 +38,13 @@ export class Liveness {
     return now - this.heardAt;
   }
 
-  /** The number of the request to be sent now; undefined: none. On a slow line, several may be outstanding. */
-  ask(now: number): number | undefined {
+  /** The number of the request to be sent now; undefined: none. On a slow line, several may be outstanding. `atLeastEvery`: for what the
+   * answer says, however often other messages are heard. */
+  ask(now: number, atLeastEvery: number): number | undefined {
     const patience = 5000;
     for (const [question, at] of this.outstanding) if (now - at > patience) this.outstanding.delete(question);
     const silent = Math.min(now - this.askedAt, now - this.heardAt);
-    if ((silent < askEvery && now - this.askedAt < askAtLeastEvery) || this.outstanding.size >= maxOutstanding) return undefined;
+    if ((silent < askEvery && now - this.askedAt < atLeastEvery) || this.outstanding.size >= maxOutstanding) return undefined;
     this.askedAt = now;
     this.outstanding.set(++this.asked, now);
     return this.asked;
