@@ -54,7 +54,8 @@ void measure_page(Run& run) {
         {fifty_thousand,
          "50,000 frames/s, UDP to UDP, a frame a datagram, looked at by one page: CPU µs a frame, beside one without",
          at_most(1.05)},
-        {one_thousand, "… at 1,000 frames/s, evenly spaced", at_most(1.05)},
+        // A page's messages and requests cost the same at any rate, some 0.1 % of a core: of little, that is much.
+        {one_thousand, "… at 1,000 frames/s, evenly spaced", no_goal},
     };
     const support::TempDir state;
     ::setenv("STATE_DIRECTORY", state.path().c_str(), 1);    // where root's have their tokens
@@ -64,7 +65,7 @@ void measure_page(Run& run) {
     const auto door = looked_at.gateway->http_door();
     const Sink sink{{looked_at.taken_at().front(), beside.taken_at().front()}};
     for (const Case& c : cases) {
-        std::vector<double> with, without, routed;
+        std::vector<double> with, without;
         for (int i = 0; i < rounds; ++i) {
             const PageReader page{door.port, door.token};
             const Steady traffic{looked_at.port, beside.port, c.rate};
