@@ -28,7 +28,7 @@ Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stre
 void Session::start() { await_request(); }
 
 void Session::close() {
-    deadline_.cancel();
+    end_deadline();
     keeper_.reset();
     producer_.reset();
     if (const auto socket = web_socket_.lock()) socket->end();
@@ -81,6 +81,12 @@ void Session::expect_progress() {
 }
 
 void Session::expect_nothing() { patient_until_.reset(); }
+
+// The timer may have expired already, with its call still to come: that must find no deadline either.
+void Session::end_deadline() {
+    expect_nothing();
+    deadline_.cancel();
+}
 
 // However often there is progress meanwhile, the timer is set once: to set it costs more than to let it come for nothing.
 void Session::await_deadline() {
@@ -272,7 +278,7 @@ void Session::answer(Request request) {
         Response fault = web_socket_fault(request);
         if (fault.status == 200 && reading_) fault = error(400, "a WebSocket does not follow a stream on one connection");
         if (fault.status == 200) {
-            deadline_.cancel();
+            end_deadline();
             web_socket_ = open_web_socket(io_, std::move(stream_), request, std::move(input_), std::move(response.web_socket),
                                           limits_.web_socket, shared_from_this());
             return;
@@ -393,7 +399,7 @@ void Session::refuse_for_memory() noexcept {
 }
 
 void Session::refuse(const Response& words) {
-    deadline_.cancel();
+    end_deadline();
     keeper_.reset();
     producer_.reset();
     needed_.reset();

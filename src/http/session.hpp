@@ -108,6 +108,7 @@ private:
     void refuse(const Response& words);
     void expect_progress();
     void expect_nothing();
+    void end_deadline();
     void await_deadline();
     void lost_patience();
 

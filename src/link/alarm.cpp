@@ -19,13 +19,14 @@ void AlarmClock::arm(ano::TimePoint latest) {
 }
 
 void AlarmClock::wait(ano::TimePoint latest) {
-    rings_at_ = latest;
+    rings_at_.reset();    // until async_wait(), which may find no memory, has succeeded
     timer_->expires_at(latest);
     timer_->async_wait([this, mine = ++generation_](error_code ec) {
         if (ec || mine != generation_) return;
         rings_at_.reset();
         ring();
     });
+    rings_at_ = latest;
 }
 
 void AlarmClock::ring_next() {

@@ -208,6 +208,32 @@ TEST_P(ImpatientWebSockets, whose_client_does_not_say_goodbye_are_closed_without
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
 }
 
+// The deadline of the request expires in the turn of the loop in which the request is answered: its timer is late then, and is not to
+// count for the WebSocket.
+TEST_F(WebSockets, stay_that_were_opened_when_the_time_for_the_request_was_just_over) {
+    ServerLimits limits;
+    limits.session.patience = 60ms;
+    begin(limits);
+    int opened = 0;
+    for (int turns = 1; turns < 12; ++turns) {
+        const auto connected = std::chrono::steady_clock::now();
+        Client client = connect();
+        settle();
+        client.send(upgrade());
+        io.restart();
+        for (int i = 0; i < turns; ++i) io.poll_one();
+        std::this_thread::sleep_until(connected + limits.session.patience + 5ms);    // the loop stands still
+        settle();
+        if (!client.has_heard("101")) continue;
+        ++opened;
+        const auto begin = std::chrono::steady_clock::now();
+        EXPECT_TRUE(
+            until([&] { return client.is_closed() || std::chrono::steady_clock::now() - begin > 2 * limits.session.patience; }));
+        EXPECT_FALSE(client.is_closed()) << "after " << turns << " calls of the loop";
+    }
+    EXPECT_GT(opened, 3);
+}
+
 // Who looks, as many as there are places: each holds his as long as he takes what he is sent.
 TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
     const auto watch = [this](const std::string& headers) {
