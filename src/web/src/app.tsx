@@ -152,7 +152,7 @@ function Banner() {
   if (state !== "lost") return null;
   return (
     <p class="banner" role="alert">
-      <b>{t("no_contact")}.</b> {t("old_values")}
+      <b>{t("no_contact")}{t("full_stop")}</b>{t("old_values")}
     </p>
   );
 }

@@ -15,6 +15,7 @@ export const words = {
   connecting: ["Connecting…", "正在连接…"],
   live: ["live", "在线"],
   no_contact_for: ["No answer for {s} s", "{s} 秒没有回答"],
+  full_stop: [". ", "。"],
   no_contact: ["The gateway does not answer", "网关没有回答"],
   old_values: ["What you see is as old as that. It comes back by itself.", "看到的是那时的值。恢复后会自动继续。"],
   lost_on_the_way: ["{n} frames were lost on the way to this page: it is too slow for them all", "{n} 帧没能到达本页面：它来不及接收全部"],

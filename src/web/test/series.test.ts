@@ -35,6 +35,14 @@ test("draws the smallest and the largest of each column, in their order", () => 
   assert.deepEqual(times.slice(0, 2), [0.25, 0.75]);
 });
 
+test("a curve begins with the first value that is in the range, and ends where values were missed", () => {
+  const series = new Series(), drawn: (number | null)[] = [];
+  for (const [time, value] of [[-3, 50], [1, 1], [2, 2], [2, Number.NaN], [6, 6]] as const) series.push(time, value);
+  envelope(series, 0, 8, 8, drawn);
+  assert.deepEqual(drawn.slice(0, 8), [null, null, 1, 1, 2, 2, Number.NaN, null]);
+  assert.deepEqual(drawn.slice(12), [6, 6, null, null]);
+});
+
 test("knows the value at a time, where one is near", () => {
   const series = new Series();
   series.push(10, 1);

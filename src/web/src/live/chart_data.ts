@@ -79,6 +79,11 @@ export class ChartData {
     return fields.get(name);
   }
 
+  /** What passed from now on was not seen: the curves end, until the next value. */
+  gap(): void {
+    for (const { series } of this.lines) if (series.length > 0) series.push(series.lastTime(), Number.NaN);
+  }
+
   clear(): void {
     for (const line of this.lines) line.series.clear();
     this.newest = Number.NEGATIVE_INFINITY;

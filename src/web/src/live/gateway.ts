@@ -86,15 +86,20 @@ function took(value: Status): void {
 }
 
 // Another run of the gateway may have another configuration, and so another table.
-let tableOfRun = "";
+let tableOfRun = "", tableText = "";
 
 async function keepTable(value: Status): Promise<void> {
   const run = `${value.gateway.version} ${Math.round((Date.now() / 1000 - value.gateway.uptime_s) / 5)}`;
   if (table.get() && near(run, tableOfRun)) return;
   tableOfRun = run;
   const answer = await ask<MessageRow[]>("/messages", { timeout: 5000 });
-  if (answer.ok && Array.isArray(answer.value)) table.set(new MessageTable(answer.value));
-  else tableOfRun = "";
+  if (!answer.ok || !Array.isArray(answer.value)) {
+    tableOfRun = "";
+    return;
+  }
+  const text = JSON.stringify(answer.value); // the same table: what was read by it stays
+  if (text !== tableText) table.set(new MessageTable(answer.value));
+  tableText = text;
 }
 
 /** Begun within 10 s of each other, by clocks that are set now and then. */

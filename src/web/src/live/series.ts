@@ -99,7 +99,8 @@ export class Series {
   }
 }
 
-/** Writes two values for each column of a chart: the smallest and the largest one in it. Columns without a value are not changed. */
+/** Writes two values for each column of a chart: the smallest and the largest one in it, null where there is none. Behind values that are
+ * followed by NaN, the next column has NaN: there the line ends. */
 export function envelope(series: Series, from: number, to: number, columns: number, into: (number | null)[]): void {
   into.length = columns * 2;
   into.fill(null);
@@ -111,11 +112,15 @@ export function envelope(series: Series, from: number, to: number, columns: numb
     into[column * 2 + 1] = lowAt <= highAt ? high : low;
   };
   const length = series.length;
-  for (let i = Math.max(series.at(from) - 1, 0); i < length; ++i) {
+  for (let i = series.at(from); i < length; ++i) {
     const time = series.time(i), value = series.value(i);
     if (time > to) break;
     const now = Math.max(0, Math.min(columns - 1, Math.floor((time - from) / width)));
-    if (now !== column) {
+    if (Number.isNaN(value)) {
+      put();
+      column = -1;
+      if (now + 1 < columns) into[(now + 1) * 2] = Number.NaN;
+    } else if (now !== column) {
       put();
       column = now;
       low = high = value;

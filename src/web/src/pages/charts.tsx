@@ -177,7 +177,7 @@ export function Charts() {
       ? { limit: Object.fromEntries(ids.filter((id) => !chosen.has(id)).map((id) => [id, 2])) }
       : { from: [...new Set(data.lines.map((line) => line.from))], id: [...chosen] };
     if (!picks && chosen.size === 0) return undefined;
-    return frameStream.use({ wish: { ...wish, batch }, take: (record) => data.take(record) });
+    return frameStream.use({ wish: { ...wish, batch }, take: (record) => data.take(record), began: () => data.gap() });
   }, [data, version, picks]);
   if (!data) return <p class="muted" role="status">{t("waiting_first")}</p>;
   const range = (): { from: number; to: number } => stopped ?? { from: data.newest - width, to: data.newest };

@@ -36,7 +36,11 @@ export function drawColumns(plot: uPlot, values: readonly (number | null)[], uni
   let before = -4, beforeX = 0, beforeY = 0, last = 0, gaps = false;
   for (let i = 0; i + 1 < values.length; i += 2) {
     const first = values[i], second = values[i + 1];
-    if (first == null || second == null || Number.isNaN(first) || Number.isNaN(second)) continue;
+    if (first == null) continue;
+    if (second == null || Number.isNaN(first)) {
+      before = -4; // the values end here
+      continue;
+    }
     const at = bbox.left + (times[i]! - x.min!) * perSecond;
     const y1 = bottom - (first - min) * perUnit, y2 = bottom - (second - min) * perUnit;
     let top = Math.min(y1, y2), low = Math.max(y1, y2);
@@ -86,7 +90,7 @@ export class Plot {
       cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false } },
       scales: { x: { time: true, auto: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), { auto: true }])) },
       axes: [
-        { stroke: ink, grid, ticks: grid, values: (_, all, __, ___, step) => all.map((at) => clock(at, step)) },
+        { stroke: ink, grid, ticks: grid, space: 100, values: (_, all, __, ___, step) => all.map((at) => clock(at, step)) },
         ...units.slice(0, maxAxes).map((unit, i): uPlot.Axis => ({ scale: scaleOf(unit), side: i % 2 === 0 ? 3 : 1, stroke: ink, ticks: grid, grid: i === 0 ? grid : { show: false }, label: unit || "–", labelSize: 18, size: 54 })),
       ],
       series: [{}, ...lines.map((line, i): uPlot.Series => ({ label: line.label, scale: scaleOf(line.unit), stroke: colours[i % colours.length]!, paths: () => null, points: { show: false } }))],
