@@ -3,6 +3,7 @@
 #include "goals.hpp"
 #include "page_reader.hpp"
 #include "steady.hpp"
+#include "used.hpp"
 
 #include <support/temp_dir.hpp>
 
@@ -29,17 +30,6 @@ Forwarder anogated_with_http(const std::string& program) {
     forwarder.gateway = std::make_unique<GatewayProcess>(program, arguments);
     forwarder.port = forwarder.gateway->port("in");
     return forwarder;
-}
-
-/// CPU time and frames of a gateway so far.
-struct Used {
-    explicit Used(const Forwarder& of) : frames{of.frames()}, cpu{cpu_seconds(of.pid())} {}
-    std::uint64_t frames;
-    double cpu;
-};
-
-double microseconds_a_frame(const Used& before, const Used& after) {
-    return (after.cpu - before.cpu) * 1e6 / static_cast<double>(after.frames - before.frames);
 }
 
 }    // namespace

@@ -2,6 +2,7 @@
 #include "forwarder.hpp"
 #include "goals.hpp"
 #include "steady.hpp"
+#include "used.hpp"
 
 #include <support/http.hpp>
 
@@ -54,17 +55,6 @@ private:
     int fd_;
     std::thread thread_;
 };
-
-/// CPU time and frames of a gateway so far.
-struct Used {
-    explicit Used(const Forwarder& of) : frames{of.frames()}, cpu{cpu_seconds(of.pid())} {}
-    std::uint64_t frames;
-    double cpu;
-};
-
-double microseconds_a_frame(const Used& before, const Used& after) {
-    return (after.cpu - before.cpu) * 1e6 / static_cast<double>(after.frames - before.frames);
-}
 
 }    // namespace
 
