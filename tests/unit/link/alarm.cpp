@@ -123,6 +123,16 @@ TEST_F(Alarms, one_rings_once_and_may_be_set_again_by_its_own_call) {
     EXPECT_FALSE(again.is_set());
 }
 
+TEST_F(Alarms, one_that_rang_when_no_other_was_set_may_be_set_again) {
+    Alarm again{clock, says('a')};
+    for (const char* so_far : {"a", "aa"}) {
+        again.set(ano::Clock::now());
+        io.restart();
+        io.run_for(10s);
+        EXPECT_EQ(rung, so_far);
+    }
+}
+
 TEST_F(Alarms, one_that_need_not_wait_rings_when_the_loop_has_done_what_it_does) {
     Alarm hurried{clock, says('h'), 10s}, unset{clock, says('u')}, due{clock, says('d'), 10s};
     hurried.set(now + 1h);
@@ -136,6 +146,11 @@ TEST_F(Alarms, one_that_need_not_wait_rings_when_the_loop_has_done_what_it_does)
     io.poll();
     EXPECT_EQ(rung, ".hd") << "and who is due rings with it";
     EXPECT_FALSE(hurried.is_set());
+    hurried.set(now + 1h);
+    hurried.hurry();
+    io.restart();
+    io.poll();
+    EXPECT_EQ(rung, ".hdh") << "and another time";
 }
 
 TEST_F(Alarms, one_that_rang_before_its_time_leaves_no_wake_up_behind) {
