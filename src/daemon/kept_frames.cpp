@@ -58,13 +58,14 @@ void FrameMemory::more() {
             names_ = std::make_shared<const RecordedNames>(recorded_names(**tables, gateway_));
             cost_of_names_ = names_->cost();
         } else if (const auto* lost = std::get_if<LostFrames>(&*item)) {
-            lost_.count += lost->count;
-            lost_names_ = loss_names(*lost);
+            lost_.add(*lost);
         } else {
             auto& batch = std::get<WatchQueue::Batch>(*item);
-            const std::size_t cost = batch->capacity() + lost_names_.size() + std::exchange(cost_of_names_, 0) + cost_of_part;
+            const LostFrames before = std::exchange(lost_, {});
+            std::string lost_names = loss_names(before);
+            const std::size_t cost = batch->capacity() + lost_names.size() + std::exchange(cost_of_names_, 0) + cost_of_part;
             const std::uint64_t frames = count_of_records(*batch);
-            ring_.push({std::move(batch), names_, std::exchange(lost_, {}), std::exchange(lost_names_, {}), frames}, cost, now);
+            ring_.push({std::move(batch), names_, RecordedLoss{before.count, {}}, std::move(lost_names), frames}, cost, now);
         }
     }
 }

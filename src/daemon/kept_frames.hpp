@@ -74,8 +74,7 @@ private:
     Ring<FramesPart> ring_;
     std::shared_ptr<const RecordedNames> names_;
     std::size_t cost_of_names_ = 0;    // to be added to the cost of the next part
-    RecordedLoss lost_{};
-    std::string lost_names_;
+    LostFrames lost_;                  // since the last part
 };
 
 /// Calls `call` when a device logs a fault: a received frame 0xA0 with the colour red.

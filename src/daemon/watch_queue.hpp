@@ -30,6 +30,12 @@ struct LostFrames {
     std::array<std::uint32_t, 256> by_id{};
     std::uint64_t count = 0;
     std::chrono::milliseconds since{};    // how long ago the first was lost
+
+    /// Counts those of `later` as well.
+    void add(const LostFrames& later) noexcept {
+        count += later.count;
+        for (std::size_t id = 0; id < by_id.size(); ++id) by_id[id] += later.by_id[id];
+    }
 };
 
 /// Bounded. Once something does not fit, nothing more is accepted until all waiting items and then the loss were taken: so the loss is

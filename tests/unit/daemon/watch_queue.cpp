@@ -91,5 +91,17 @@ TEST(WatchQueue, of_the_tables_that_changed_while_frames_were_lost_the_last_foll
     EXPECT_EQ(next(queue), "5");
 }
 
+TEST(LostFrames, of_two_losses_every_id_is_counted) {
+    LostFrames lost, later;
+    lost.count = lost.by_id[3] = 2;
+    later.by_id[3] = 1;
+    later.by_id[7] = 4;
+    later.count = 5;
+    lost.add(later);
+    EXPECT_EQ(lost.count, 7u);
+    EXPECT_EQ(lost.by_id[3], 3u);
+    EXPECT_EQ(lost.by_id[7], 4u);
+}
+
 }    // namespace
 }    // namespace watch_queue_tests
