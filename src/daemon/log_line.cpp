@@ -1,5 +1,6 @@
 #include <daemon/log_line.hpp>
 
+#include <spdlog/sinks/sink.h>
 #include <spdlog/spdlog.h>
 
 namespace {
@@ -37,6 +38,13 @@ spdlog::level::level_enum level_of(LogLevel level) noexcept {
 
 void log_line(LogLevel level, fmt::string_view format, fmt::format_args arguments) {
     spdlog::default_logger_raw()->log(level_of(level), "{}", Line{format, arguments});
+}
+
+void log_asked(std::string_view text) {
+    auto& log = *spdlog::default_logger_raw();
+    if (log.level() == spdlog::level::off) return;
+    const spdlog::details::log_msg message{log.name(), spdlog::level::info, text};
+    for (const auto& sink : log.sinks()) sink->log(message);
 }
 
 void set_log_level(const std::string& level) { spdlog::default_logger()->set_level(spdlog::level::from_str(level)); }

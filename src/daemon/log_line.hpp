@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <string>
+#include <string_view>
 
 namespace anogate {
 
@@ -11,6 +12,9 @@ enum class LogLevel { info, warning, error };
 
 /// Does not format a message below the level of the log.
 void log_line(LogLevel level, fmt::string_view format, fmt::format_args arguments);
+
+/// Logs what a user asked for just now, at every level but off.
+void log_asked(std::string_view text);
 
 /// `level`: trace, debug, info, warn, error or off. Messages below it are not logged.
 void set_log_level(const std::string& level);

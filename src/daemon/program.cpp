@@ -114,7 +114,7 @@ private:
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec || stopped_) return;
             wait_for_signal();    // first, since a second stop() ends all waits at once, including this one
-            if (signal == SIGUSR1) log_info("status\n{}", status_text(gateway_));
+            if (signal == SIGUSR1) log_asked("status\n" + status_text(gateway_));
             else if (signal == SIGHUP) reload_soon();
             else stop(signal == SIGTERM ? "SIGTERM" : "SIGINT");
         });

@@ -54,6 +54,17 @@ TEST(LogLine, below_the_level_is_neither_logged_nor_formatted) {
     EXPECT_EQ(lines.take(), Lines{"counted"});
 }
 
+TEST(LogLine, that_was_asked_for_is_logged_at_every_level_but_off) {
+    support::LogLines lines;
+    spdlog::default_logger()->set_pattern("%l %v");
+    set_log_level("error");
+    log_asked("status {}");
+    EXPECT_EQ(lines.take(), Lines{"info status {}"});
+    set_log_level("off");
+    log_asked("status");
+    EXPECT_TRUE(lines.take().empty());
+}
+
 TEST(LogLine, that_can_not_be_formatted_is_lost_and_ends_nothing) {
     support::LogLines lines;
     int formatted = 0, lost = 0;
