@@ -16,7 +16,7 @@ function ContactLamp() {
   useTick(500);
   const known = useStore(contact), needed = useStore(tokenNeeded);
   const state = needed ? "shut" : known;
-  const words = state === "shut" ? t("token_needed") : state === "live" ? t("live") : state === "never" ? t("connecting") : t("no_contact_for", { s: Math.floor(silentFor()) });
+  const words = state === "shut" ? t("token_needed") : state === "live" ? t("live") : state === "never" ? t("connecting") : silentFor() < 1 ? t("no_contact_now") : t("no_contact_for", { s: Math.floor(silentFor()) });
   return (
     <span class={`contact ${state}`} role="status">
       <i class="lamp" aria-hidden="true" />

@@ -14,6 +14,7 @@ export const words = {
   theme_dark: ["Theme: dark", "配色：深色"],
   connecting: ["Connecting…", "正在连接…"],
   live: ["live", "在线"],
+  no_contact_now: ["No answer", "没有回答"],
   no_contact_for: ["No answer for {s} s", "{s} 秒没有回答"],
   full_stop: [". ", "。"],
   no_contact: ["The gateway does not answer", "网关没有回答"],

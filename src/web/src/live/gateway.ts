@@ -68,7 +68,13 @@ export const devices = new Store<Device[]>([]);
 export const tokenNeeded = new Store(false);
 /** Seconds of the page's own clock at which the status came. */
 export const statusAt = new Store(0);
-export const linkRates = new CounterRates();
+const linkRates = new CounterRates();
+/** The sum of these counters of all `links`, per second; undefined: not known yet. */
+export function rateOf(links: Link[], counters: string[]): number | undefined {
+  if (counters.length === 0) return 0;
+  const known = links.flatMap((link) => counters.map((name) => linkRates.perSecond("link:" + link.name, name))).filter((rate) => rate !== undefined);
+  return known.length === 0 ? undefined : known.reduce((sum, rate) => sum + rate, 0);
+}
 
 export const seconds = (): number => performance.now() / 1000;
 

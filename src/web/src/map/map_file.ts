@@ -11,13 +11,13 @@ const maxAbout = 1 << 20;
 const maxLevels = 4; // of directories
 const keptDirectories = 32;
 
-async function unpacked(bytes: ArrayBuffer, maxBytes: number): Promise<Uint8Array> {
+async function unpacked(bytes: ArrayBuffer, maxBytes: number, what: string): Promise<Uint8Array> {
   const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip")).getReader();
   const parts: Uint8Array[] = [];
   let size = 0;
   for (let part = await reader.read(); !part.done; part = await reader.read()) {
     parts.push(part.value);
-    if ((size += part.value.length) > maxBytes) throw new MapFault("a directory is too large");
+    if ((size += part.value.length) > maxBytes) throw new MapFault(`${what} is too large`);
   }
   const all = new Uint8Array(size);
   let at = 0;
@@ -53,7 +53,7 @@ export class MapFile {
   async attribution(): Promise<string> {
     const { about } = this.header;
     if (about.size === 0 || about.size > maxAbout) return "";
-    const bytes = await this.bytesOf(await this.read(about), maxAbout);
+    const bytes = await this.bytesOf(await this.read(about), maxAbout, "its description");
     const json = JSON.parse(new TextDecoder().decode(bytes)) as { attribution?: unknown };
     return typeof json.attribution === "string" ? plain(json.attribution) : "";
   }
@@ -76,13 +76,13 @@ export class MapFile {
     return new Blob([await this.read(part)], { type: this.header.type });
   }
 
-  private async bytesOf(bytes: ArrayBuffer, maxBytes: number): Promise<Uint8Array> {
+  private async bytesOf(bytes: ArrayBuffer, maxBytes: number, what: string): Promise<Uint8Array> {
     if (!this.header.packed) return new Uint8Array(bytes);
-    return unpacked(bytes, maxBytes).catch((fault: unknown) => { throw fault instanceof MapFault ? fault : new MapFault("a directory is damaged"); });
+    return unpacked(bytes, maxBytes, what).catch((fault: unknown) => { throw fault instanceof MapFault ? fault : new MapFault(`${what} is damaged`); });
   }
 
   private async entriesIn(bytes: ArrayBuffer): Promise<Entry[]> {
-    return directoryOf(await this.bytesOf(bytes, maxDirectory));
+    return directoryOf(await this.bytesOf(bytes, maxDirectory, "a directory"));
   }
 
   private entries(part: Part): Promise<Entry[]> {

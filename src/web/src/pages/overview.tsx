@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { ask } from "../api";
 import { causeText, errorText, hintText, language, reasonText, t, useLanguage } from "../i18n";
 import { lost } from "../live/counters";
-import { devices, linkRates, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
+import { devices, rateOf, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
 import { faultsOf } from "../live/recordings";
 import { replayedDevices } from "../live/replayed";
 import { useStore } from "../live/store";
@@ -54,7 +54,7 @@ function Troubles({ status }: { status: Status }) {
 interface Drop {
   cause: string;
   total: number;
-  now: number;
+  now: number | undefined;
   links: string[];
 }
 
@@ -62,13 +62,14 @@ function dropsOf(links: Link[]): Drop[] {
   const byCause = new Map<string, Drop>();
   for (const link of links)
     for (const [cause, count] of lost(link)) {
-      const drop = byCause.get(cause) ?? { cause, total: 0, now: 0, links: [] };
+      const drop = byCause.get(cause) ?? { cause, total: 0, now: undefined, links: [] };
+      const now = rateOf([link], [cause]);
       drop.total += count;
-      drop.now += linkRates.perSecond("link:" + link.name, cause) ?? 0;
+      if (now !== undefined) drop.now = (drop.now ?? 0) + now;
       drop.links.push(link.name);
       byCause.set(cause, drop);
     }
-  return [...byCause.values()].sort((a, b) => b.now - a.now || b.total - a.total);
+  return [...byCause.values()].sort((a, b) => (b.now ?? 0) - (a.now ?? 0) || b.total - a.total);
 }
 
 function Drops({ links }: { links: Link[] }) {
@@ -86,7 +87,7 @@ function Drops({ links }: { links: Link[] }) {
               {all.map((drop) => (
                 <tr key={drop.cause}>
                   <th scope="row">{causeText(drop.cause)} <code class="muted">{drop.cause}</code></th>
-                  <td class={`number ${drop.now > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
+                  <td class={`number ${(drop.now ?? 0) > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
                   <td class="number">{shortNumber(drop.total)}</td>
                   <td>{drop.links.join(", ")}</td>
                 </tr>
@@ -126,7 +127,7 @@ export function Overview() {
   if (!now) return <p class="muted" role="status">{t("waiting_first")}</p>;
   const waiting = now.links.filter((link) => link.state !== "up").length;
   const heard = now.routes.filter((route) => route.via === "learned" || route.via === "pinned").length + replayedDevices(now).size;
-  const coming = now.links.reduce((sum, link) => sum + (linkRates.perSecond("link:" + link.name, "frames_in") ?? 0), 0);
+  const coming = rateOf(now.links, ["frames_in"]);
   return (
     <div class="overview">
       <h1>{now.gateway.name} <small class="muted">{now.gateway.version} · {t("up_for", { time: duration(now.gateway.uptime_s, language.get() === "zh") })}</small></h1>
@@ -134,7 +135,7 @@ export function Overview() {
         <span>{t("links_n", { n: now.links.length })}</span>
         {waiting > 0 && <span class="warn">{t("links_waiting", { n: waiting })}</span>}
         <span>{t("devices_n", { n: heard })}</span>
-        <span>{t("frames_rate", { n: shortNumber(Math.round(coming)) })}</span>
+        <span>{t("frames_rate", { n: coming === undefined ? "–" : shortNumber(Math.round(coming)) })}</span>
         <Scan />
       </p>
       <Troubles status={now} />

@@ -151,7 +151,7 @@ function Running({ one, action, onEnded }: { one: RunningRecording; action: Acti
 
 const known: Record<string, "state_recording" | "state_ended" | "state_unfinished"> = { recording: "state_recording", ended: "state_ended", unfinished: "state_unfinished" };
 
-function Row({ one, action, onDeleted }: { one: Recording; action: Action; onDeleted: () => void }) {
+function Row({ one, seconds, action, onDeleted }: { one: Recording; seconds: number | null; action: Action; onDeleted: () => void }) {
   const state = known[one.state];
   const remove = (): void =>
     action.run(
@@ -166,7 +166,7 @@ function Row({ one, action, onDeleted }: { one: Recording; action: Action; onDel
     <li>
       <a href={path(fileOf(one.name))} download={one.name}>{one.name}</a>
       <span class="number muted">{clock(one.begun ?? one.time)}</span>
-      <span class="number">{one.seconds === null ? "–" : lasts(one.seconds)}</span>
+      <span class="number">{seconds === null ? "–" : lasts(seconds)}</span>
       <span class="number">{bytesText(one.bytes)}</span>
       <span class="number muted">{one.frames === null ? "" : t("frames_n", { n: shortNumber(one.frames) })}</span>
       <span class={one.state === "ended" ? "muted" : one.state === "recording" ? "bad" : "warn"}>{state ? t(state) : one.state}</span>
@@ -174,6 +174,10 @@ function Row({ one, action, onDeleted }: { one: Recording; action: Action; onDel
     </li>
   );
 }
+
+/** A file that is being written does not tell its length yet; the recording does, unless it has several files. */
+const runsFor = (file: Recording, running: RunningRecording[]): number | null =>
+  running.find((one) => one.files === 1 && one.file.split("/").at(-1) === file.name)?.seconds ?? null;
 
 export function Recordings() {
   useLanguage();
@@ -194,7 +198,7 @@ export function Recordings() {
       <p><OutcomeLine action={action} /></p>
       <ul class="running">{all.running.map((one) => <Running key={one.name} one={one} action={action} onEnded={look} />)}</ul>
       {all.recordings.length === 0 ? <p class="muted">{t("no_recordings")}</p> : (
-        <ul class="recordings card">{all.recordings.map((one) => <Row key={one.name} one={one} action={action} onDeleted={look} />)}</ul>
+        <ul class="recordings card">{all.recordings.map((one) => <Row key={one.name} one={one} seconds={one.seconds ?? runsFor(one, all.running)} action={action} onDeleted={look} />)}</ul>
       )}
     </div>
   );

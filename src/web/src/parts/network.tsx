@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import { causeText, hintText, language, t } from "../i18n";
 import { drops, lost } from "../live/counters";
-import { linkRates, type Link, type Route, type Status } from "../live/gateway";
+import { rateOf, type Link, type Route, type Status } from "../live/gateway";
 import { replayedDevices } from "../live/replayed";
 import { duration, rateText, shortNumber } from "../format";
 import { hashOf, pageOfDevice } from "../route";
@@ -65,7 +65,7 @@ function CounterTable({ link }: { link: Link }) {
           <tr key={name}>
             <th scope="row">{causeText(name)}</th>
             <td class="number">{String(link[name] ?? "")}</td>
-            <td class="number">{rateText(linkRates.perSecond("link:" + link.name, name))} {t("per_second")}</td>
+            <td class="number">{rateText(rateOf([link], [name]))} {t("per_second")}</td>
           </tr>
         ))}
       </tbody>
@@ -76,16 +76,16 @@ function CounterTable({ link }: { link: Link }) {
 function Branch({ link, routes }: { link: Link; routes: Route[] }) {
   const [open, setOpen] = useState(false);
   const up = link.state === "up";
-  const rate = (name: string): number => linkRates.perSecond("link:" + link.name, name) ?? 0;
-  const losing = lost(link).reduce((sum, [name]) => sum + rate(name), 0);
+  const rate = (name: string): number | undefined => rateOf([link], [name]);
+  const losing = rateOf([link], lost(link).map(([name]) => name));
   const calm = calmHints.has(link.hint_id);
   const troubled = link.error !== "" || (link.hint !== "" && !calm); // the list above names the trouble
   const where = link.device ?? link.address ?? link.peer;
   return (
     <li class={`branch ${up ? "up" : "down"} ${troubled ? "troubled" : ""}`}>
       <div class="wires">
-        <Wire rate={up ? rate("frames_in") : 0} back />
-        <Wire rate={up ? rate("frames_out") : 0} back={false} />
+        <Wire rate={up ? (rate("frames_in") ?? 0) : 0} back />
+        <Wire rate={up ? (rate("frames_out") ?? 0) : 0} back={false} />
       </div>
       <article class="link" aria-label={link.name}>
         <header>
@@ -97,7 +97,7 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
         <dl class="flows">
           <div><dt>{t("in")}</dt><dd>{rateText(rate("frames_in"))}<small> {t("per_second")}</small></dd></div>
           <div><dt>{t("out")}</dt><dd>{rateText(rate("frames_out"))}<small> {t("per_second")}</small></dd></div>
-          <div class={losing > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(losing)}<small> {t("per_second")}</small></dd></div>
+          <div class={(losing ?? 0) > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(losing)}<small> {t("per_second")}</small></dd></div>
         </dl>
         {link.replayed && <p class="calm">{t("replayed")}</p>}
         {calm && <p class="calm">{hintText(link.hint_id, link.hint, link.hint_args)}</p>}
@@ -117,13 +117,13 @@ export function Network({ status }: { status: Status }) {
     ...(link.replayed ?? []).filter((one) => replayed.get(Number(one.address)) === link.name).map((one) => ({ ...one, links: [link.name], via: "replayed" })),
   ];
   const all = status.links;
-  const total = (name: string): number => all.reduce((sum, link) => sum + (linkRates.perSecond("link:" + link.name, name) ?? 0), 0);
+  const coming = rateOf(all, ["frames_in"]);
   return (
     <div class="network">
       <div class="hub">
         <b>{status.gateway.name}</b>
         {status.gateway.id !== null && <span>{status.gateway.id}</span>}
-        <span class="muted">{shortNumber(Math.round(total("frames_in")))}{t("per_second")}</span>
+        <span class="muted">{coming === undefined ? "–" : shortNumber(Math.round(coming))}{t("per_second")}</span>
       </div>
       <ol>{all.map((link) => <Branch key={link.name} link={link} routes={behind(link)} />)}</ol>
     </div>

@@ -16,6 +16,7 @@ test("one is begun by a name, ended, taken home and deleted", async () => {
   await outcome(page, ".outcome", /✓ flight is being recorded/);
   await until("frames are counted", async () => (await all(page)).running[0]?.frames > 10);
   await page.waitForFunction(() => /flight/.test(document.querySelector(".running h3")?.textContent) && /[1-9]\d* frames/.test(document.querySelector(".running .number")?.textContent));
+  await page.waitForFunction(() => /\d/.test(document.querySelectorAll(".recordings .number")[1]?.textContent)); // its length
   await shot(page, "recording");
   await press(page, "End…");
   await confirm(page);
