@@ -568,6 +568,7 @@ TEST_P(Ring, nothing_goes_round) {
     }
     a->device.write(all);
     b->device.write(command);
+    EXPECT_TRUE(until([&] { return seen() >= 10 + 1; })) << "what the devices sent";
     std::uint64_t before = 0;
     EXPECT_TRUE(until([&] {
         before = seen();
