@@ -49,6 +49,9 @@ jobs=$(nproc)
 memory=$(awk '/^MemAvailable/ {print int($2 / 1048576)}' /proc/meminfo)
 ((memory >= jobs)) || jobs=$((memory > 0 ? memory : 1))
 
+# Who only runs the program has it sooner where there are 3 GB for each processor: larger groups of sources need that much.
+groups=$(awk -v jobs="$(nproc)" '/^MemTotal/ {print ($2 / 1048576 >= 3 * jobs) ? 4 : 1}' /proc/meminfo)
+
 # configure FOLDER OPTION...: CMake with Ninja, and ccache where it is installed.
 configure() {
     local folder=$1 launcher=

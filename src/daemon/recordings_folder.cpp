@@ -23,8 +23,8 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t max_name = 100;
-constexpr std::size_t max_file_name = max_name + 20;    // with its number and extension
+constexpr std::size_t max_recording_name = 100;
+constexpr std::size_t max_file_name = max_recording_name + 20;    // with its number and extension
 constexpr std::size_t bytes_at_a_time = 1024 * 1024;
 constexpr std::size_t max_index = 4 * 1024 * 1024;       // bytes to be read of one file for a list
 constexpr std::uint64_t max_cut = 2 * 1024 * 1024;       // bytes that a repair may cut off
@@ -274,11 +274,11 @@ std::optional<RepairedFile> repair(int folder, const std::string& name) {
 
 }    // namespace
 
-bool is_recording_name(std::string_view name) noexcept { return is_name(name, max_name); }
+bool is_recording_name(std::string_view name) noexcept { return is_name(name, max_recording_name); }
 
 std::string recording_name_rule(std::string_view given) {
     return "a name has 1 to 100 of A-Z, a-z, 0-9, '.', '_' and '-', and no dot in front" +
-           std::string{given.size() > max_name ? ": this one has " + std::to_string(given.size()) : ""};
+           std::string{given.size() > max_recording_name ? ": this one has " + std::to_string(given.size()) : ""};
 }
 
 std::string_view text(FoundRecording::State state) noexcept {

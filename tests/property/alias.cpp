@@ -12,6 +12,8 @@
 #include <array>
 #include <vector>
 
+namespace alias_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -40,8 +42,6 @@ struct Network {
         return {frame.bytes().begin(), frame.bytes().end()};
     }
 };
-
-}    // namespace
 
 TEST(Alias, every_acknowledgement_fits_what_was_sent) {
     constexpr std::array<std::uint8_t, 3> addresses{host, 31, 32};
@@ -98,3 +98,6 @@ TEST(Alias, allocates_nothing) {
     }
     EXPECT_EQ(support::allocations, before);
 }
+
+}    // namespace
+}    // namespace alias_tests

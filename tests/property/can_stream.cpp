@@ -10,6 +10,8 @@
 #include <deque>
 #include <map>
 
+namespace can_stream_tests {
+
 using namespace anogate;
 using support::Bytes;
 
@@ -66,8 +68,6 @@ private:
     std::size_t sent_ = 0;
     std::map<std::pair<std::uint8_t, std::pair<std::uint8_t, std::uint8_t>>, std::deque<Bytes>> expected_;
 };
-
-}    // namespace
 
 TEST(CanStream, every_frame_arrives_whole_and_in_order) {
     for (std::uint64_t seed = 0; seed < support::trials(40); ++seed) {
@@ -130,3 +130,6 @@ TEST(CanStream, a_bus_that_loses_and_alters_delivers_nothing_that_was_not_sent) 
         EXPECT_EQ(counters.bytes_in, got_out + counters.skipped_bytes) << "seed " << seed;
     }
 }
+
+}    // namespace
+}    // namespace can_stream_tests

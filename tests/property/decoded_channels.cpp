@@ -25,6 +25,8 @@
 #include <fastcdr/FastBuffer.h>
 #endif
 
+namespace decoded_channels_tests {
+
 namespace {
 
 using ano::Json;
@@ -244,3 +246,4 @@ TEST(DecodedChannels, names_beyond_the_last_channel_take_no_memory) {
 }
 
 }    // namespace
+}    // namespace decoded_channels_tests

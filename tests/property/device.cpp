@@ -20,6 +20,8 @@
 #include <tuple>
 #include <vector>
 
+namespace device_tests {
+
 using namespace ano::device;
 using namespace std::chrono_literals;
 using ano::FrameView;
@@ -289,3 +291,4 @@ TEST(Device, passes_an_image_that_is_whole) {
 }
 
 }    // namespace
+}    // namespace device_tests

@@ -13,6 +13,8 @@
 #include <deque>
 #include <vector>
 
+namespace fairness_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::Duration;
@@ -131,8 +133,6 @@ const Flood floods[] = {
     {11520, {{third_channel, 1, 30, 1ms}, {third_channel, 1, 31, 1ms}}},
 };
 
-}    // namespace
-
 TEST(Fairness, the_one_command_of_a_third_is_never_lost_and_waits_for_two_frames_at_most) {
     for (const Flood& flood : floods) {
         SCOPED_TRACE(testing::Message() << flood.rate << " bytes/s, flood " << &flood - floods);
@@ -181,8 +181,6 @@ TEST(Fairness, channels_that_always_wait_have_equal_shares) {
         EXPECT_EQ(outbox.counters().queue_full, 0u);
     }
 }
-
-namespace {
 
 // Three classes on a line, each offered so many times what it carries.
 struct Mix {
@@ -241,8 +239,6 @@ struct Mix {
     }
 };
 
-}    // namespace
-
 TEST(Shares, three_classes_at_three_times_the_line) {
     Mix mix{11520, {{{3, 14, 1}, {3, 21, 1}, {3, 108, 1}}}};
     mix.run(20s);
@@ -286,3 +282,6 @@ TEST(Shares, every_mix) {
         mix.expect_shares();
     }
 }
+
+}    // namespace
+}    // namespace fairness_tests

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+namespace host_tests {
+
 namespace {
 
 using namespace ano::host;
@@ -181,3 +183,4 @@ TEST(Host, an_apply_with_rollback_leaves_all_or_nothing_or_says_what_not) {
 }
 
 }    // namespace
+}    // namespace host_tests

@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+namespace host_and_device_tests {
+
 namespace {
 
 using namespace std::chrono_literals;
@@ -239,3 +241,4 @@ TEST(HostAndDevice, agree_on_firmware) {
 }
 
 }    // namespace
+}    // namespace host_and_device_tests

@@ -15,6 +15,8 @@
 #include <optional>
 #include <vector>
 
+namespace outbox_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -424,8 +426,6 @@ struct Trial {
     std::map<std::tuple<ChannelId, std::uint8_t, TrafficClass, bool>, std::uint64_t> last_out;
 };
 
-}    // namespace
-
 TEST(Outbox, does_as_the_simple_one_does) {
     const Outbox::Options options[] = {
         {.bytes = 28, .max_data = 20}, {.bytes = 100, .max_data = 60}, {.bytes = 5000, .max_data = 200}};
@@ -443,3 +443,6 @@ TEST(Outbox, does_as_the_simple_one_does) {
         EXPECT_TRUE(causes >> r & 1) << name << " never came up";
     }
 }
+
+}    // namespace
+}    // namespace outbox_tests

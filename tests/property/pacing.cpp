@@ -12,6 +12,8 @@
 #include <cstring>
 #include <vector>
 
+namespace pacing_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::Duration;
@@ -113,8 +115,6 @@ struct Line {
     std::size_t writes = 0;
 };
 
-}    // namespace
-
 TEST(Pacing, overloaded_line_is_full_fresh_and_lets_urgent_frames_pass) {
     for (const unsigned kinds : {1u, 6u, 15u, 24u}) {
         SCOPED_TRACE(testing::Message() << kinds << " kinds");
@@ -171,3 +171,6 @@ TEST(Pacing, a_clock_that_jumps_stops_nothing_and_loses_nothing_uncounted) {
     }
     EXPECT_GT(outbox.counters().frames_out, 100'000u / 10);
 }
+
+}    // namespace
+}    // namespace pacing_tests

@@ -8,6 +8,8 @@
 
 #include <tuple>
 
+namespace parser_tests {
+
 using namespace std::chrono_literals;
 using support::BothParsers;
 using support::Bytes;
@@ -218,3 +220,4 @@ INSTANTIATE_TEST_SUITE_P(baud, FullLine,
                          });
 
 }    // namespace
+}    // namespace parser_tests

@@ -9,6 +9,8 @@
 #include <map>
 #include <vector>
 
+namespace peer_book_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -145,3 +147,4 @@ TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
 }
 
 }    // namespace
+}    // namespace peer_book_tests

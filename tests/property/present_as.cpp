@@ -14,6 +14,8 @@
 #include <deque>
 #include <map>
 
+namespace present_as_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -79,8 +81,6 @@ Bytes question(support::Random& random, std::uint8_t from, std::uint8_t to) {
     }
 }
 
-}    // namespace
-
 TEST(PresentAs, every_answer_reaches_exactly_the_one_who_asked) {
     for (std::uint64_t seed = 1; seed <= support::trials(20); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -135,3 +135,6 @@ TEST(PresentAs, allocates_nothing) {
     }
     EXPECT_EQ(support::allocations, before);
 }
+
+}    // namespace
+}    // namespace present_as_tests

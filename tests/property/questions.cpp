@@ -13,6 +13,8 @@
 #include <deque>
 #include <map>
 
+namespace questions_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -302,3 +304,4 @@ TEST(Questions, are_gone_with_the_link_and_begin_afresh) {
 }
 
 }    // namespace
+}    // namespace questions_tests

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+namespace recording_tests {
+
 namespace {
 
 using support::Bytes;
@@ -100,3 +102,4 @@ INSTANTIATE_TEST_SUITE_P(Of, Recording, testing::Values(anogate::RecordingFormat
                          name_of);
 
 }    // namespace
+}    // namespace recording_tests

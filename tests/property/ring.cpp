@@ -8,6 +8,8 @@
 #include <numeric>
 #include <vector>
 
+namespace ring_tests {
+
 namespace {
 
 using anogate::Ring;
@@ -85,3 +87,4 @@ TEST(RingProperty, forgets_as_time_goes_by_without_anything_new) {
 }
 
 }    // namespace
+}    // namespace ring_tests

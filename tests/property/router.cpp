@@ -10,6 +10,8 @@
 #include <memory>
 #include <optional>
 
+namespace router_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -186,8 +188,6 @@ struct Trial {
     TimePoint now{};
 };
 
-}    // namespace
-
 TEST(Router, decides_as_the_rules_say) {
     for (std::uint64_t seed = 1; seed <= support::trials(150) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -266,3 +266,6 @@ TEST(Router, moves_an_address_after_silence_alone) {
         }
     }
 }
+
+}    // namespace
+}    // namespace router_tests

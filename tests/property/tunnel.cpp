@@ -7,6 +7,8 @@
 
 #include <fuzz/unwrap.cpp>
 
+namespace tunnel_tests {
+
 namespace {
 
 using support::Bytes;
@@ -95,3 +97,4 @@ TEST(UnwrapCorpus, holds_the_laws) {
 }
 
 }    // namespace
+}    // namespace tunnel_tests

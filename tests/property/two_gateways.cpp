@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+namespace two_gateways_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -184,8 +186,6 @@ void for_all_delays(Test test) {
     }
 }
 
-}    // namespace
-
 TEST(TwoGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         for (const bool grouped : {false, true}) {
@@ -278,8 +278,6 @@ TEST(TwoGateways, a_command_over_a_group_arrives_exactly_once) {
     });
 }
 
-namespace {
-
 // What one host says to everybody; many may say it.
 Bytes order(int n) {
     return support::frame(0xFE, 0xFF, 0xC0, {0x10, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)});
@@ -294,8 +292,6 @@ World ring_of(unsigned count, support::Random& random, Duration slowest, bool pr
         world.join({n, 1}, {(n + 1) % count, 2}, random.below(slowest / 1us + 1) * 1us, random.below(slowest / 1us + 1) * 1us);
     return world;
 }
-
-}    // namespace
 
 // Cold: nothing was ever said before. The probe is answered before the frame has gone round a second time.
 TEST(Ring, a_command_passes_twice_at_most_and_once_when_the_ring_is_known) {
@@ -478,3 +474,6 @@ TEST(Hosts, one_behind_a_cable_loses_nothing) {
                 EXPECT_EQ(world.looped(), 0);
             }
 }
+
+}    // namespace
+}    // namespace two_gateways_tests

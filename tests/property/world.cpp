@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+namespace world_tests {
+
 namespace {
 
 using namespace ano::world;
@@ -182,3 +184,4 @@ TEST(World, makes_no_storm_of_two) {
 }
 
 }    // namespace
+}    // namespace world_tests

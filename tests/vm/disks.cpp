@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+namespace disks_tests {
+
 namespace {
 
 using namespace support;
@@ -100,3 +102,4 @@ TEST_F(Disks, that_hang_hold_up_no_end_but_that_of_the_kernel) {
 }
 
 }    // namespace
+}    // namespace disks_tests

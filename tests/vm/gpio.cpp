@@ -23,6 +23,8 @@
 #include <atomic>
 #include <thread>
 
+namespace gpio_tests {
+
 using namespace std::chrono_literals;
 using anogate::Clock;
 using nlohmann::json;
@@ -80,8 +82,6 @@ struct Gpio : testing::Test {
 
 const Bytes attitude = frame(0xFE, 0xDC, 0x03, Bytes(7));
 const Bytes command = frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
-
-}    // namespace
 
 TEST_F(Gpio, link_up_is_on_while_the_link_is_up) {
     GpioSim sim{"a", 4};
@@ -550,3 +550,6 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
         if (far >= 0) ::close(far);
     }
 }
+
+}    // namespace
+}    // namespace gpio_tests

@@ -13,6 +13,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace serial_tests {
+
 using namespace std::chrono_literals;
 using support::Bytes;
 using support::frame;
@@ -79,8 +81,6 @@ struct Serial : testing::Test {
     Loop loop;
     UdpPeer app;
 };
-
-}    // namespace
 
 TEST_F(Serial, a_usb_port_is_plugged_and_pulled_ten_times_under_traffic) {
     if (!in_vm()) GTEST_SKIP() << "loads and unloads kernel modules: only in tests/vm/machine";
@@ -191,3 +191,6 @@ TEST_F(Serial, no_other_user_opens_a_port_that_is_ours_and_any_may_when_we_are_g
     EXPECT_EQ(open_as_nobody(), 0);
     ::close(ready[0]);
 }
+
+}    // namespace
+}    // namespace serial_tests

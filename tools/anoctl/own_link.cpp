@@ -51,7 +51,7 @@ std::string text_of(std::int64_t number) { return std::to_string(number); }
 }    // namespace
 
 LinkSettings link_settings_of(const std::string& link, std::string_view if_name) {
-    Draft draft{link_kinds()};
+    anogate::Draft draft{link_kinds()};
     read_link(link, "", draft);
     validate(draft);
     if (!draft.errors.empty()) {

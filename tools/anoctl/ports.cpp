@@ -21,7 +21,7 @@ namespace {
 
 using ano::Json;
 
-constexpr std::size_t width = 80;
+constexpr std::size_t page_width = 80;
 
 /// `text` in lines of at most 80 columns, each indented by `indent`. A word is never cut, so that names can be copied.
 std::string paragraph(const std::string& text, std::size_t indent) {
@@ -32,8 +32,8 @@ std::string paragraph(const std::string& text, std::size_t indent) {
         line.clear();
     };
     for (std::string word; words >> word;) {
-        if (!line.empty() && line.size() + 1 + word.size() > width) end_line();
-        if (line.empty()) line = std::string(indent + word.size() > width ? 0 : indent, ' ') + word;
+        if (!line.empty() && line.size() + 1 + word.size() > page_width) end_line();
+        if (line.empty()) line = std::string(indent + word.size() > page_width ? 0 : indent, ' ') + word;
         else line += " " + word;
     }
     end_line();
