@@ -133,6 +133,12 @@ void FrameWatch::gave_up(const Channel& to, ano::FrameView frame, SendCause caus
 // Watchers are told of a removed link even if no frame comes any more.
 void FrameWatch::removed(LinkId) { links_due_.set(Clock::now()); }
 
+void FrameWatch::catch_up(const Watcher& watcher) {
+    for (const auto& stream : streams_)
+        if (std::find(stream->watchers.begin(), stream->watchers.end(), &watcher) != stream->watchers.end())
+            stream->end_batch(gateway_.time());
+}
+
 // Without memory for it, the frame counts as lost for all watchers that would have got it.
 void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) noexcept {
     if (has_other_links()) [[unlikely]]

@@ -44,6 +44,8 @@ public:
     void add(Watcher& watcher, const FrameFilterSettings& settings);
     /// `watcher` gets no more frames; those until now are in its queue.
     void remove(Watcher& watcher);
+    /// Puts into the queue of an added `watcher` what was to wait for its batch, without calling it.
+    void catch_up(const Watcher& watcher);
     /// Changes the settings of an added `watcher`. It loses no frame that passes the old and the new settings.
     void change(Watcher& watcher, const FrameFilterSettings& settings);
 

@@ -71,6 +71,8 @@ void FrameMemory::more() {
 }
 
 KeptFrames FrameMemory::frames() {
+    watch_.catch_up(*this);
+    more();
     ring_.forget_until(Clock::now());
     KeptFrames all;
     all.head = recording_head();

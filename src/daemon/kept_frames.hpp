@@ -58,7 +58,7 @@ public:
     FrameMemory(const FrameMemory&) = delete;
     FrameMemory& operator=(const FrameMemory&) = delete;
 
-    /// The frames of the last `span`.
+    /// The frames of the last `span`, up to the last that passed.
     KeptFrames frames();
     struct Figures {
         ano::Duration span{}, reach{};

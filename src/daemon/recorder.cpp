@@ -36,6 +36,7 @@ public:
     Impl& operator=(const Impl&) = delete;
 
     void end();
+    void refuse();
     RecorderReport report() const;
     const RecorderSettings& settings() const noexcept { return settings_; }
 
@@ -136,6 +137,11 @@ void Recorder::Impl::end() {
     beat_.set(Clock::now() + beat_time);
 }
 
+void Recorder::Impl::refuse() {
+    thread_->begin_nothing();
+    end();
+}
+
 // Takes the news of the thread.
 void Recorder::Impl::look() {
     eventfd_t count = 0;
@@ -215,6 +221,7 @@ Recorder::Recorder(Gateway& gateway, FrameWatch& watch, RecorderSettings setting
     : impl_{std::make_unique<Impl>(gateway, watch, std::move(settings), std::move(on_change))} {}
 Recorder::~Recorder() = default;
 void Recorder::end() { impl_->end(); }
+void Recorder::refuse() { impl_->refuse(); }
 RecorderReport Recorder::report() const { return impl_->report(); }
 const RecorderSettings& Recorder::settings() const noexcept { return impl_->settings(); }
 

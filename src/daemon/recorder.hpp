@@ -59,6 +59,8 @@ public:
 
     /// Takes no more frames. When the waiting ones are written, is_ended is set and on_change called.
     void end();
+    /// Ends a recording that could not begin: if its disk takes something now, still no file is left there.
+    void refuse();
     RecorderReport report() const;
     const RecorderSettings& settings() const noexcept;
 

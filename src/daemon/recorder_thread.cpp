@@ -119,6 +119,7 @@ void RecorderThread::run(DiskWriter& disk) {
 }
 
 void RecorderThread::work(DiskWriter& disk) {
+    if (is_over_ && begins_nothing_ && disk.file().empty()) return;
     if (is_over_) disk.hurry();
     take_all(disk);
     if (is_over_) disk.finish(ano::Clock::now());

@@ -45,6 +45,8 @@ public:
     std::optional<News> next_news() { return news_.pop(); }
     /// Nothing more will be given.
     void end();
+    /// Begins no file if there is none yet. To be called before end().
+    void begin_nothing() noexcept { begins_nothing_ = true; }
     /// Writes no more of what waits; the file is ended as soon as the disk accepts that.
     void abandon();
     /// Waits until nothing more will be written, at most `max_wait`. False: something may still be written.
@@ -66,7 +68,7 @@ private:
     ThreadQueue<News> news_{16};
     DiskProgress progress_;
     std::atomic<std::size_t> queued_{0};    // bytes in items_
-    std::atomic<bool> is_ending_{false}, is_abandoned_{false};
+    std::atomic<bool> is_ending_{false}, is_abandoned_{false}, begins_nothing_{false};
     bool is_over_ = false;                    // used by the thread only: nothing more will be written
     std::atomic<bool> sleeps_deep_{false};    // the thread waits long, and must be woken for the first item
     std::atomic<bool> wants_room_{false};

@@ -235,7 +235,7 @@ void Recordings::changed(Running& running) {
     if (!running.begun.empty() && (has_begun || !report.error.empty() || report.is_ended)) {
         for (const Say& say : std::exchange(running.begun, {}))
             say(has_begun ? json_answer(json_of(running)) : http::error(507, "nothing is recorded: " + report.error));
-        if (!has_begun && !std::exchange(running.is_ending, true)) running.recorder->end();
+        if (!has_begun && !std::exchange(running.is_ending, true)) running.recorder->refuse();
     }
     if (report.is_ended) reap_soon();
 }

@@ -3,6 +3,7 @@
 #include <daemon/disk_works.hpp>
 #include <daemon/frame_watch.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/just_saved.hpp>
 #include <daemon/kept_frames.hpp>
 #include <daemon/recorder.hpp>
 #include <daemon/recordings_folder.hpp>
@@ -12,7 +13,6 @@
 #include <cstdint>
 #include <functional>
 #include <list>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -100,7 +100,6 @@ private:
     void keep_clock();
     void look_soon();
     void look();
-    std::set<std::string> just_saved();
     void looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault);
     void repair();
     void remember();
@@ -122,7 +121,7 @@ private:
     std::unique_ptr<FaultEar> ear_;
     std::optional<TimePoint> saved_at_;    // the last automatic save
     std::string last_saved_, save_fault_;
-    std::map<std::string, TimePoint> just_saved_;    // names, and until when the files stay
+    std::shared_ptr<JustSaved> just_saved_ = std::make_shared<JustSaved>();
     bool has_looked_ = false;
     std::string told_to_stay_;    // file that stays although `keep` has no room for it, as logged
     std::string save_as_;         // the name for the automatic save of save_due_

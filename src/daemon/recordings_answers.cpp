@@ -283,7 +283,10 @@ void Recordings::save(const std::string& name, const WantedForm& wanted, Say say
     const std::uint64_t count = frames->frames();
     disk_.run_for_nobody(
         [result, frames, folder = folder_, name, format = format_for(wanted), options = options_for(wanted),
-         free = settings_.free] { *result = save_frames(folder, name, format, free, std::move(*frames), options); },
+         free = settings_.free, just_saved = just_saved_] {
+            *result = save_frames(folder, name, format, free, std::move(*frames), options,
+                                  [&](const std::string& file) { just_saved->add(file, Clock::now() + saved_stays); });
+        },
         [this, result, count, say = std::move(say)](const std::string& fault) {
             if (!fault.empty()) *result = Refusal{503, fault};
             saved(*result, count, say);
@@ -301,7 +304,6 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     ++past_.saved;
     save_fault_.clear();
     last_saved_ = file.name;
-    just_saved_[file.name] = Clock::now() + saved_stays;
     log_info("recording: the last {} frames are saved as {}", frames, file.name);
     look_soon();
     say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
@@ -314,34 +316,27 @@ void Recordings::look_soon() {
     else look();
 }
 
-std::set<std::string> Recordings::just_saved() {
-    std::erase_if(just_saved_, [now = Clock::now()](const auto& saved) { return saved.second <= now; });
-    std::set<std::string> names;
-    for (const auto& [name, until] : just_saved_) names.insert(name);
-    return names;
-}
-
 void Recordings::look() {
     struct Seen {
         std::optional<std::uint64_t> free;
-        std::set<std::string> saved;
         DeletedRecordings old;
     };
     const auto seen = std::make_shared<Seen>();
     static constexpr auto stays = std::chrono::duration_cast<std::chrono::seconds>(saved_stays);
     disk_.run_for_nobody(
-        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, saved = just_saved(), is_first = !has_looked_] {
+        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, just_saved = just_saved_, is_first = !has_looked_] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
             const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
-            seen->saved = saved;
-            if (has_limits && is_first) seen->saved.merge(changed_since(folder, since_1970() - stays));
-            if (has_limits) seen->old = delete_old(folder, limits, *ages, {since_1970(), steady}, seen->saved);
+            // Files that were saved shortly before this start, perhaps because of its cause, also stay for saved_stays.
+            if (has_limits && is_first)
+                for (const std::string& name : changed_since(folder, since_1970() - stays))
+                    just_saved->add(name, Clock::now() + saved_stays);
+            const auto stays_yet = [&](const std::string& name) { return just_saved->contains(name, Clock::now()); };
+            if (has_limits) seen->old = delete_old(folder, limits, *ages, {since_1970(), steady}, stays_yet);
             seen->free = room_for(folder);
         },
         [this, seen](const std::string& fault) {
-            // Files that were saved shortly before this start, perhaps because of its cause, also stay for saved_stays.
-            if (!std::exchange(has_looked_, true))
-                for (const std::string& name : seen->saved) just_saved_.try_emplace(name, Clock::now() + saved_stays);
+            has_looked_ = true;
             looked(seen->free, seen->old, fault);
         });
 }

@@ -357,7 +357,7 @@ std::set<std::string> changed_since(const std::string& folder, std::chrono::seco
 }
 
 DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now,
-                             const std::set<std::string>& just_saved) {
+                             const std::function<bool(const std::string&)>& stays) {
     DeletedRecordings deleted;
     const FolderView view = quick_view_of(folder);
     std::vector<KeptRecording> kept;
@@ -367,7 +367,7 @@ DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits
                         std::chrono::seconds{file.changed_ns / 1'000'000'000},
                         file.state == FoundRecording::State::recording,
                         {},
-                        just_saved.contains(file.name)});
+                        stays && stays(file.name)});
     ages.look(kept, now.real, now.steady);
     const RecordingsToDelete old = recordings_to_delete(kept, limits, view.free.value_or(UINT64_MAX));
     for (const std::size_t i : old.going)
@@ -377,7 +377,8 @@ DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits
 }
 
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
-                                               std::uint64_t free, KeptFrames frames, RecordingOptions options) {
+                                               std::uint64_t free, KeptFrames frames, RecordingOptions options,
+                                               const std::function<void(const std::string&)>& is_saved) {
     unsigned number = 1;
     auto made = RecordingFile::create(folder, name, format, number);
     if (const auto* fault = std::get_if<DiskFault>(&made)) return Refusal{507, fault->text};
@@ -396,7 +397,10 @@ std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const 
     }
     if (const int error = fault.empty() ? file.sync() : 0; error != 0) fault = error_text(error);
     const std::string saved = std::filesystem::path{file.path()}.filename().string();
-    if (fault.empty()) return SavedFrames{saved, file.size()};
+    if (fault.empty()) {
+        if (is_saved) is_saved(saved);
+        return SavedFrames{saved, file.size()};
+    }
     file.remove();
     return Refusal{507, saved + " is not saved: " + fault};
 }

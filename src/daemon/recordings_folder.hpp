@@ -7,6 +7,7 @@
 #include <record/recording_writer.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -78,16 +79,19 @@ struct DeletedRecordings {
     std::vector<std::string> gone;
     std::string stays;    // the newest file that stays although it exceeds the limits; empty: none
 };
-/// Deletes files until the limits are met. `ages`: from the earlier calls for this folder. `just_saved`: names of files that stay.
+/// Deletes files until the limits are met. `ages`: from the earlier calls for this folder. `stays`: whether a file stays, by its name; it is
+/// asked after the file was found.
 DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now,
-                             const std::set<std::string>& just_saved = {});
+                             const std::function<bool(const std::string&)>& stays = {});
 
 struct SavedFrames {
     std::string name;
     std::uint64_t bytes = 0;
 };
-/// Saves as NAME.FORMAT, which must not exist yet, if `free` bytes of the disk stay free.
+/// Saves as NAME.FORMAT, which must not exist yet, if `free` bytes of the disk stay free. `is_saved` is called with the name of the file when
+/// it is whole, while it is still locked.
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
-                                               std::uint64_t free, KeptFrames frames, RecordingOptions options = {});
+                                               std::uint64_t free, KeptFrames frames, RecordingOptions options = {},
+                                               const std::function<void(const std::string&)>& is_saved = {});
 
 }    // namespace anogate

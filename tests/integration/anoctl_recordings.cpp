@@ -43,8 +43,8 @@ TEST_F(AnoctlRecordings, say_of_several_files_what_is_in_which) {
     begin({{"name", "flight"}});
     const auto files = [&] { return get().at("running").at(0).at("files").get<int>(); };
     for (int round = 0; round < 50 && files() < 2; ++round) send_numbered(150);
-    const std::string sum = std::to_string(sent_ - 10) + " frames in " + std::to_string(files()) + " files";
     ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == sent_ - 10; })) << get();
+    const std::string sum = std::to_string(sent_ - 10) + " frames in " + std::to_string(files()) + " files";
     const json one = get().at("running").at(0);
     EXPECT_LT(one.at("file_frames"), one.at("frames"));
     EXPECT_LT(one.at("file_seconds"), one.at("seconds"));

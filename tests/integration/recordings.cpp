@@ -296,7 +296,7 @@ TEST_F(Recordings, of_a_disk_that_can_only_be_read_at_the_start_are_told_of_and_
     EXPECT_EQ(running().at("not_written"), 0) << "they waited in memory";
     EXPECT_EQ(metric("anogate_recording_failing"), "0");
     stop();
-    ASSERT_EQ(names().size(), 1u);
+    ASSERT_EQ(names().size(), 1u) << testing::PrintToString(names()) << gateway->output();
     EXPECT_EQ(read_pcapng(content(names()[0])).items.size(), 20u);
 }
 
@@ -372,7 +372,9 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
 TEST_F(Recordings, of_the_last_while_that_are_larger_than_all_may_be_stay_until_they_can_be_fetched) {
     start(R"(, "record": {"keep_last": "60s", "rotate": {"size": "10kB"}, "keep": {"size": "100kB"}})");
     send_numbered(1500);
-    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 1500; }));
+    ASSERT_TRUE(until([](const json& all) {
+        return all.at("keep_last").at("frames") == 1500 && all.at("running").at(0).at("frames") == 1500;
+    })) << get();
     ASSERT_EQ(ask("POST", "/recordings", R"({"last": true, "name": "incident"})").status, 200u);
     ASSERT_GT(fs::file_size(folder + "/incident.pcapng"), 100'000u);
     EXPECT_TRUE(gateway->until_says("incident.pcapng stays, though \"keep\" has no room for it: keep.size is too small"));

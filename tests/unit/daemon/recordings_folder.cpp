@@ -312,7 +312,8 @@ TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
     EXPECT_EQ(gone({0, std::chrono::minutes{30}, 0}), std::vector<std::string>{"flight-2.pcapng"}) << "an hour, without a pause";
     EXPECT_EQ(names(), (std::vector<std::string>{"flight-3.pcapng", "flight-4.pcapng"}));
     EXPECT_TRUE(is_there("foreign.pcapng"));
-    const DeletedRecordings old = delete_old(folder, {1, {}, 0}, ages, {now, std::chrono::seconds{500}}, {"flight-3.pcapng"});
+    const DeletedRecordings old = delete_old(folder, {1, {}, 0}, ages, {now, std::chrono::seconds{500}},
+                                             [](const std::string& name) { return name == "flight-3.pcapng"; });
     EXPECT_TRUE(old.gone.empty()) << "the one was just saved, the other is the newest";
     EXPECT_EQ(old.stays, "flight-4.pcapng");
 }

@@ -1,0 +1,29 @@
+// The recordings that were saved a short while ago, and stay whatever "keep" says. Threads share it: one saves, another deletes.
+#pragma once
+#include <ano/time.hpp>
+
+#include <map>
+#include <mutex>
+#include <string>
+
+namespace anogate {
+
+class JustSaved {
+public:
+    /// To be called while the file is still locked, so that whoever finds it unlocked also finds it here.
+    void add(const std::string& name, ano::TimePoint until) {
+        const std::lock_guard lock{mutex_};
+        until_[name] = until;
+    }
+    bool contains(const std::string& name, ano::TimePoint now) {
+        const std::lock_guard lock{mutex_};
+        std::erase_if(until_, [now](const auto& saved) { return saved.second <= now; });
+        return until_.contains(name);
+    }
+
+private:
+    std::mutex mutex_;
+    std::map<std::string, ano::TimePoint> until_;
+};
+
+}    // namespace anogate
