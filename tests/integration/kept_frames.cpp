@@ -19,6 +19,7 @@ TEST(FrameMemory, counts_the_names_that_frames_of_ever_other_peers_have) {
     for (int i = 0; i < 20; ++i) links.push_back("udp:127.0.0.1:9,bind=127.0.0.1:0,name=" + long_name + std::to_string(i));
     support::RunningGateway gateway{support::settings_of_texts(links)};
     ASSERT_TRUE(gateway.until_up("ground"));
+    for (int i = 0; i < 20; ++i) ASSERT_TRUE(gateway.until_up(long_name + std::to_string(i)));
     FrameWatch watch{gateway.gateway()};
     FrameMemory memory{gateway.gateway(), watch, {}, 60s};
     constexpr std::uint64_t strangers = 50;

@@ -101,6 +101,7 @@ protected:
         Times at_a, at_b;
         int first = 0, end = 0;    // the commands that had to arrive
         std::size_t carried = 0;
+        bool came = true;    // all that had to come, and then it was quiet
         bool adds_up = false;
         bool disturbed = false;    // the run proves nothing
     };
@@ -187,9 +188,9 @@ TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
                 at_b.write(from_b(n));
                 for (int i = 0; i < 5; ++i) turn();
             }
-            EXPECT_TRUE(until_heard(at_b, run.at_b, 0, count, from_a));
-            EXPECT_TRUE(until_heard(at_a, run.at_a, 0, count, from_b));
-            EXPECT_TRUE(until_quiet()) << "something goes round";
+            run.came = run.came && until_heard(at_b, run.at_b, 0, count, from_a);
+            run.came = run.came && until_heard(at_a, run.at_a, 0, count, from_b);
+            run.came = run.came && until_quiet();
             add(run.at_a, heard(at_a));
             add(run.at_b, heard(at_b));
             run.carried = relays[0]->carried() + relays[1]->carried() - before;
@@ -198,6 +199,7 @@ TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
         });
         if (HasFatalFailure()) return;
         if (seen.disturbed) GTEST_SKIP() << held_up;
+        EXPECT_TRUE(seen.came) << "some did not come, or something goes round";
         for (int n = 0; n < count; ++n) {
             EXPECT_EQ(seen.at_b[key(from_a(n))], 1) << n;
             EXPECT_EQ(seen.at_a[key(from_b(n))], 1) << n;
@@ -247,13 +249,14 @@ TEST_P(JoinedGateways, a_command_over_a_group_arrives_exactly_once) {
             at_a.write(command(n));
             for (int i = 0; i < 5; ++i) turn();
         }
-        EXPECT_TRUE(until_heard(at_b, run.at_b, 0, count, command));
-        EXPECT_TRUE(until_quiet());
+        run.came = run.came && until_heard(at_b, run.at_b, 0, count, command);
+        run.came = run.came && until_quiet();
         add(run.at_b, heard(at_b));
         run.adds_up = adds_up();
         return run;
     });
     if (seen.disturbed) GTEST_SKIP() << held_up;
+    EXPECT_TRUE(seen.came) << "some did not come, or something goes round";
     for (int n = 0; n < count; ++n) EXPECT_EQ(seen.at_b[key(command(n))], 1) << n;
     EXPECT_TRUE(seen.adds_up);
 }
@@ -277,8 +280,8 @@ TEST_P(JoinedGateways, when_a_link_of_a_group_falls_silent_the_other_takes_over)
                 heard(at_a);
             };
             while (n < 30) say();
-            EXPECT_TRUE(until_heard(at_b, run.at_b, 0, n, command));
-            EXPECT_TRUE(until_quiet());
+            run.came = run.came && until_heard(at_b, run.at_b, 0, n, command);
+            run.came = run.came && until_quiet();
             relays[failing]->fail();
             const int failed_at = n;
             EXPECT_TRUE(until([&] {
@@ -289,14 +292,15 @@ TEST_P(JoinedGateways, when_a_link_of_a_group_falls_silent_the_other_takes_over)
             })) << "nothing arrives any more";
             run.end = n + 30;
             while (n < run.end) say();
-            EXPECT_TRUE(until_heard(at_b, run.at_b, run.first, run.end, command));
-            EXPECT_TRUE(until_quiet());
+            run.came = run.came && until_heard(at_b, run.at_b, run.first, run.end, command);
+            run.came = run.came && until_quiet();
             add(run.at_b, heard(at_b));
             run.adds_up = adds_up();
             return run;
         });
         if (HasFatalFailure()) return;
         if (seen.disturbed) GTEST_SKIP() << held_up;
+        EXPECT_TRUE(seen.came) << "some did not come, or something goes round";
         for (const auto& [bytes, times] : seen.at_b) EXPECT_EQ(times, 1);
         for (int i = seen.first; i < seen.end; ++i) EXPECT_EQ(seen.at_b[key(command(i))], 1) << i;
         EXPECT_TRUE(seen.adds_up);
