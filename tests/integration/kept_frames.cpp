@@ -32,5 +32,21 @@ TEST(FrameMemory, counts_the_names_that_frames_of_ever_other_peers_have) {
     EXPECT_GT(memory.figures().bytes, strangers * 20 * (3 * sizeof(std::string) + long_name.size()));
 }
 
+TEST(FrameMemory, has_the_last_frame_at_once) {
+    support::RunningGateway gateway{support::settings_of_texts({"udp-listen:127.0.0.1:0,name=ground"})};
+    ASSERT_TRUE(gateway.until_up("ground"));
+    FrameWatch watch{gateway.gateway()};
+    FrameFilterSettings filter;
+    filter.batch = 1h;
+    filter.directions = {true, false, false};
+    FrameMemory memory{gateway.gateway(), watch, filter, 60s};
+    support::UdpPeer peer;
+    for (std::uint64_t n = 1; n <= 2; ++n) {
+        peer.send(gateway.port("ground"), support::frame(0xDC, 0x01, 0x03, {1, 2, 3, 4, 5, 6, 0}));
+        ASSERT_TRUE(gateway.until([&] { return gateway.count("ground", "frames_in") == n; }));
+        EXPECT_EQ(memory.frames().frames(), n);
+    }
+}
+
 }    // namespace
 }    // namespace kept_frames_tests

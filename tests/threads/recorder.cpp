@@ -291,6 +291,17 @@ TEST_F(RecorderOfGateway, a_disk_that_falls_a_second_behind_is_told_before_a_fra
     EXPECT_EQ(recorder->report().waiting, 0u);
 }
 
+TEST_F(RecorderOfGateway, what_is_refused_leaves_no_file_though_its_disk_is_well_again) {
+    dir.write("recordings", "a file where the folder belongs");
+    start();
+    ASSERT_NE(recorder->report().error, "");
+    fs::remove(dir / "recordings");
+    recorder->refuse();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(recorder->report().files, 0u);
+    EXPECT_FALSE(fs::exists(dir / "recordings"));
+}
+
 TEST_F(RecorderOfGateway, a_disk_that_hangs_holds_up_no_end) {
     start();
     failing_disk.hangs = true;
