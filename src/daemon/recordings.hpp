@@ -10,6 +10,7 @@
 #include <daemon/ticker.hpp>
 #include <link/alarm.hpp>
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <list>
@@ -122,6 +123,9 @@ private:
     std::optional<TimePoint> saved_at_;    // the last automatic save
     std::string last_saved_, save_fault_;
     std::shared_ptr<JustSaved> just_saved_ = std::make_shared<JustSaved>();
+    const std::chrono::seconds began_ = std::chrono::duration_cast<std::chrono::seconds>(
+        std::chrono::system_clock::now().time_since_epoch());    // the start of this program, by both clocks
+    const TimePoint began_at_ = Clock::now();
     bool has_looked_ = false;
     std::string told_to_stay_;    // file that stays although `keep` has no room for it, as logged
     std::string save_as_;         // the name for the automatic save of save_due_

@@ -324,13 +324,16 @@ void Recordings::look() {
     const auto seen = std::make_shared<Seen>();
     static constexpr auto stays = std::chrono::duration_cast<std::chrono::seconds>(saved_stays);
     disk_.run_for_nobody(
-        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, just_saved = just_saved_, is_first = !has_looked_] {
+        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, just_saved = just_saved_, is_first = !has_looked_,
+         began = began_, began_at = began_at_] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
             const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
-            // Files that were saved shortly before this start, perhaps because of its cause, also stay for saved_stays.
-            if (has_limits && is_first)
-                for (const std::string& name : changed_since(folder, since_1970() - stays))
-                    just_saved->add(name, Clock::now() + saved_stays);
+            // Files that were saved shortly before this start, perhaps because of its cause, also stay for saved_stays: whenever a
+            // folder or limits are added in that time. At the first look, all that is there is of before.
+            if (has_limits && (is_first || Clock::now() - began_at < saved_stays))
+                for (const std::string& name :
+                     changed_since(folder, began - stays, is_first ? std::chrono::seconds::max() : began))
+                    just_saved->add(name, began_at + saved_stays);
             const auto stays_yet = [&](const std::string& name) { return just_saved->contains(name, Clock::now()); };
             if (has_limits) seen->old = delete_old(folder, limits, *ages, {since_1970(), steady}, stays_yet);
             seen->free = room_for(folder);

@@ -349,10 +349,12 @@ std::vector<RepairedFile> repair_recordings(const std::string& folder) {
     return all;
 }
 
-std::set<std::string> changed_since(const std::string& folder, std::chrono::seconds time) {
+std::set<std::string> changed_since(const std::string& folder, std::chrono::seconds time, std::chrono::seconds end) {
     std::set<std::string> names;
-    for (const FoundRecording& file : quick_view_of(folder).files)
-        if (std::chrono::seconds{file.changed_ns / 1'000'000'000} >= time) names.insert(file.name);
+    for (const FoundRecording& file : quick_view_of(folder).files) {
+        const std::chrono::seconds changed{file.changed_ns / 1'000'000'000};
+        if (changed >= time && changed < end) names.insert(file.name);
+    }
     return names;
 }
 

@@ -68,8 +68,9 @@ struct RepairedFile {
 /// Repairs files that were left unfinished by a loss of power or a kill; not those that are still written or deleted meanwhile.
 std::vector<RepairedFile> repair_recordings(const std::string& folder);
 
-/// The names of the recordings that were changed at `time` or later, by the system clock.
-std::set<std::string> changed_since(const std::string& folder, std::chrono::seconds time);
+/// The names of the recordings that were changed at `time` or later, and before `end`, by the system clock.
+std::set<std::string> changed_since(const std::string& folder, std::chrono::seconds time,
+                                    std::chrono::seconds end = std::chrono::seconds::max());
 
 /// The system clock, since 1970, and the steady clock, which is never set.
 struct BothClocks {

@@ -446,6 +446,24 @@ TEST_F(Recordings, of_the_minute_before_a_restart_stay_whatever_is_kept) {
     EXPECT_EQ(names(), (std::vector<std::string>{"last.pcapng", "newest.pcapng"}));
 }
 
+TEST_F(Recordings, of_the_minute_before_a_restart_stay_also_when_keep_is_added_later) {
+    start();
+    for (const char* name : {"last", "newest"}) {
+        begin({{"name", name}});
+        send_numbered(1500);
+        end(name);
+    }
+    stop();
+    for (const char* name : {"/last.pcapng", "/newest.pcapng"})    // not in the second of the start
+        fs::last_write_time(folder + name, fs::file_time_type::clock::now() - std::chrono::seconds{10});
+    start(R"(, "record": {"start": false})");
+    ASSERT_TRUE(until([](const json& all) { return all.at("recordings").size() == 2; }));
+    write_config(R"(, "record": {"start": false, "keep": {"size": "100kB"}})");
+    gateway->signal(SIGHUP);
+    EXPECT_TRUE(gateway->until_says("newest.pcapng stays, though \"keep\" has no room for it")) << gateway->output();
+    EXPECT_EQ(names(), (std::vector<std::string>{"last.pcapng", "newest.pcapng"}));
+}
+
 TEST_F(Recordings, of_a_gateway_that_is_a_device_are_started_and_stopped_by_its_commands) {
     write_config("");
     dir.write("anogate.json", R"({"gateway": {"id": 199}, "links": [")" + a.link("a") + R"("]})");
