@@ -2,18 +2,21 @@
 #pragma once
 #include <ano/time.hpp>
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 #include <string>
 
 namespace anogate {
 
+/// Any thread may call it.
 class JustSaved {
 public:
-    /// To be called while the file is still locked, so that whoever finds it unlocked also finds it here.
+    /// A name that is there already keeps the later time. To be called while the file is still locked, so that whoever finds it unlocked also finds it here.
     void add(const std::string& name, ano::TimePoint until) {
         const std::lock_guard lock{mutex_};
-        until_[name] = until;
+        ano::TimePoint& its = until_[name];
+        its = std::max(its, until);
     }
     bool contains(const std::string& name, ano::TimePoint now) {
         const std::lock_guard lock{mutex_};

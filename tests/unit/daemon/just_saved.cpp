@@ -15,6 +15,7 @@ TEST(JustSaved, contains_a_name_until_its_time_is_over_and_the_latest_time_count
     saved.add("a", now + 10s);
     saved.add("b", now + 10s);
     saved.add("b", now + 20s);
+    saved.add("b", now + 15s);
     EXPECT_TRUE(saved.contains("a", now + 9s));
     EXPECT_FALSE(saved.contains("c", now));
     EXPECT_FALSE(saved.contains("a", now + 10s));

@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { ask } from "../api";
 import { causeText, errorText, hintText, language, reasonText, t, useLanguage } from "../i18n";
 import { lost } from "../live/counters";
-import { devices, rateOf, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
+import { devices, mayAct, rateOf, status, type Device, type Link, type Status } from "../live/gateway";
 import { faultsOf } from "../live/recordings";
 import { replayedDevices } from "../live/replayed";
 import { useStore } from "../live/store";
@@ -62,10 +62,8 @@ function dropsOf(links: Link[]): Drop[] {
   const byCause = new Map<string, Drop>();
   for (const link of links)
     for (const [cause, count] of lost(link)) {
-      const drop = byCause.get(cause) ?? { cause, total: 0, now: undefined, links: [] };
-      const now = rateOf([link], [cause]);
+      const drop = byCause.get(cause) ?? { cause, total: 0, now: rateOf(links, [cause]), links: [] };
       drop.total += count;
-      if (now !== undefined) drop.now = (drop.now ?? 0) + now;
       drop.links.push(link.name);
       byCause.set(cause, drop);
     }
@@ -135,7 +133,7 @@ export function Overview() {
         <span>{t("links_n", { n: now.links.length })}</span>
         {waiting > 0 && <span class="warn">{t("links_waiting", { n: waiting })}</span>}
         <span>{t("devices_n", { n: heard })}</span>
-        <span>{t("frames_rate", { n: coming === undefined ? "–" : shortNumber(Math.round(coming)) })}</span>
+        <span>{t("frames_rate", { n: shortNumber(Math.round(coming ?? NaN)) })}</span>
         <Scan />
       </p>
       <Troubles status={now} />

@@ -123,7 +123,7 @@ export function Network({ status }: { status: Status }) {
       <div class="hub">
         <b>{status.gateway.name}</b>
         {status.gateway.id !== null && <span>{status.gateway.id}</span>}
-        <span class="muted">{coming === undefined ? "–" : shortNumber(Math.round(coming))}{t("per_second")}</span>
+        <span class="muted">{shortNumber(Math.round(coming ?? NaN))}{t("per_second")}</span>
       </div>
       <ol>{all.map((link) => <Branch key={link.name} link={link} routes={behind(link)} />)}</ol>
     </div>
