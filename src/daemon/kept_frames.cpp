@@ -51,6 +51,11 @@ FrameMemory::FrameMemory(Gateway& gateway, FrameWatch& watch, const FrameFilterS
 
 FrameMemory::~FrameMemory() { watch_.remove(*this); }
 
+void FrameMemory::change(const FrameFilterSettings& filter, ano::Duration span) {
+    watch_.change(*this, filter);
+    ring_.set_span(span);
+}
+
 void FrameMemory::more() {
     const TimePoint now = Clock::now();
     while (auto item = queue.next(now)) {

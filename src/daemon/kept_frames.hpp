@@ -58,6 +58,8 @@ public:
     FrameMemory(const FrameMemory&) = delete;
     FrameMemory& operator=(const FrameMemory&) = delete;
 
+    /// Changes what is kept from now on; what is there stays, as far as it is of the last `span`.
+    void change(const FrameFilterSettings& filter, ano::Duration span);
     /// The frames of the last `span`, up to the last that passed.
     KeptFrames frames();
     struct Figures {

@@ -68,11 +68,7 @@ Recordings::Recordings(Gateway& gateway, std::string usual_folder)
       usual_folder_{std::move(usual_folder)},
       watch_{gateway},
       disk_{gateway.io()},
-      save_due_{gateway.alarms(),
-                [this] {
-                    if (std::exchange(is_saving_, true)) ++past_.skipped;
-                    else save(save_as_, {}, [](const http::Response&) {});
-                }},
+      save_at_{gateway.alarms(), [this] { save_due(); }},
       clock_{gateway.io(), [this] { watch_clock(); }} {
     gateway_.set_recording(this);
     settings_ = gateway_.settings().record.value_or(RecordSettings{});
@@ -126,18 +122,22 @@ void Recordings::configure() {
 }
 
 void Recordings::remember() {
-    ear_.reset();
-    memory_.reset();
-    if (!settings_.keep_last) return;
+    if (!settings_.keep_last) {
+        save_due();    // what happened just before is saved all the same
+        if (!std::exchange(save_as_, {}).empty()) ++past_.skipped;
+        ear_.reset();
+        memory_.reset();
+        return;
+    }
+    if (memory_) return memory_->change(frames_of(settings_), *settings_.keep_last);
     memory_ = std::make_unique<FrameMemory>(gateway_, watch_, frames_of(settings_), *settings_.keep_last);
     ear_ = std::make_unique<FaultEar>(watch_, [this] { save_for("fault"); });
 }
 
 void Recordings::stop() {
     if (std::exchange(is_stopped_, true)) return;
-    save_due_.cancel();
     ear_.reset();
-    memory_.reset();
+    save_due();
     end_by_ = Clock::now() + patience_at_the_end;
     for (const auto& running : running_)
         if (!std::exchange(running->is_ending, true)) running->recorder->end();
@@ -147,12 +147,13 @@ void Recordings::stop() {
 
 // A disk that hangs does not keep the program running.
 void Recordings::check_end() {
-    if (!end_by_ || (!running_.empty() && Clock::now() < *end_by_)) return;
+    if (!end_by_ || ((!running_.empty() || is_saving_) && Clock::now() < *end_by_)) return;
     end_by_.reset();
     clock_.stop();
     for (const auto& running : running_)
         log_warning("recording {}: the disk is not waited for any longer, {} kB of frames may not be on it", running->asked.name,
                     (running->recorder->report().waiting + 999) / 1000);
+    if (is_saving_) log_warning("recording: the disk is not waited for any longer, the last frames may not be saved");
     running_.clear();
     disk_.stop();
 }

@@ -105,6 +105,8 @@ private:
     void repair();
     void remember();
     void save_for(std::string_view why);
+    void save_due();
+    void saving_ended();
     void save(const std::string& name, const WantedForm& wanted, Say say);
     void saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say);
     nlohmann::ordered_json json_of(const Running& running) const;
@@ -128,15 +130,15 @@ private:
     const TimePoint began_at_ = Clock::now();
     bool has_looked_ = false;
     std::string told_to_stay_;    // file that stays although `keep` has no room for it, as logged
-    std::string save_as_;         // the name for the automatic save of save_due_
-    Alarm save_due_;
+    std::string save_as_;         // the name for the automatic save that is due; empty: none is
+    Alarm save_at_;
     std::shared_ptr<bool> reading_ = std::make_shared<bool>(true);    // also held by every response of last()
     std::optional<std::uint64_t> free_;
     std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; used by one look at a time
     Ticker clock_;
     unsigned ticks_ = 0;
     bool is_looking_ = false, look_again_ = false;
-    bool is_saving_ = false;      // frames of keep_last are being saved
+    bool is_saving_ = false;      // frames of keep_last are being saved, for a client or automatically
     bool begins_late_ = false;    // the recording of the configuration begins when one that hangs has ended
     bool is_started_ = false, is_stopped_ = false;
     std::optional<TimePoint> end_by_;

@@ -223,6 +223,7 @@ http::Response Recordings::file(const http::Request& request, std::string name) 
 }
 
 http::Response Recordings::save_last(std::string name, const WantedForm& wanted) {
+    if (is_stopped_) return http::error(503, "the gateway ends");
     if (!memory_) return http::error(409, nothing_kept);
     if (folder_.empty()) return http::error(409, no_folder);
     const bool is_made_up = name.empty();
@@ -235,8 +236,8 @@ http::Response Recordings::save_last(std::string name, const WantedForm& wanted)
         disk_.run_for_nobody([refusal, folder = folder_, name] { *refusal = check_new_name(folder, name); },
                              [this, refusal, name, wanted, say](const std::string& fault) {
                                  if (fault.empty() && !*refusal) return save(name, wanted, say);
-                                 is_saving_ = false;
                                  say(fault.empty() ? refused(**refusal) : http::error(503, fault));
+                                 saving_ended();
                              });
     });
     response.patient = true;
@@ -263,20 +264,28 @@ void Recordings::link_lost(const LinkState&) { save_for("link-lost"); }
 void Recordings::save_for(std::string_view why) {
     if (!memory_ || is_stopped_ || folder_.empty()) return;
     const TimePoint now = Clock::now();
-    if (is_saving_ || (saved_at_ && now - *saved_at_ < between_saves)) {
+    if (saved_at_ && now - *saved_at_ < between_saves) {
         ++past_.skipped;
         return;
     }
     saved_at_ = now;
     save_as_ = name_by_time(since_1970()) + "-" + std::string{why};
-    save_due_.set(now + 2 * FrameFilterSettings{}.batch);
+    save_at_.set(now + 2 * FrameFilterSettings{}.batch);
+}
+
+// Waits until nothing else is being saved: saving_ended() calls it again.
+void Recordings::save_due() {
+    if (save_as_.empty() || is_saving_) return;
+    save_at_.cancel();
+    is_saving_ = true;
+    save(std::exchange(save_as_, {}), {}, [](const http::Response&) {});
 }
 
 // One save at a time (is_saving_): otherwise, on a disk that hangs, each would hold all its frames in memory.
 void Recordings::save(const std::string& name, const WantedForm& wanted, Say say) {
     if (!memory_) {
-        is_saving_ = false;
-        return say(http::error(409, nothing_kept));
+        say(http::error(409, nothing_kept));
+        return saving_ended();
     }
     const auto frames = std::make_shared<KeptFrames>(memory_->frames());
     const auto result = std::make_shared<std::variant<SavedFrames, Refusal>>();
@@ -294,11 +303,11 @@ void Recordings::save(const std::string& name, const WantedForm& wanted, Say say
 }
 
 void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say) {
-    is_saving_ = false;
     if (const auto* refusal = std::get_if<Refusal>(&result)) {
         save_fault_ = refusal->words;
         log_warning("recording: the last frames are not saved: {}", refusal->words);
-        return say(refused(*refusal));
+        say(refused(*refusal));
+        return saving_ended();
     }
     const SavedFrames& file = std::get<SavedFrames>(result);
     ++past_.saved;
@@ -307,6 +316,13 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     log_info("recording: the last {} frames are saved as {}", frames, file.name);
     look_soon();
     say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
+    saving_ended();
+}
+
+void Recordings::saving_ended() {
+    is_saving_ = false;
+    save_due();
+    if (is_stopped_) check_end();
 }
 
 // One look at a time; all requests meanwhile lead to one more.

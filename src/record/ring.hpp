@@ -33,6 +33,8 @@ public:
     void forget_until(ano::TimePoint now) {
         while (!kept_.empty() && now - kept_.front().at > span_) drop_oldest();
     }
+    /// A shorter span is kept to from the next call on.
+    void set_span(ano::Duration span) noexcept { span_ = span; }
     void clear() {
         kept_.clear();
         cost_ = 0;

@@ -48,5 +48,33 @@ TEST(FrameMemory, has_the_last_frame_at_once) {
     }
 }
 
+TEST(FrameMemory, keeps_what_it_has_when_more_or_others_are_to_be_kept) {
+    support::RunningGateway gateway{support::settings_of_texts({"udp-listen:127.0.0.1:0,name=ground"})};
+    ASSERT_TRUE(gateway.until_up("ground"));
+    FrameWatch watch{gateway.gateway()};
+    FrameFilterSettings filter;
+    filter.batch = 1h;
+    filter.directions = {true, false, false};
+    FrameMemory memory{gateway.gateway(), watch, filter, 60s};
+    support::UdpPeer peer;
+    const auto hears = [&](std::uint8_t id, std::uint64_t count) {
+        peer.send(gateway.port("ground"), support::frame(0xDC, 0x01, id, {1, 2, 3, 4, 5, 6, 0}));
+        return gateway.until([&] { return gateway.count("ground", "frames_in") == count; });
+    };
+    ASSERT_TRUE(hears(0x03, 1));
+    memory.change(filter, 120s);
+    EXPECT_EQ(memory.figures().span, 120s);
+    EXPECT_EQ(memory.frames().frames(), 1u);
+    ASSERT_TRUE(hears(0x03, 2));
+    filter.ids.reset();
+    filter.ids.set(0x04);
+    memory.change(filter, 120s);
+    ASSERT_TRUE(hears(0x03, 3));
+    ASSERT_TRUE(hears(0x04, 4));
+    EXPECT_EQ(memory.frames().frames(), 3u) << "two of before, and the one of after that is to be kept";
+    memory.change(filter, 0s);
+    EXPECT_EQ(memory.frames().frames(), 0u) << "none is that young";
+}
+
 }    // namespace
 }    // namespace kept_frames_tests

@@ -371,6 +371,16 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
     refuses(422, "POST", "/recordings", R"({"last": true, "id": "euler"})", "as it is");
 }
 
+TEST_F(Recordings, of_the_last_while_lose_nothing_when_a_reload_says_to_keep_more) {
+    start(R"(, "record": {"start": false, "keep_last": "60s"})");
+    send_numbered(40);
+    write_config(R"(, "record": {"start": false, "keep_last": "120s"})");
+    gateway->signal(SIGHUP);
+    ASSERT_TRUE(gateway->until_says("reload: record.keep_last: 1m -> 2m")) << gateway->output();
+    ASSERT_EQ(ask("POST", "/recordings", R"({"last": true, "name": "incident"})").status, 200u);
+    EXPECT_EQ(read_pcapng(content("incident.pcapng")).items.size(), 40u);
+}
+
 TEST_F(Recordings, of_the_last_while_that_are_larger_than_all_may_be_stay_until_they_can_be_fetched) {
     start(R"(, "record": {"keep_last": "60s", "rotate": {"size": "10kB"}, "keep": {"size": "100kB"}})");
     send_numbered(1500);

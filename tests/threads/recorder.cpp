@@ -531,6 +531,18 @@ protected:
         response.later([status](const http::Response& answer) { *status = answer.status; });
         return status;
     }
+    void change_to(const Settings& other) {
+        bool is_changed = false;
+        gateway.gateway().change(other, difference(gateway.gateway().settings(), other), 0s, [&] { is_changed = true; });
+        ASSERT_TRUE(gateway.until([&] { return is_changed; }));
+        recordings.configure();
+    }
+    int saved_for_lost_links() const {
+        int count = 0;
+        for (const auto& file : std::filesystem::directory_iterator{dir / "recordings"})
+            count += file.path().string().ends_with("Z-link-lost.pcapng");
+        return count;
+    }
 
     const support::TempDir dir;
     support::UdpPeer a;
@@ -544,8 +556,6 @@ TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_n
     const auto first = save();
     ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
     EXPECT_EQ(*save(), 503u);
-    recordings.link_lost(gateway.gateway().links().front());
-    EXPECT_EQ(recordings.figures().skipped, 1u);
     failing_disk.hangs = false;
     ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
     EXPECT_EQ(*first, 200u);
@@ -553,6 +563,66 @@ TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_n
     ASSERT_TRUE(gateway.until([&] { return *next != 0; }));
     EXPECT_EQ(*next, 200u);
     EXPECT_EQ(recordings.figures().saved, 2u);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_for_a_fault_wait_for_the_one_of_a_client) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    recordings.link_lost(gateway.gateway().links().front());
+    recordings.link_lost(gateway.gateway().links().front());
+    EXPECT_EQ(recordings.figures().skipped, 1u) << "the second in one minute";
+    gateway.run_for(50ms);
+    EXPECT_EQ(failing_disk.hanging, 1) << "one at a time";
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 2; }));
+    EXPECT_EQ(*first, 200u);
+    EXPECT_EQ(saved_for_lost_links(), 1);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_waited_for_at_the_end_and_answered) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    recordings.link_lost(gateway.gateway().links().front());
+    recordings.stop();
+    EXPECT_EQ(recordings.save_last({}, {}).status, 503u);
+    EXPECT_EQ(*first, 0u);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 2; }));
+    EXPECT_EQ(*first, 200u);
+    EXPECT_EQ(saved_for_lost_links(), 1);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_when_they_were_due_at_the_end) {
+    recordings.link_lost(gateway.gateway().links().front());
+    recordings.stop();
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
+    EXPECT_EQ(saved_for_lost_links(), 1);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_that_nothing_keeps_any_longer_when_their_turn_comes_are_counted) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    recordings.link_lost(gateway.gateway().links().front());
+    Settings other = settings();
+    other.record->keep_last = std::nullopt;
+    change_to(other);
+    EXPECT_EQ(recordings.figures().skipped, 1u);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
+    EXPECT_EQ(*first, 200u);
+    EXPECT_EQ(recordings.figures().saved, 1u);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_when_they_were_due_as_nothing_is_to_be_kept_any_longer) {
+    recordings.link_lost(gateway.gateway().links().front());
+    Settings other = settings();
+    other.record->keep_last = std::nullopt;
+    change_to(other);
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
+    EXPECT_EQ(saved_for_lost_links(), 1);
 }
 
 TEST_F(RecordingsOfGateway, are_read_from_memory_by_two_at_once) {
@@ -593,10 +663,7 @@ TEST_F(RecordingsOfGateway, that_a_reload_could_not_begin_while_the_disk_hung_be
         Settings other = settings();
         other.record->start = true;
         other.record->rotate_size = size;
-        bool is_changed = false;
-        gateway.gateway().change(other, difference(gateway.gateway().settings(), other), 0s, [&] { is_changed = true; });
-        ASSERT_TRUE(gateway.until([&] { return is_changed; }));
-        recordings.configure();
+        change_to(other);
     }
     EXPECT_EQ(recordings.figures().running, Recordings::max_ending);
     failing_disk.hangs = false;
