@@ -2,8 +2,9 @@
 #include <http/accept.hpp>
 
 #include <fstream>
-#include <iterator>
 #include <optional>
+#include <sstream>
+#include <utility>
 
 namespace anogate {
 namespace {
@@ -36,8 +37,10 @@ constexpr const char* policy =
 
 std::optional<std::string> content_of(const fs::path& file) {
     std::ifstream in{file, std::ios::binary};
-    std::string content{std::istreambuf_iterator<char>{in}, {}};
-    return in.bad() || content.empty() ? std::nullopt : std::optional{std::move(content)};
+    std::ostringstream read;
+    read << in.rdbuf();
+    std::string content = std::move(read).str();
+    return read.bad() || content.empty() ? std::nullopt : std::optional{std::move(content)};
 }
 
 }    // namespace

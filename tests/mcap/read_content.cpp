@@ -10,9 +10,10 @@
 
 #include <fstream>
 #include <iostream>
-#include <iterator>
+#include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace {
 
@@ -128,8 +129,9 @@ int main() {
     while (std::getline(std::cin, path)) {
         std::ifstream in{path, std::ios::binary};
         if (!in) return std::cerr << path << " can't be read\n", 1;
-        const std::string file{std::istreambuf_iterator<char>{in}, {}};
-        std::cout << content_of(file).dump() << '\n';
+        std::ostringstream file;
+        file << in.rdbuf();
+        std::cout << content_of(std::move(file).str()).dump() << '\n';
     }
     return 0;
 }

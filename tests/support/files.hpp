@@ -2,8 +2,9 @@
 #pragma once
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <string>
+#include <utility>
 
 namespace support {
 
@@ -12,7 +13,9 @@ inline std::filesystem::path source_file(const std::string& path) { return std::
 
 inline std::string text_of(const std::filesystem::path& path) {
     std::ifstream file{path, std::ios::binary};
-    return {std::istreambuf_iterator<char>{file}, {}};
+    std::ostringstream text;
+    text << file.rdbuf();    // in large pieces: byte by byte takes seconds where every access is checked
+    return std::move(text).str();
 }
 
 }    // namespace support
