@@ -9,7 +9,6 @@
 #include <atomic>
 #include <string>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 namespace anogate {
@@ -39,8 +38,7 @@ bool Errand::run(std::function<void()> work, std::function<void(std::string)> do
     shared->work = std::move(work);
     shared->done = std::move(done);
     try {
-        std::thread{[shared] {
-            leave_signals_to_the_loop();
+        begin_thread([shared] {
             try {
                 shared->work();
             } catch (const std::exception& e) {
@@ -48,7 +46,7 @@ bool Errand::run(std::function<void()> work, std::function<void(std::string)> do
             }
             shared->is_done.store(true, std::memory_order_release);
             ::eventfd_write(shared->event.get(), 1);
-        }}.detach();
+        }).detach();
     } catch (const std::system_error&) {
         return false;
     }

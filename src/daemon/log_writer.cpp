@@ -20,11 +20,7 @@ void write(spdlog::logger& log, const LogQueue::Batch& batch) {
 
 }    // namespace
 
-LogWriter::LogWriter(Open open)
-    : thread_{[shared = shared_, open = std::move(open)] {
-          leave_signals_to_the_loop();
-          run(*shared, open);
-      }} {}
+LogWriter::LogWriter(Open open) : thread_{begin_thread([shared = shared_, open = std::move(open)] { run(*shared, open); })} {}
 
 void LogWriter::run(Shared& shared, const Open& open) {
     auto log = open();

@@ -34,7 +34,6 @@ bool wait_for_event(int event, int max_ms) {
 }    // namespace
 
 void stand_behind_the_loop() noexcept {
-    leave_signals_to_the_loop();
     ::pthread_setname_np(::pthread_self(), "recorder");
     const sched_param none{};
     ::sched_setscheduler(0, SCHED_OTHER, &none);    // this thread only, like setpriority()
@@ -47,10 +46,10 @@ std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
     self->ended_ = recorder_event();
     if (!self->wake_ || !self->said_ || !self->ended_) return error_text("the recorder has no descriptor", errno);
     try {
-        std::thread{[self, disk = std::make_unique<DiskWriter>(self->settings_, self->progress_)] {
+        begin_thread([self, disk = std::make_unique<DiskWriter>(self->settings_, self->progress_)] {
             stand_behind_the_loop();
             self->run(*disk);
-        }}.detach();
+        }).detach();
     } catch (const std::system_error& error) {
         return error_text("the recorder has no thread", error.code().value());
     } catch (const std::bad_alloc&) {

@@ -14,7 +14,7 @@
 
 namespace anogate {
 
-/// Lowers the priority of the calling thread below that of the loop, and blocks its signals.
+/// Lowers the priority of the calling thread below that of the loop.
 void stand_behind_the_loop() noexcept;
 
 /// Shared with its thread, which may be left behind on a disk that hangs; the last owner destroys it. Neither side waits for the other.

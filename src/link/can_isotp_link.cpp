@@ -10,7 +10,6 @@
 #include <array>
 #include <cerrno>
 #include <system_error>
-#include <thread>
 
 namespace anogate {
 namespace {
@@ -39,10 +38,7 @@ void CanIsotpLink::close_wire() noexcept {
     descriptor_.close();
     if (copy < 0) return;
     try {
-        std::thread{[copy] {
-            leave_signals_to_the_loop();
-            ::close(copy);
-        }}.detach();
+        begin_thread([copy] { ::close(copy); }).detach();
     } catch (const std::system_error&) {
         ::close(copy);
     }

@@ -15,15 +15,14 @@ Expected<void> HalfDuplex::open(int port, ano::Duration byte_time) {
     closing_ = false;
     waiting_ = again_ = false;
     try {
-        thread_ = std::thread{[this, port, byte_time, wake = event.get()] {
-            leave_signals_to_the_loop();
+        thread_ = begin_thread([this, port, byte_time, wake = event.get()] {
             for (;;) {
                 wait_.acquire();
                 if (closing_) return;
                 terminal::wait_until_sent(port, byte_time, closing_);
                 ::eventfd_write(wake, 1);
             }
-        }};
+        });
     } catch (const std::system_error& e) {
         return Unexpected{"no thread to wait for the last bit: " + error_text(e.code().value())};
     }

@@ -17,7 +17,6 @@
 #include <mutex>
 #include <new>
 #include <system_error>
-#include <thread>
 #include <utility>
 #include <variant>
 
@@ -274,10 +273,7 @@ void ReplayFile::start(const ReplaySettings& settings) {
         on_news_();
     });
     try {
-        std::thread{[reader = std::make_shared<Reader>(shared_, settings)] {
-            leave_signals_to_the_loop();
-            reader->run();
-        }}.detach();
+        begin_thread([reader = std::make_shared<Reader>(shared_, settings)] { reader->run(); }).detach();
     } catch (const std::system_error& e) {
         fail(e.what());
     }

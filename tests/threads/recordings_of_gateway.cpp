@@ -1,0 +1,187 @@
+// What the program asks of its recorders: recordings that begin, end and are saved, on a disk that hangs.
+#include <config/difference.hpp>
+#include <daemon/recordings.hpp>
+#include <http/response.hpp>
+
+#include <support/failing_disk.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace recordings_of_gateway_tests {
+namespace {
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using support::failing_disk;
+
+/// What the program asks of its recorders, on a disk that hangs.
+class RecordingsOfGateway : public testing::Test {
+protected:
+    RecordingsOfGateway() { recordings.start(); }
+
+    Settings settings() {
+        Settings settings = support::settings_of_texts({a.link("a")});
+        settings.record = RecordSettings{};
+        settings.record->start = false;
+        settings.record->keep_last = 60s;
+        settings.record->free = 0;
+        return settings;
+    }
+    /// What is answered; 0 until then.
+    std::shared_ptr<unsigned> save() {
+        const auto status = std::make_shared<unsigned>(0);
+        const http::Response response = recordings.save_last({}, {});
+        response.later([status](const http::Response& answer) { *status = answer.status; });
+        return status;
+    }
+    void change_to(const Settings& other) {
+        bool is_changed = false;
+        gateway.gateway().change(other, difference(gateway.gateway().settings(), other), 0s, [&] { is_changed = true; });
+        ASSERT_TRUE(gateway.until([&] { return is_changed; }));
+        recordings.configure();
+    }
+    int saved_for_lost_links() const {
+        int count = 0;
+        for (const auto& file : std::filesystem::directory_iterator{dir / "recordings"})
+            count += file.path().string().ends_with("Z-link-lost.pcapng");
+        return count;
+    }
+
+    const support::TempDir dir;
+    support::UdpPeer a;
+    support::RunningGateway gateway{settings()};
+    Recordings recordings{gateway.gateway(), dir / "recordings"};
+    const support::WellAgain well_again{};
+};
+
+TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_no_more) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    EXPECT_EQ(*save(), 503u);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
+    EXPECT_EQ(*first, 200u);
+    const auto next = save();
+    ASSERT_TRUE(gateway.until([&] { return *next != 0; }));
+    EXPECT_EQ(*next, 200u);
+    EXPECT_EQ(recordings.figures().saved, 2u);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_for_a_fault_wait_for_the_one_of_a_client) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    recordings.link_lost(gateway.gateway().links().front());
+    recordings.link_lost(gateway.gateway().links().front());
+    EXPECT_EQ(recordings.figures().skipped, 1u) << "the second in one minute";
+    gateway.run_for(50ms);
+    EXPECT_EQ(failing_disk.hanging, 1) << "one at a time";
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 2; }));
+    EXPECT_EQ(*first, 200u);
+    EXPECT_EQ(saved_for_lost_links(), 1);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_waited_for_at_the_end_and_answered) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    recordings.link_lost(gateway.gateway().links().front());
+    recordings.stop();
+    EXPECT_EQ(recordings.save_last({}, {}).status, 503u);
+    EXPECT_EQ(*first, 0u);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 2; }));
+    EXPECT_EQ(*first, 200u);
+    EXPECT_EQ(saved_for_lost_links(), 1);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_when_they_were_due_at_the_end) {
+    recordings.link_lost(gateway.gateway().links().front());
+    recordings.stop();
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
+    EXPECT_EQ(saved_for_lost_links(), 1);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_that_nothing_keeps_any_longer_when_their_turn_comes_are_counted) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    recordings.link_lost(gateway.gateway().links().front());
+    Settings other = settings();
+    other.record->keep_last = std::nullopt;
+    change_to(other);
+    EXPECT_EQ(recordings.figures().skipped, 1u);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
+    EXPECT_EQ(*first, 200u);
+    EXPECT_EQ(recordings.figures().saved, 1u);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_when_they_were_due_as_nothing_is_to_be_kept_any_longer) {
+    recordings.link_lost(gateway.gateway().links().front());
+    Settings other = settings();
+    other.record->keep_last = std::nullopt;
+    change_to(other);
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
+    EXPECT_EQ(saved_for_lost_links(), 1);
+}
+
+TEST_F(RecordingsOfGateway, are_read_from_memory_by_two_at_once) {
+    http::Response first = recordings.last({});
+    http::Response second = recordings.last({});
+    EXPECT_EQ(first.status, 200u);
+    EXPECT_EQ(second.status, 200u);
+    const http::Response third = recordings.last({});
+    EXPECT_EQ(third.status, 503u);
+    EXPECT_NE(third.body.find("read by 2 clients already"), std::string::npos) << third.body;
+    first = {};
+    const http::Response next = recordings.last({});
+    EXPECT_EQ(next.status, 200u) << "one has them";
+    EXPECT_EQ(recordings.last({}).status, 503u);
+    std::string all;
+    while (second.producer->next(all) == http::Producer::Next::part) {}
+    EXPECT_EQ(recordings.last({}).status, 200u) << "all of them are made";
+}
+
+TEST_F(RecordingsOfGateway, are_not_begun_again_and_again_while_the_disk_keeps_them_from_their_end) {
+    failing_disk.hangs = true;
+    for (int i = 0; i < 20; ++i) {
+        recordings.start_recording();
+        recordings.stop_recording();
+    }
+    EXPECT_EQ(recordings.figures().running, Recordings::max_ending);
+    EXPECT_NE(recordings.start_recording().find("disk"), std::string::npos);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 0; }));
+    EXPECT_EQ(recordings.start_recording(), "");
+    EXPECT_EQ(recordings.stop_recording(), "");
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 0; }));
+}
+
+TEST_F(RecordingsOfGateway, that_a_reload_could_not_begin_while_the_disk_hung_begin_behind_it) {
+    failing_disk.hangs = true;
+    for (std::uint64_t size = 1'000'000; size < 5'000'000; size += 1'000'000) {
+        Settings other = settings();
+        other.record->start = true;
+        other.record->rotate_size = size;
+        change_to(other);
+    }
+    EXPECT_EQ(recordings.figures().running, Recordings::max_ending);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 1 && recordings.figures().failing == 0; }));
+    EXPECT_EQ(recordings.start_recording(), "it records already");
+}
+
+}    // namespace
+}    // namespace recordings_of_gateway_tests
