@@ -44,10 +44,16 @@ build_packages=(cmake:cmake ninja-build:ninja g++:g++ libboost-dev libspdlog-dev
                 libgpiod-dev libexpected-dev libpng-dev libssl-dev libzstd-dev pkg-config:pkg-config)
 page_packages=(npm:npm)    # for the page in the browser
 
-# One job for each processor, but at most one for each gigabyte of free memory, so that a small board does not swap.
-jobs=$(nproc)
-memory=$(awk '/^MemAvailable/ {print int($2 / 1048576)}' /proc/meminfo)
-((memory >= jobs)) || jobs=$((memory > 0 ? memory : 1))
+# JOBS in the environment; without it, one job for each processor, but at most one for each gigabyte of free memory, so that a small board
+# does not swap.
+if [[ ${JOBS:-} ]]; then
+    [[ $JOBS =~ ^[1-9][0-9]{0,3}$ ]] || { echo "JOBS=$JOBS is not a number of jobs: 1 or more" >&2; exit 2; }
+    jobs=$JOBS
+else
+    jobs=$(nproc)
+    memory=$(awk '/^MemAvailable/ {print int($2 / 1048576)}' /proc/meminfo)
+    ((memory >= jobs)) || jobs=$((memory > 0 ? memory : 1))
+fi
 
 # Who only runs the program has it sooner where there are 3 GB for each processor: larger groups of sources need that much.
 groups=$(awk -v jobs="$(nproc)" '/^MemTotal/ {print ($2 / 1048576 >= 3 * jobs) ? 4 : 1}' /proc/meminfo)

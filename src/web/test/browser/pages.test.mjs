@@ -14,13 +14,21 @@ const pages = {
   "220/parameters": ".set li", "220/commands": ".command", "220/waypoints": ".waypoints tr", "220/calibration": "button.main", "220/firmware": ".file",
 };
 
-/** A page that has lost its gateway for a moment, on a busy computer, is grey: it is looked at again. */
+/** A page that has lost its gateway for a moment, on a busy computer, is grey: it is looked at again, also when the gateway is back by the end. */
 async function violations(page) {
   await page.evaluate(axe);
   for (;;) {
     await page.waitForSelector(".contact.live");
-    const found = await page.evaluate(() => axe.run().then((result) => result.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html).join(" ")}`)));
-    if (found.length === 0 || (await page.$(".contact.live"))) return found;
+    const { found, stayed } = await page.evaluate(async () => {
+      const isLive = () => document.querySelector(".contact.live") !== null;
+      let stayed = isLive();
+      const watch = new MutationObserver(() => (stayed = stayed && isLive()));
+      watch.observe(document.body, { subtree: true, childList: true, attributes: true });
+      const result = await axe.run();
+      watch.disconnect();
+      return { found: result.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html).join(" ")}`), stayed: stayed && isLive() };
+    });
+    if (found.length === 0 || stayed) return found;
   }
 }
 
