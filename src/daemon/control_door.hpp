@@ -24,8 +24,10 @@ public:
     /// Reads tokens and certificate. False: the Unix socket can't be made at the configured path; the reason was logged. Faults of TCP are
     /// logged only, and TCP stays closed.
     bool open();
-    /// Accepts no more requests. Answers that are being sent are completed, for at most `patience`.
+    /// Accepts no more requests. Answers that are being sent are completed, for at most `patience`; those that are not made yet are waited
+    /// for until no_more_answers().
     void finish(Duration patience);
+    void no_more_answers() { server_.no_more_answers(); }
     /// Closes everything at once.
     void close();
 

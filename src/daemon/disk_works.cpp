@@ -48,7 +48,8 @@ void DiskWorks::stop() {
     stopped_ = true;
     waiting_.clear();
     unheld_.clear();
-    for (Errand& errand : errands_) errand.stop();
+    const ano::TimePoint by = ano::Clock::now() + Errand::patience_at_the_end;    // for all of them
+    for (Errand& errand : errands_) errand.stop(by);
 }
 
 http::Response answer_from(DiskWorks& disk, std::function<http::Response()> work) {

@@ -6,17 +6,15 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <string>
 #include <system_error>
 #include <utility>
 
 namespace anogate {
-namespace {
-
-constexpr int patience_at_the_end = 200;    // ms
-
-}    // namespace
 
 /// Shared with the thread, which may be left behind.
 struct Errand::Shared {
@@ -68,14 +66,15 @@ void Errand::look() {
     });
 }
 
-void Errand::stop() noexcept {
+void Errand::stop(ano::TimePoint by) noexcept {
     said_.close();
     const auto shared = std::exchange(shared_, nullptr);
     if (!shared) return;
     shared->is_stopped = true;
     shared->done = nullptr;
     pollfd event{shared->event.get(), POLLIN, 0};
-    ::poll(&event, 1, patience_at_the_end);
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(by - ano::Clock::now()).count();
+    ::poll(&event, 1, static_cast<int>(std::max<std::int64_t>(left, 0)));
 }
 
 }    // namespace anogate

@@ -1,7 +1,9 @@
 // Runs work that may block (on a disk) in a thread of its own, and continues in the loop with its result.
 #pragma once
+#include <ano/time.hpp>
 #include <link/descriptor.hpp>
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,8 +22,10 @@ public:
     /// exception that `work` threw, or empty. False: no thread could be started, and neither is called.
     bool run(std::function<void()> work, std::function<void(std::string fault)> done);
     bool is_running() const noexcept { return shared_ != nullptr; }
-    /// `done` is not called any more. Waits briefly for the thread; a thread that still hangs then is left behind.
-    void stop() noexcept;
+    static constexpr ano::Duration patience_at_the_end = std::chrono::milliseconds{200};
+    /// `done` is not called any more. Waits briefly for the thread, until `by` at most; a thread that still hangs then is left behind.
+    void stop() noexcept { stop(ano::Clock::now() + patience_at_the_end); }
+    void stop(ano::TimePoint by) noexcept;
 
 private:
     struct Shared;

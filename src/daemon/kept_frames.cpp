@@ -53,6 +53,7 @@ FrameMemory::~FrameMemory() { watch_.remove(*this); }
 
 void FrameMemory::change(const FrameFilterSettings& filter, ano::Duration span) {
     watch_.change(*this, filter);
+    more();
     ring_.set_span(span);
 }
 
@@ -102,6 +103,11 @@ FaultEar::FaultEar(FrameWatch& watch, std::function<void()> call) : watch_{watch
 }
 
 FaultEar::~FaultEar() { watch_.remove(*this); }
+
+void FaultEar::catch_up() {
+    watch_.catch_up(*this);
+    more();
+}
 
 void FaultEar::more() {
     bool is_fault = false;

@@ -87,6 +87,9 @@ public:
     FaultEar(const FaultEar&) = delete;
     FaultEar& operator=(const FaultEar&) = delete;
 
+    /// Looks at once at what passed until now.
+    void catch_up();
+
 private:
     void more() override;
 

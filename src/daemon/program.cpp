@@ -148,7 +148,7 @@ private:
         if (again) control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
-            recordings_.stop();    // they contain all frames sent until now
+            recordings_.stop([this] { control_.no_more_answers(); });    // they contain all frames sent until now
             signals_.cancel();
         });
         if (!again) control_.finish(flush_patience);    // the jobs have ended: their followers are told the results

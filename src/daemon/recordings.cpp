@@ -68,7 +68,6 @@ Recordings::Recordings(Gateway& gateway, std::string usual_folder)
       usual_folder_{std::move(usual_folder)},
       watch_{gateway},
       disk_{gateway.io()},
-      save_at_{gateway.alarms(), [this] { save_due(); }},
       clock_{gateway.io(), [this] { watch_clock(); }} {
     gateway_.set_recording(this);
     settings_ = gateway_.settings().record.value_or(RecordSettings{});
@@ -93,6 +92,7 @@ void Recordings::start() {
 // A running recording is ended only if its settings have changed.
 void Recordings::configure() {
     if (!is_started_ || is_stopped_) return;
+    if (ear_) ear_->catch_up();    // what happened before is saved as it was configured then
     const auto& record = gateway_.settings().record;
     const RecordSettings before = std::exchange(settings_, record.value_or(RecordSettings{}));
     const bool was_configured = std::exchange(is_configured_, record.has_value());
@@ -123,8 +123,6 @@ void Recordings::configure() {
 
 void Recordings::remember() {
     if (!settings_.keep_last) {
-        save_due();    // what happened just before is saved all the same
-        if (!std::exchange(save_as_, {}).empty()) ++past_.skipped;
         ear_.reset();
         memory_.reset();
         return;
@@ -134,10 +132,13 @@ void Recordings::remember() {
     ear_ = std::make_unique<FaultEar>(watch_, [this] { save_for("fault"); });
 }
 
-void Recordings::stop() {
-    if (std::exchange(is_stopped_, true)) return;
+void Recordings::stop(std::function<void()> ended) {
+    if (is_stopped_) return;
+    if (ear_) ear_->catch_up();
     ear_.reset();
-    save_due();
+    memory_.reset();
+    is_stopped_ = true;
+    ended_ = std::move(ended);
     end_by_ = Clock::now() + patience_at_the_end;
     for (const auto& running : running_)
         if (!std::exchange(running->is_ending, true)) running->recorder->end();
@@ -156,6 +157,7 @@ void Recordings::check_end() {
     if (is_saving_) log_warning("recording: the disk is not waited for any longer, the last frames may not be saved");
     running_.clear();
     disk_.stop();
+    std::exchange(ended_, {})();
 }
 
 void Recordings::watch_clock() {

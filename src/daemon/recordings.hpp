@@ -8,7 +8,6 @@
 #include <daemon/recorder.hpp>
 #include <daemon/recordings_folder.hpp>
 #include <daemon/ticker.hpp>
-#include <link/alarm.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -45,7 +44,8 @@ public:
     static constexpr std::size_t max_reading = 2;    // downloads of the latest frames at once: each keeps its frames in memory
     static constexpr std::size_t max_ending = 2;     // recordings of the configuration that can't end since the disk hangs
     static constexpr ano::Duration between_saves = std::chrono::minutes{1};    // between automatic saves of keep_last
-    static constexpr ano::Duration saved_stays = std::chrono::minutes{1};      // a saved file, even if `keep` has no room for it
+    static constexpr ano::Duration after_a_failed_save = std::chrono::seconds{5};
+    static constexpr ano::Duration saved_stays = std::chrono::minutes{1};    // a saved file, even if `keep` has no room for it
     static constexpr ano::Duration patience_at_the_end = std::chrono::seconds{1};
 
     /// `usual_folder`: the folder when the configuration names none; empty: there is none. The gateway outlives this object.
@@ -58,8 +58,9 @@ public:
     void start();
     /// Adopts the present settings of the gateway. Recordings with unchanged settings continue without a gap.
     void configure();
-    /// Ends all recordings. They keep the loop alive until everything is written, at most patience_at_the_end.
-    void stop();
+    /// Ends all recordings. They keep the loop alive until everything is written, at most patience_at_the_end; then `ended` is called: no
+    /// client is answered any more.
+    void stop(std::function<void()> ended = [] {});
 
     // The responses to clients.
     http::Response list();
@@ -104,11 +105,21 @@ private:
     void looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault);
     void repair();
     void remember();
+    /// A save of the latest frames, with the frames and the settings of the moment in which it was asked for.
+    struct Save {
+        std::string name, folder;
+        KeptFrames frames;
+        RecordingFormat format;
+        RecordingOptions options;
+        std::uint64_t free = 0;
+        Say say{};    // empty: nobody asked, something happened
+    };
+    Save save_of(std::string name, const WantedForm& wanted, Say say);
     void save_for(std::string_view why);
     void save_due();
-    void saving_ended();
-    void save(const std::string& name, const WantedForm& wanted, Say say);
+    void save(Save what);
     void saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say);
+    void saving_ended();
     nlohmann::ordered_json json_of(const Running& running) const;
 
     Gateway& gateway_;
@@ -122,7 +133,7 @@ private:
     RecordingFigures past_;                  // sums over the ended recordings
     std::unique_ptr<FrameMemory> memory_;    // nullptr: keep_last is off
     std::unique_ptr<FaultEar> ear_;
-    std::optional<TimePoint> saved_at_;    // the last automatic save
+    std::optional<TimePoint> next_save_;    // before that, nothing is saved automatically
     std::string last_saved_, save_fault_;
     std::shared_ptr<JustSaved> just_saved_ = std::make_shared<JustSaved>();
     const std::chrono::seconds began_ = std::chrono::duration_cast<std::chrono::seconds>(
@@ -130,8 +141,7 @@ private:
     const TimePoint began_at_ = Clock::now();
     bool has_looked_ = false;
     std::string told_to_stay_;    // file that stays although `keep` has no room for it, as logged
-    std::string save_as_;         // the name for the automatic save that is due; empty: none is
-    Alarm save_at_;
+    std::optional<Save> due_;     // an automatic save that waits until another is done
     std::shared_ptr<bool> reading_ = std::make_shared<bool>(true);    // also held by every response of last()
     std::optional<std::uint64_t> free_;
     std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; used by one look at a time
@@ -142,6 +152,7 @@ private:
     bool begins_late_ = false;    // the recording of the configuration begins when one that hangs has ended
     bool is_started_ = false, is_stopped_ = false;
     std::optional<TimePoint> end_by_;
+    std::function<void()> ended_;
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 

@@ -230,13 +230,16 @@ http::Response Recordings::save_last(std::string name, const WantedForm& wanted)
     if (is_made_up) name = name_by_time(since_1970()) + "-last";
     if (!is_recording_name(name)) return http::error(422, recording_name_rule(name));
     http::Response response = http::later([this, name, is_made_up, wanted](const Say& say) {
-        if (std::exchange(is_saving_, true)) return say(http::try_again("the disk has not taken what was saved last yet"));
-        if (is_made_up) return save(name, wanted, say);
+        if (is_saving_) return say(http::try_again("the disk has not taken what was saved last yet"));
+        if (!memory_) return say(http::error(409, nothing_kept));
+        is_saving_ = true;
+        if (is_made_up) return save(save_of(name, wanted, say));
+        const auto asked = std::make_shared<Save>(save_of(name, wanted, say));
         const auto refusal = std::make_shared<std::optional<Refusal>>();
-        disk_.run_for_nobody([refusal, folder = folder_, name] { *refusal = check_new_name(folder, name); },
-                             [this, refusal, name, wanted, say](const std::string& fault) {
-                                 if (fault.empty() && !*refusal) return save(name, wanted, say);
-                                 say(fault.empty() ? refused(**refusal) : http::error(503, fault));
+        disk_.run_for_nobody([refusal, asked] { *refusal = check_new_name(asked->folder, asked->name); },
+                             [this, refusal, asked](const std::string& fault) {
+                                 if (fault.empty() && !*refusal) return save(std::move(*asked));
+                                 asked->say(fault.empty() ? refused(**refusal) : http::error(503, fault));
                                  saving_ended();
                              });
     });
@@ -260,43 +263,41 @@ http::Response Recordings::last(const WantedForm& wanted) {
 
 void Recordings::link_lost(const LinkState&) { save_for("link-lost"); }
 
-// Of repeated events, only the first is saved. Waits for the end of the present batch, so that the frames just before are in memory.
+Recordings::Save Recordings::save_of(std::string name, const WantedForm& wanted, Say say) {
+    return {std::move(name), folder_, memory_->frames(), format_for(wanted), options_for(wanted), settings_.free, std::move(say)};
+}
+
+// Of repeated events, only the first is saved.
 void Recordings::save_for(std::string_view why) {
     if (!memory_ || is_stopped_ || folder_.empty()) return;
     const TimePoint now = Clock::now();
-    if (saved_at_ && now - *saved_at_ < between_saves) {
+    if (due_ || (next_save_ && now < *next_save_)) {
         ++past_.skipped;
         return;
     }
-    saved_at_ = now;
-    save_as_ = name_by_time(since_1970()) + "-" + std::string{why};
-    save_at_.set(now + 2 * FrameFilterSettings{}.batch);
+    next_save_ = now + between_saves;
+    due_ = save_of(name_by_time(since_1970()) + "-" + std::string{why}, {}, {});
+    save_due();
 }
 
-// Waits until nothing else is being saved: saving_ended() calls it again.
 void Recordings::save_due() {
-    if (save_as_.empty() || is_saving_) return;
-    save_at_.cancel();
+    if (!due_ || is_saving_) return;
     is_saving_ = true;
-    save(std::exchange(save_as_, {}), {}, [](const http::Response&) {});
+    save(*std::exchange(due_, std::nullopt));
 }
 
-// One save at a time (is_saving_): otherwise, on a disk that hangs, each would hold all its frames in memory.
-void Recordings::save(const std::string& name, const WantedForm& wanted, Say say) {
-    if (!memory_) {
-        say(http::error(409, nothing_kept));
-        return saving_ended();
-    }
-    const auto frames = std::make_shared<KeptFrames>(memory_->frames());
+// One save at a time (is_saving_): on a disk that hangs each of them holds its frames in memory.
+void Recordings::save(Save what) {
+    const std::uint64_t count = what.frames.frames();
+    const Say say = std::move(what.say);
+    const auto work = std::make_shared<Save>(std::move(what));
     const auto result = std::make_shared<std::variant<SavedFrames, Refusal>>();
-    const std::uint64_t count = frames->frames();
     disk_.run_for_nobody(
-        [result, frames, folder = folder_, name, format = format_for(wanted), options = options_for(wanted),
-         free = settings_.free, just_saved = just_saved_] {
-            *result = save_frames(folder, name, format, free, std::move(*frames), options,
+        [result, work, just_saved = just_saved_] {
+            *result = save_frames(work->folder, work->name, work->format, work->free, std::move(work->frames), work->options,
                                   [&](const std::string& file) { just_saved->add(file, Clock::now() + saved_stays); });
         },
-        [this, result, count, say = std::move(say)](const std::string& fault) {
+        [this, result, count, say](const std::string& fault) {
             if (!fault.empty()) *result = Refusal{503, fault};
             saved(*result, count, say);
         });
@@ -306,7 +307,8 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     if (const auto* refusal = std::get_if<Refusal>(&result)) {
         save_fault_ = refusal->words;
         log_warning("recording: the last frames are not saved: {}", refusal->words);
-        say(refused(*refusal));
+        if (say) say(refused(*refusal));
+        else next_save_ = Clock::now() + after_a_failed_save;
         return saving_ended();
     }
     const SavedFrames& file = std::get<SavedFrames>(result);
@@ -315,7 +317,7 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     last_saved_ = file.name;
     log_info("recording: the last {} frames are saved as {}", frames, file.name);
     look_soon();
-    say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
+    if (say) say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
     saving_ended();
 }
 

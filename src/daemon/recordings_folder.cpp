@@ -378,6 +378,25 @@ DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits
     return deleted;
 }
 
+namespace {
+
+// Empty, or why not all is on the disk.
+std::string write_frames(KeptFramesWriting writing, const std::string& folder, std::uint64_t free, RecordingFile& file) {
+    for (bool more = true; more;) {
+        std::string bytes;
+        while (more && bytes.size() < bytes_at_a_time) more = writing.next(bytes);
+        const auto is_free = free_bytes(folder);
+        const std::uint64_t needed = free + bytes.size();
+        if (is_free && *is_free < needed)
+            return "only " + std::to_string(*is_free) + " bytes of the disk are free, and " + std::to_string(needed) + " must be";
+        if (const int error = file.append(bytes); error != 0) return error_text(error);
+    }
+    if (const int error = file.sync(); error != 0) return error_text(error);
+    return file.is_there() ? "" : "it was removed meanwhile";
+}
+
+}    // namespace
+
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
                                                std::uint64_t free, KeptFrames frames, RecordingOptions options,
                                                const std::function<void(const std::string&)>& is_saved) {
@@ -385,19 +404,12 @@ std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const 
     auto made = RecordingFile::create(folder, name, format, number);
     if (const auto* fault = std::get_if<DiskFault>(&made)) return Refusal{507, fault->text};
     RecordingFile& file = std::get<RecordingFile>(made);
-    KeptFramesWriting writing{std::move(frames), format, options};
     std::string fault;
-    for (bool more = true; more && fault.empty();) {
-        std::string bytes;
-        while (more && bytes.size() < bytes_at_a_time) more = writing.next(bytes);
-        const auto is_free = free_bytes(folder);
-        const std::uint64_t needed = free + bytes.size();
-        if (is_free && *is_free < needed)
-            fault = "only " + std::to_string(*is_free) + " bytes of the disk are free, and " + std::to_string(needed) +
-                    " must be";
-        else if (const int error = file.append(bytes); error != 0) fault = error_text(error);
+    try {
+        fault = write_frames({std::move(frames), format, options}, folder, free, file);
+    } catch (const std::bad_alloc&) {
+        fault = "no memory";
     }
-    if (const int error = fault.empty() ? file.sync() : 0; error != 0) fault = error_text(error);
     const std::string saved = std::filesystem::path{file.path()}.filename().string();
     if (fault.empty()) {
         if (is_saved) is_saved(saved);

@@ -89,7 +89,7 @@ struct SavedFrames {
     std::string name;
     std::uint64_t bytes = 0;
 };
-/// Saves as NAME.FORMAT, which must not exist yet, if `free` bytes of the disk stay free. `is_saved` is called with the name of the file when
+/// Saves as NAME.FORMAT, which must not exist yet, if `free` bytes of the disk stay free; without success there is no file. `is_saved` is called with the name of the file when
 /// it is whole, while it is still locked.
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
                                                std::uint64_t free, KeptFrames frames, RecordingOptions options = {},

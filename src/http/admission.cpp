@@ -125,9 +125,12 @@ void Admission::forget_token(Request& request) const {
 
 std::optional<Response> Admission::refusal(const Request& request) const {
     const std::string_view host = request.header("Host"), origin = request.header("Origin");
-    const auto hosts = std::count_if(request.headers.begin(), request.headers.end(),
-                                     [](const Field& field) { return ano::lower_case(field.name) == "host"; });
-    if (hosts != 1 || !is_own_name(authority_of(host).host, request.door))
+    const auto count = [&](std::string_view name) {
+        return std::count_if(request.headers.begin(), request.headers.end(),
+                             [name](const Field& field) { return ano::lower_case(field.name) == name; });
+    };
+    if (count("origin") > 1) return error(400, "a request has one Origin");
+    if (count("host") != 1 || !is_own_name(authority_of(host).host, request.door))
         return error(403, "this gateway is not called '" + std::string{host} + "'; control.hosts has the names it answers to");
     if (!origin.empty() && !may_ask(origin, host, request.door.is_encrypted))
         return error(403, "pages of '" + std::string{origin} + "' may not ask this gateway; control.origins has those that may");

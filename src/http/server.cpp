@@ -182,12 +182,21 @@ void Server::finish(ano::Duration patience) {
 }
 
 void Server::look_whether_finished(ano::TimePoint until) {
+    if (ano::Clock::now() >= until) close_those(false);
     std::erase_if(sessions_, [](const auto& session) { return session.expired(); });
-    if (sessions_.empty() || ano::Clock::now() >= until) return stop();
+    if (sessions_.empty()) return stop();
     finish_check_.expires_after(finish_look);
     finish_check_.async_wait([this, until](error_code ec) {
         if (!ec) look_whether_finished(until);
     });
+}
+
+void Server::no_more_answers() { close_those(true); }
+
+void Server::close_those(bool awaiting_answer) {
+    const auto all = sessions_;
+    for (const auto& session : all)
+        if (const auto alive = session.lock(); alive && alive->awaits_answer() == awaiting_answer) alive->close();
 }
 
 void Server::stop() {

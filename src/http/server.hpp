@@ -64,8 +64,11 @@ public:
     Admission& admission() noexcept { return admission_; }
     /// Adds a client with any sort of connection.
     void admit(std::unique_ptr<Stream> stream);
-    /// As stop(), but answers in progress are completed within `patience`. Accepts no connections and reads no requests meanwhile.
+    /// As stop(), but answers in progress are completed within `patience`, and those that are not made yet are waited for until
+    /// no_more_answers(). Accepts no connections and reads no requests meanwhile.
     void finish(ano::Duration patience);
+    /// Behind finish(): what is not answered now will not be.
+    void no_more_answers();
     /// Closes everything at once and removes the socket; destroys producers and users of WebSockets. The loop may still hold handlers of
     /// the server and must not run after its destruction.
     void stop();
@@ -76,6 +79,7 @@ private:
     void send_away(std::size_t place);
     void shut();
     void look_whether_finished(ano::TimePoint until);
+    void close_those(bool awaiting_answer);
     void give_turn();
 
     void wait_for_turn(std::shared_ptr<Session> session) override;

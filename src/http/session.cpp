@@ -41,7 +41,7 @@ void Session::close() {
 void Session::finish() {
     const auto socket = web_socket_.lock();
     if (socket && socket->has_last_words()) return;
-    const bool has_more = stream_ && asking_ == Asking::whole && !awaits_turn_ && !answer_awaited_ && (!part_awaited_ || woken_);
+    const bool has_more = stream_ && asking_ == Asking::whole && !awaits_turn_ && (!part_awaited_ || woken_);
     if (!has_more) return close();
     finishes_ = true;
     sending_.keep_alive = false;

@@ -76,6 +76,8 @@ public:
     void close();
     /// The server is stopping: completes the current answer, or the next part of a stream; everything else ends at once.
     void finish();
+    /// A client waits for an answer that is not made yet (Response::patient).
+    bool awaits_answer() const noexcept { return answer_awaited_; }
     /// Gives its place to another client. Sends `words` unless it is in the middle of an answer.
     void leave(const Response& words);
     Visitor visitor(ano::TimePoint now) const;

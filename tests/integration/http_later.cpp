@@ -161,6 +161,32 @@ TEST_F(LaterAnswers, behind_which_too_much_is_asked_end_in_words) {
     ::close(fd);
 }
 
+TEST_F(LaterAnswers, are_waited_for_at_the_end_until_none_is_made_any_more) {
+    server.routes().add("POST", "/job", [this](const Request&) {
+        Response response = later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
+        response.patient = true;
+        return response;
+    });
+    const int in_time = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
+    const int in_vain = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
+    ASSERT_TRUE(loop.until([&] { return waiting.size() == 2; }));
+    const auto is_closed = [](int fd) {
+        char byte = 0;
+        return ::recv(fd, &byte, 1, MSG_DONTWAIT | MSG_PEEK) == 0;
+    };
+    server.finish({});
+    loop.turn();
+    EXPECT_FALSE(is_closed(in_time));
+    waiting[0](error(409, "in time"));
+    EXPECT_TRUE(heard(in_time, "in time"));
+    EXPECT_TRUE(loop.until([&] { return is_closed(in_time); }));
+    EXPECT_FALSE(is_closed(in_vain));
+    server.no_more_answers();
+    EXPECT_TRUE(loop.until([&] { return is_closed(in_vain); }));
+    ::close(in_time);
+    ::close(in_vain);
+}
+
 TEST_F(LaterAnswers, for_who_has_gone_are_said_to_nobody) {
     ::close(ask("POST /work HTTP/1.1\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"));
     ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));

@@ -69,6 +69,7 @@ TEST(FrameMemory, keeps_what_it_has_when_more_or_others_are_to_be_kept) {
     filter.ids.reset();
     filter.ids.set(0x04);
     memory.change(filter, 120s);
+    EXPECT_EQ(memory.figures().frames, 2u);
     ASSERT_TRUE(hears(0x03, 3));
     ASSERT_TRUE(hears(0x04, 4));
     EXPECT_EQ(memory.frames().frames(), 3u) << "two of before, and the one of after that is to be kept";

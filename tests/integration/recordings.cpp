@@ -93,9 +93,13 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
 
 TEST_F(Recordings, are_ended_by_their_name_with_its_ending_or_without_whichever_file_is_written) {
     start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
-    for (const char* name : {"flight", "flight.pcapng", "flight-2.pcapng"}) {
+    for (std::string name : {"flight", "flight.pcapng", ""}) {
         begin({{"name", "flight"}});
-        for (int round = 0; round < 50 && get().at("running").at(0).at("files") < 2; ++round) send_numbered(150);
+        for (int frames = 150; frames < 50 * 150 && running().at("files") < 2; frames += 150) {
+            send_numbered(150);
+            ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == frames; })) << get();
+        }
+        if (name.empty()) name = running().at("file");
         refuses(404, "POST", "/recordings/fligth/end", {}, "under that name (did you mean 'flight'?)");
         EXPECT_GE(end(name).at("files"), 2) << name;
         refuses(404, "POST", "/recordings/flight/end", {}, "under that name; anoctl recordings says");

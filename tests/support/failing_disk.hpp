@@ -1,14 +1,7 @@
-// Replaces the system calls by which a recording gets onto its disk, so that a test can make them do what a disk may do but seldom
-// does. Include it in one file of a program.
+// A disk that does what disks may do but seldom do, in a program one of whose files includes failing_disk_calls.hpp.
 #pragma once
-#include <sys/syscall.h>
-#include <unistd.h>
-
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cstddef>
-#include <new>
 #include <thread>
 
 namespace support {
@@ -43,31 +36,3 @@ struct WellAgain {
 };
 
 }    // namespace support
-
-extern "C" {
-
-ssize_t pwrite(int fd, const void* bytes, size_t size, off_t at) {
-    support::failing_disk.wait();
-    if (support::failing_disk.lacks_memory) throw std::bad_alloc{};
-    if (const int error = support::failing_disk.write_error; error != 0) {
-        const long room = support::failing_disk.room;
-        if (room <= 0) {
-            errno = error;
-            return -1;
-        }
-        size = size < static_cast<size_t>(room) ? size : static_cast<size_t>(room);
-        support::failing_disk.room = room - static_cast<long>(size);
-    }
-    return ::syscall(SYS_pwrite64, fd, bytes, size, at);
-}
-
-int fdatasync(int fd) {
-    support::failing_disk.wait();
-    if (const int error = support::failing_disk.sync_error; error != 0) {
-        errno = error;
-        return -1;
-    }
-    return static_cast<int>(::syscall(SYS_fdatasync, fd));
-}
-
-}    // extern "C"

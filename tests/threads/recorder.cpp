@@ -4,7 +4,7 @@
 #include <daemon/thread_queue.hpp>
 #include <record/recording_repair.hpp>
 
-#include <support/failing_disk.hpp>
+#include <support/failing_disk_calls.hpp>
 #include <support/recorded_files.hpp>
 #include <support/running_gateway.hpp>
 #include <support/small_disk.hpp>

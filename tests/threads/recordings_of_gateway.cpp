@@ -3,14 +3,21 @@
 #include <daemon/recordings.hpp>
 #include <http/response.hpp>
 
+#include <support/bytes.hpp>
 #include <support/failing_disk.hpp>
+#include <support/files.hpp>
+#include <support/recorded.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include <cerrno>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -37,9 +44,9 @@ protected:
         return settings;
     }
     /// What is answered; 0 until then.
-    std::shared_ptr<unsigned> save() {
+    std::shared_ptr<unsigned> save(const std::string& name = {}) {
         const auto status = std::make_shared<unsigned>(0);
-        const http::Response response = recordings.save_last({}, {});
+        const http::Response response = recordings.save_last(name, {});
         response.later([status](const http::Response& answer) { *status = answer.status; });
         return status;
     }
@@ -49,12 +56,29 @@ protected:
         ASSERT_TRUE(gateway.until([&] { return is_changed; }));
         recordings.configure();
     }
-    int saved_for_lost_links() const {
+    int saved_for_lost_links() const { return saved_for("link-lost"); }
+    int saved_for(const std::string& why) const {
         int count = 0;
         for (const auto& file : std::filesystem::directory_iterator{dir / "recordings"})
-            count += file.path().string().ends_with("Z-link-lost.pcapng");
+            count += file.path().string().ends_with("Z-" + why + ".pcapng");
         return count;
     }
+    bool saves_failed() {
+        nlohmann::ordered_json recording;
+        static_cast<RecordingService&>(recordings).describe(recording);
+        return recording.at("keep_last").at("error") != "";
+    }
+    /// The memory has the next `count` frames.
+    void hear(std::uint64_t count) {
+        for (std::uint64_t i = 0; i < count; ++i)
+            a.send(gateway.port("a"), support::frame(0xDC, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 0}));
+        ASSERT_TRUE(gateway.until([&] { return gateway.count("a", "frames_in") == count; }));
+    }
+    static std::size_t frames_in(const std::filesystem::path& file) {
+        return support::read_pcapng(support::text_of(file)).items.size();
+    }
+
+    const support::Bytes fault = support::frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'});
 
     const support::TempDir dir;
     support::UdpPeer a;
@@ -113,28 +137,104 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_when_they_were_due_at_th
     EXPECT_EQ(saved_for_lost_links(), 1);
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_that_nothing_keeps_any_longer_when_their_turn_comes_are_counted) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_as_configured_and_with_what_was_kept_when_it_happened) {
+    hear(3);
     failing_disk.hangs = true;
     const auto first = save();
     ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
     recordings.link_lost(gateway.gateway().links().front());
     Settings other = settings();
     other.record->keep_last = std::nullopt;
+    other.record->folder = dir / "elsewhere";
+    other.record->format = "mcap";
     change_to(other);
-    EXPECT_EQ(recordings.figures().skipped, 1u);
     failing_disk.hangs = false;
-    ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 2; }));
     EXPECT_EQ(*first, 200u);
-    EXPECT_EQ(recordings.figures().saved, 1u);
+    EXPECT_EQ(saved_for_lost_links(), 1);
+    for (const auto& file : std::filesystem::directory_iterator{dir / "recordings"}) EXPECT_EQ(frames_in(file), 3u) << file;
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_when_they_were_due_as_nothing_is_to_be_kept_any_longer) {
-    recordings.link_lost(gateway.gateway().links().front());
+TEST_F(RecordingsOfGateway, of_the_last_frames_whose_name_is_looked_at_have_those_of_the_moment) {
+    hear(3);
+    const auto first = save("incident");
     Settings other = settings();
     other.record->keep_last = std::nullopt;
     change_to(other);
+    ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
+    EXPECT_EQ(*first, 200u);
+    EXPECT_EQ(frames_in(dir / "recordings/incident.pcapng"), 3u);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_have_the_fault_that_came_just_before_the_end) {
+    hear(3);
+    a.send(gateway.port("a"), fault);
+    ASSERT_TRUE(gateway.until([&] { return gateway.count("a", "frames_in") == 4; }));
+    recordings.stop();
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
-    EXPECT_EQ(saved_for_lost_links(), 1);
+    EXPECT_EQ(saved_for("fault"), 1);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_have_the_fault_that_came_just_before_a_reload) {
+    hear(3);
+    Settings other = settings();
+    other.record->keep_last = std::nullopt;
+    a.send(gateway.port("a"), fault);
+    ASSERT_TRUE(gateway.until([&] { return gateway.count("a", "frames_in") == 4; }));
+    change_to(other);
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
+    EXPECT_EQ(saved_for("fault"), 1);
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_that_failed_do_not_use_up_the_minute) {
+    failing_disk.write_error = ENOSPC;
+    recordings.link_lost(gateway.gateway().links().front());
+    recordings.link_lost(gateway.gateway().links().front());
+    EXPECT_EQ(recordings.figures().skipped, 1u);
+    ASSERT_TRUE(gateway.until([&] { return saves_failed(); }));
+    failing_disk.write_error = 0;
+    recordings.link_lost(gateway.gateway().links().front());
+    EXPECT_EQ(recordings.figures().skipped, 2u) << "it is tried again in 5 s";
+    gateway.run_for(Recordings::after_a_failed_save);
+    recordings.link_lost(gateway.gateway().links().front());
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_for_which_there_is_no_memory_leave_no_file) {
+    failing_disk.lacks_memory = true;
+    const auto first = save("incident");
+    ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
+    EXPECT_EQ(*first, 507u);
+    EXPECT_FALSE(std::filesystem::exists(dir / "recordings/incident.pcapng"));
+    failing_disk.lacks_memory = false;
+    const auto next = save("incident");
+    ASSERT_TRUE(gateway.until([&] { return *next != 0; }));
+    EXPECT_EQ(*next, 200u) << "the name is free";
+}
+
+TEST_F(RecordingsOfGateway, of_the_last_frames_whose_file_is_removed_meanwhile_are_not_called_saved) {
+    failing_disk.hangs = true;
+    const auto first = save("incident");
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    std::filesystem::remove_all(dir / "recordings");
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
+    EXPECT_EQ(*first, 507u);
+    EXPECT_EQ(recordings.figures().saved, 0u);
+}
+
+TEST_F(RecordingsOfGateway, say_at_their_end_that_nobody_is_answered_any_more) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    bool has_ended = false;
+    recordings.stop([&] {
+        EXPECT_EQ(*first, 200u);
+        has_ended = true;
+    });
+    EXPECT_FALSE(has_ended);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return has_ended; }));
 }
 
 TEST_F(RecordingsOfGateway, are_read_from_memory_by_two_at_once) {

@@ -1,7 +1,7 @@
 // What the thread of a recorder does, on a disk that is well and on one that is not.
 #include <daemon/disk_writer.hpp>
 
-#include <support/failing_disk.hpp>
+#include <support/failing_disk_calls.hpp>
 #include <support/recorded_files.hpp>
 #include <support/temp_dir.hpp>
 

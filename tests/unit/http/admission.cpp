@@ -173,6 +173,8 @@ TEST(Admission, pages_of_others_may_not_ask) {
           "http://192.168.1.5:8088.evil.example", "file://", "ftp://192.168.1.5:8088", "chrome-extension://192.168.1.5:8088",
           "://192.168.1.5:8088", "httpx://192.168.1.5:8088", "http", "https", "http:", "http://"})
         EXPECT_EQ(from(other), -403) << other;
+    EXPECT_EQ(judged(asked({host, {"Origin", ""}, {"origin", "http://evil.example"}}, network_door(false))), -400)
+        << "two of them";
     Admission friendly = admission_with({{}, {}, {}, {"https://ground.example"}});
     EXPECT_EQ(judged(friendly, asked({host, {"Origin", "https://Ground.example"}}, network_door(false))), control);
     EXPECT_EQ(judged(friendly, asked({host, {"Origin", "http://ground.example"}}, network_door(false))), -403);
