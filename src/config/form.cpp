@@ -220,7 +220,10 @@ constexpr FormRow rows[] = {
      .read = read_value::duration,
      .print = print_duration,
      .schema = [](Facts) { return pattern("^[0-9]+(ms|s|m|h)$"); },
-     .expected = [](Facts key) { return "a duration such as 500ms, 30s or 2m," + times_of(key); },
+     .expected =
+         [](Facts key) {
+             return "a duration such as " + std::string{key.min < 1000 ? "500ms, " : ""} + "30s or 2m," + times_of(key);
+         },
      .placeholder = [](Facts) { return std::string{"DURATION"}; }},
     {.form = Form::interval,
      .may_be_alone = true,

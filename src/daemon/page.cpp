@@ -39,8 +39,9 @@ std::optional<std::string> content_of(const fs::path& file) {
     std::ifstream in{file, std::ios::binary};
     std::ostringstream read;
     read << in.rdbuf();
+    if (read.bad()) return std::nullopt;
     std::string content = std::move(read).str();
-    return read.bad() || content.empty() ? std::nullopt : std::optional{std::move(content)};
+    return content.empty() ? std::nullopt : std::optional{std::move(content)};
 }
 
 }    // namespace
@@ -69,7 +70,8 @@ bool Page::is_wanted_by(const http::Request& request) const {
 http::Response Page::file(std::string_view name, const http::Request& request) const {
     const auto found = files_.find(name.empty() ? front_page : name);
     if (found == files_.end()) return http::error(404, "the page has no such file: load it again");
-    if (http::quality(request.header("Accept-Encoding"), "gzip").value_or(0) == 0)
+    const std::string_view encodings = request.header("Accept-Encoding");
+    if (http::quality(encodings, "gzip").value_or(http::quality(encodings, "*").value_or(0)) == 0)
         return http::error(406, "the page's files are compressed: say Accept-Encoding: gzip");
     http::Response response;
     response.type = page_type_of(found->first);

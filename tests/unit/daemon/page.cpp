@@ -4,6 +4,7 @@
 #include <support/temp_dir.hpp>
 
 #include <filesystem>
+#include <utility>
 
 namespace page_tests {
 namespace {
@@ -62,6 +63,11 @@ TEST_F(PageFiles, are_for_who_takes_them) {
     program.headers = {{"Accept", "*/*"}};
     EXPECT_FALSE(all.is_wanted_by(program)) << "curl gets the list of routes";
     EXPECT_EQ(all.file("page-0123.js", program).status, 406u);
+    for (const auto& [encodings, status] :
+         {std::pair{"*", 200u}, {"br, gzip;q=0.5", 200u}, {"gzip;q=0, *", 406u}, {"*;q=0", 406u}, {"br", 406u}}) {
+        program.headers = {{"Accept-Encoding", encodings}};
+        EXPECT_EQ(all.file("page-0123.js", program).status, status) << encodings;
+    }
 }
 
 TEST_F(PageFiles, without_a_front_page_are_no_page) {

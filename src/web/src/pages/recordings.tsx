@@ -10,7 +10,7 @@ import { Confirm } from "../parts/confirm";
 
 const between = 1000; // milliseconds from a response to the next request
 
-const lasts = (seconds: number): string => duration(seconds, language.get() === "zh");
+const lasts = (seconds: number): string => duration(Math.round(seconds), language.get() === "zh");
 const clock = (time: number): string => {
   const date = new Date(time * 1000), two = (n: number): string => String(n).padStart(2, "0");
   return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())} ${date.toTimeString().slice(0, 8)}`;
