@@ -182,6 +182,16 @@ TEST_P(HttpServer, at_its_end_who_waits_for_his_turn_is_let_go_and_who_is_answer
     EXPECT_GT(reads.heard().size(), std::size_t{16 << 20});
 }
 
+TEST_P(HttpServer, at_its_end_who_does_not_read_his_answer_is_let_go_when_patience_is_over) {
+    Client reads = connect(GetParam());
+    reads.send(get("/big"));
+    EXPECT_TRUE(until([&] { return reads.has_heard("200 OK"); }));
+    settle();
+    server->finish({});
+    EXPECT_TRUE(until([&] { return reads.is_closed(); }));
+    EXPECT_LT(reads.heard().size(), std::size_t{16 << 20});
+}
+
 TEST_F(HttpServer, who_waits_for_his_turn_is_told_when_his_place_is_anothers) {
     ServerLimits limits;
     limits.connections = 2;
