@@ -30,6 +30,11 @@ protected:
         server.routes().add("POST", "/work", [this](const Request&) {
             return later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
         });
+        server.routes().add("POST", "/job", [this](const Request&) {
+            Response response = later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
+            response.patient = true;
+            return response;
+        });
         server.routes().add("GET", "/now", [](const Request&) {
             return later([](const std::function<void(Response)>& say) { say(error(409, "at once")); });
         });
@@ -146,11 +151,6 @@ TEST_F(LaterAnswers, take_as_long_as_they_take_where_they_are_patient) {
 }
 
 TEST_F(LaterAnswers, behind_which_too_much_is_asked_end_in_words) {
-    server.routes().add("POST", "/job", [this](const Request&) {
-        Response response = later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
-        response.patient = true;
-        return response;
-    });
     const int fd = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
     ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));
     const std::string more(20'000, 'x');
@@ -162,11 +162,6 @@ TEST_F(LaterAnswers, behind_which_too_much_is_asked_end_in_words) {
 }
 
 TEST_F(LaterAnswers, are_waited_for_at_the_end_until_none_is_made_any_more) {
-    server.routes().add("POST", "/job", [this](const Request&) {
-        Response response = later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
-        response.patient = true;
-        return response;
-    });
     const int in_time = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
     const int in_vain = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
     ASSERT_TRUE(loop.until([&] { return waiting.size() == 2; }));

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 namespace kept_frames_tests {
@@ -32,49 +34,54 @@ TEST(FrameMemory, counts_the_names_that_frames_of_ever_other_peers_have) {
     EXPECT_GT(memory.figures().bytes, strangers * 20 * (3 * sizeof(std::string) + long_name.size()));
 }
 
-TEST(FrameMemory, has_the_last_frame_at_once) {
+/// A memory of what comes in, whose batches end by nothing but its asking.
+class FrameMemoryOfOneLink : public testing::Test {
+protected:
+    FrameMemoryOfOneLink() {
+        EXPECT_TRUE(gateway.until_up("ground"));
+        filter.batch = 1h;
+        filter.directions = {true, false, false};
+        memory.emplace(gateway.gateway(), watch, filter, 60s);
+    }
+    /// The gateway has one more frame.
+    bool hears(std::uint8_t id) {
+        ++heard_;
+        peer_.send(gateway.port("ground"), support::frame(0xDC, 0x01, id, {1, 2, 3, 4, 5, 6, 0}));
+        return gateway.until([&] { return gateway.count("ground", "frames_in") == heard_; });
+    }
+
     support::RunningGateway gateway{support::settings_of_texts({"udp-listen:127.0.0.1:0,name=ground"})};
-    ASSERT_TRUE(gateway.until_up("ground"));
     FrameWatch watch{gateway.gateway()};
     FrameFilterSettings filter;
-    filter.batch = 1h;
-    filter.directions = {true, false, false};
-    FrameMemory memory{gateway.gateway(), watch, filter, 60s};
-    support::UdpPeer peer;
+    std::optional<FrameMemory> memory;
+
+private:
+    support::UdpPeer peer_;
+    std::uint64_t heard_ = 0;
+};
+
+TEST_F(FrameMemoryOfOneLink, has_the_last_frame_at_once) {
     for (std::uint64_t n = 1; n <= 2; ++n) {
-        peer.send(gateway.port("ground"), support::frame(0xDC, 0x01, 0x03, {1, 2, 3, 4, 5, 6, 0}));
-        ASSERT_TRUE(gateway.until([&] { return gateway.count("ground", "frames_in") == n; }));
-        EXPECT_EQ(memory.frames().frames(), n);
+        ASSERT_TRUE(hears(0x03));
+        EXPECT_EQ(memory->frames().frames(), n);
     }
 }
 
-TEST(FrameMemory, keeps_what_it_has_when_more_or_others_are_to_be_kept) {
-    support::RunningGateway gateway{support::settings_of_texts({"udp-listen:127.0.0.1:0,name=ground"})};
-    ASSERT_TRUE(gateway.until_up("ground"));
-    FrameWatch watch{gateway.gateway()};
-    FrameFilterSettings filter;
-    filter.batch = 1h;
-    filter.directions = {true, false, false};
-    FrameMemory memory{gateway.gateway(), watch, filter, 60s};
-    support::UdpPeer peer;
-    const auto hears = [&](std::uint8_t id, std::uint64_t count) {
-        peer.send(gateway.port("ground"), support::frame(0xDC, 0x01, id, {1, 2, 3, 4, 5, 6, 0}));
-        return gateway.until([&] { return gateway.count("ground", "frames_in") == count; });
-    };
-    ASSERT_TRUE(hears(0x03, 1));
-    memory.change(filter, 120s);
-    EXPECT_EQ(memory.figures().span, 120s);
-    EXPECT_EQ(memory.frames().frames(), 1u);
-    ASSERT_TRUE(hears(0x03, 2));
+TEST_F(FrameMemoryOfOneLink, keeps_what_it_has_when_more_or_others_are_to_be_kept) {
+    ASSERT_TRUE(hears(0x03));
+    memory->change(filter, 120s);
+    EXPECT_EQ(memory->figures().span, 120s);
+    EXPECT_EQ(memory->frames().frames(), 1u);
+    ASSERT_TRUE(hears(0x03));
     filter.ids.reset();
     filter.ids.set(0x04);
-    memory.change(filter, 120s);
-    EXPECT_EQ(memory.figures().frames, 2u);
-    ASSERT_TRUE(hears(0x03, 3));
-    ASSERT_TRUE(hears(0x04, 4));
-    EXPECT_EQ(memory.frames().frames(), 3u) << "two of before, and the one of after that is to be kept";
-    memory.change(filter, 0s);
-    EXPECT_EQ(memory.frames().frames(), 0u) << "none is that young";
+    memory->change(filter, 120s);
+    EXPECT_EQ(memory->figures().frames, 2u);
+    ASSERT_TRUE(hears(0x03));
+    ASSERT_TRUE(hears(0x04));
+    EXPECT_EQ(memory->frames().frames(), 3u) << "two of before, and the one of after that is to be kept";
+    memory->change(filter, 0s);
+    EXPECT_EQ(memory->frames().frames(), 0u) << "none is that young";
 }
 
 }    // namespace

@@ -4,16 +4,15 @@
 #include <record/mcap_index.hpp>
 #include <record/mcap_records.hpp>
 #include <record/recording_counts.hpp>
+#include <support/files.hpp>
 #include <support/recorded.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <fstream>
 #include <iostream>
-#include <sstream>
 #include <string>
 #include <string_view>
-#include <utility>
 
 namespace {
 
@@ -127,11 +126,8 @@ Json content_of(const std::string& file) {
 int main() {
     std::string path;
     while (std::getline(std::cin, path)) {
-        std::ifstream in{path, std::ios::binary};
-        if (!in) return std::cerr << path << " can't be read\n", 1;
-        std::ostringstream file;
-        file << in.rdbuf();
-        std::cout << content_of(std::move(file).str()).dump() << '\n';
+        if (!std::ifstream{path}) return std::cerr << path << " can't be read\n", 1;
+        std::cout << content_of(support::text_of(path)).dump() << '\n';
     }
     return 0;
 }

@@ -50,6 +50,12 @@ protected:
         response.later([status](const http::Response& answer) { *status = answer.status; });
         return status;
     }
+    std::shared_ptr<unsigned> save_that_hangs(const std::string& name = {}) {
+        failing_disk.hangs = true;
+        const auto status = save(name);
+        EXPECT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+        return status;
+    }
     void change_to(const Settings& other) {
         bool is_changed = false;
         gateway.gateway().change(other, difference(gateway.gateway().settings(), other), 0s, [&] { is_changed = true; });
@@ -88,9 +94,7 @@ protected:
 };
 
 TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_no_more) {
-    failing_disk.hangs = true;
-    const auto first = save();
-    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    const auto first = save_that_hangs();
     EXPECT_EQ(*save(), 503u);
     failing_disk.hangs = false;
     ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
@@ -102,9 +106,7 @@ TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_n
 }
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_for_a_fault_wait_for_the_one_of_a_client) {
-    failing_disk.hangs = true;
-    const auto first = save();
-    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    const auto first = save_that_hangs();
     recordings.link_lost(gateway.gateway().links().front());
     recordings.link_lost(gateway.gateway().links().front());
     EXPECT_EQ(recordings.figures().skipped, 1u) << "the second in one minute";
@@ -117,9 +119,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_for_a_fault_wait_for_the_one_of_a
 }
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_are_waited_for_at_the_end_and_answered) {
-    failing_disk.hangs = true;
-    const auto first = save();
-    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    const auto first = save_that_hangs();
     recordings.link_lost(gateway.gateway().links().front());
     recordings.stop();
     EXPECT_EQ(recordings.save_last({}, {}).status, 503u);
@@ -139,9 +139,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_when_they_were_due_at_th
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_as_configured_and_with_what_was_kept_when_it_happened) {
     hear(3);
-    failing_disk.hangs = true;
-    const auto first = save();
-    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    const auto first = save_that_hangs();
     recordings.link_lost(gateway.gateway().links().front());
     Settings other = settings();
     other.record->keep_last = std::nullopt;
@@ -213,9 +211,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_for_which_there_is_no_memory_leav
 }
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_whose_file_is_removed_meanwhile_are_not_called_saved) {
-    failing_disk.hangs = true;
-    const auto first = save("incident");
-    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    const auto first = save_that_hangs("incident");
     std::filesystem::remove_all(dir / "recordings");
     failing_disk.hangs = false;
     ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
@@ -224,9 +220,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_whose_file_is_removed_meanwhile_a
 }
 
 TEST_F(RecordingsOfGateway, say_at_their_end_that_nobody_is_answered_any_more) {
-    failing_disk.hangs = true;
-    const auto first = save();
-    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    const auto first = save_that_hangs();
     bool has_ended = false;
     recordings.stop([&] {
         EXPECT_EQ(*first, 200u);
