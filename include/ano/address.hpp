@@ -15,6 +15,9 @@ inline constexpr std::uint8_t broadcast = 0xFF;    // never a source
 
 constexpr bool is_port_id(std::uint8_t a) noexcept { return a >= 1 && a <= last_port_id; }
 
+/// No device has it: frames from here say nothing about who sent them.
+constexpr bool is_nobody(std::uint8_t a) noexcept { return a == unassigned || a == broadcast; }
+
 /// Several hosts may share these; a host may listen for hours without sending.
 constexpr bool is_host(std::uint8_t a) noexcept { return a == host || a == ros_bridge; }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace ano {
@@ -18,14 +19,17 @@ struct FlexibleField {
     Type type = Type::u8;    // u8 to i32, or f32
     double scale = 1;        // value = what is on the wire × scale; not 0
     std::string unit;
+    std::uint16_t count = 1;    // more: an array
     bool operator==(const FlexibleField&) const = default;
 };
 
 /// What a user wrote for a message.
 struct FlexibleSpec {
     std::uint8_t id = 0;
-    std::optional<std::uint8_t> source;    // as FlexibleLayout::source()
-    std::vector<FlexibleField> fields;
+    std::optional<std::uint8_t> source{};    // as FlexibleLayout::source()
+    std::vector<FlexibleField> fields{};
+    ByteOrder endian = ByteOrder::little;    // of all its numbers
+    std::optional<std::uint32_t> when{};     // as FlexibleLayout::when()
     bool operator==(const FlexibleSpec&) const = default;
 };
 
@@ -34,31 +38,49 @@ public:
     std::uint8_t id() const noexcept { return id_; }
     /// The only source whose frames have this layout; std::nullopt: the frames of every source have it.
     std::optional<std::uint8_t> source() const noexcept { return source_; }
+    /// Only frames whose first field has this value have this layout; std::nullopt: whatever its value.
+    std::optional<std::uint32_t> when() const noexcept { return when_; }
     std::span<const Field> fields() const noexcept { return fields_; }
+    /// Its index in FlexibleLayouts::all().
+    std::size_t place() const noexcept { return place_; }
     /// The minimum number of bytes of DATA.
     std::uint16_t size() const noexcept { return size_; }
 
 private:
     friend class FlexibleLayouts;
+
+    std::size_t place_ = 0;    // among all layouts
     std::uint8_t id_ = 0;
     std::optional<std::uint8_t> source_;
+    std::optional<std::uint32_t> when_;
     std::vector<Field> fields_;    // their names and units refer to texts_
     std::deque<std::string> texts_;
     std::uint16_t size_ = 0;
 };
 
-/// Built once, when the configuration is read; looking up neither allocates nor throws.
+/// Looking up neither allocates nor throws.
 class FlexibleLayouts {
 public:
+    FlexibleLayouts() = default;
+    explicit FlexibleLayouts(std::span<const FlexibleSpec> specs) {
+        for (const FlexibleSpec& spec : specs) add(spec);
+    }
+    FlexibleLayouts(FlexibleLayouts&&) = default;    // a moved layout stays where it is
+    FlexibleLayouts& operator=(FlexibleLayouts&&) = default;
+    FlexibleLayouts(const FlexibleLayouts&) = delete;
+    FlexibleLayouts& operator=(const FlexibleLayouts&) = delete;
+
     /// Why a layout was refused.
     enum class Fault : std::uint8_t {
         none,
         id,           // not 0xF1 to 0xFA
-        duplicate,    // the same id and source have a layout already
+        duplicate,    // the same id, source and value of the first field have a layout already
         no_fields,
         name,        // empty, with '=' or a control character in it, or given twice
         type,        // not one of u8 i8 u16 i16 u32 i32 f32
         scale,       // 0, or not finite
+        count,       // 0
+        when,        // the first field is not one u8, u16 or u32 without a scale, or can't have this value
         too_long,    // more bytes than LEN can express
     };
     /// `field` is the index of the faulty field; it has no meaning for faults of the layout itself.
@@ -68,15 +90,45 @@ public:
         explicit operator bool() const noexcept { return fault != Fault::none; }
     };
 
-    Refusal add(std::uint8_t id, std::optional<std::uint8_t> source, std::span<const FlexibleField> fields);
+    Refusal add(const FlexibleSpec& spec);
+    Refusal add(std::uint8_t id, std::optional<std::uint8_t> source, std::span<const FlexibleField> fields) {
+        return add({.id = id, .source = source, .fields = {fields.begin(), fields.end()}});
+    }
 
-    /// The layout of `id` for frames of `source`: the one for this source, else the one for every source, else null. Valid as long
-    /// as this object.
-    const FlexibleLayout* find(std::uint8_t id, std::uint8_t source) const noexcept;
+    /// The layout of `data` in a frame `id` of `source`: one for this source before one for every source, and of these one for the value
+    /// of the first field before one for every value; null: there is none. Valid as long as this object.
+    const FlexibleLayout* find(std::uint8_t id, std::uint8_t source, std::span<const std::uint8_t> data) const noexcept;
+    /// The layouts of `id` for frames of `source`, in the order of find().
+    std::vector<const FlexibleLayout*> layouts_for(std::uint8_t id, std::uint8_t source) const;
+    bool has_layout_for(std::uint8_t id, std::uint8_t source) const noexcept;
+    /// A field by its name, with an integer as its value.
+    struct Named {
+        std::string_view name;
+        std::uint32_t value = 0;
+    };
+    /// Those of them that the first field selects if it is one of `fields`, and those that no field selects. Takes no longer for many
+    /// layouts.
+    std::vector<const FlexibleLayout*> layouts_for(std::uint8_t id, std::uint8_t source, std::span<const Named> fields) const;
     const std::deque<FlexibleLayout>& all() const noexcept { return layouts_; }
 
 private:
+    // The layouts of an id and source whose first fields are read in the same way, by the value of that; or the only one for every value.
+    struct Group {
+        std::uint8_t id = 0;
+        std::optional<std::uint8_t> source;
+        std::optional<Field> selector;
+        std::unordered_map<std::uint32_t, const FlexibleLayout*> by_value;    // of the first field; 0: the only one
+
+        bool is_for(std::uint8_t of_id, std::uint8_t of_source) const noexcept {
+            return id == of_id && (!source || *source == of_source);
+        }
+        const FlexibleLayout* with(std::uint32_t value) const noexcept;
+        const FlexibleLayout* find(std::span<const std::uint8_t> data) const noexcept;
+    };
+    Group& group_of(const FlexibleLayout& layout);
+
     std::deque<FlexibleLayout> layouts_;
+    std::vector<Group> groups_;    // few: a few ways to read a first field
 };
 
 std::string_view text_of(FlexibleLayouts::Fault fault) noexcept;

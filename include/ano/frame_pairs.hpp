@@ -22,7 +22,7 @@ public:
     explicit FramePairs(std::size_t max_data);
 
     /// Whether the candidate at `at` gives way: two good frames stand in a row behind its first byte. `bytes` is the
-    /// filled part of the buffer, and `sums` cover all of it; 8 bytes behind it must be readable. It holds the candidate's
+    /// filled part of the buffer, as far as a frame of max_data may reach, and `sums` cover all of it; 8 bytes behind it must be readable. It holds the candidate's
     /// header, but not all of its frame. `at` never goes back in the stream. A header's frame counts when, at the first look
     /// at it, its source has been heard and it would end before the candidate does. Without credit the answer is no; headers
     /// that were not looked at are looked at later, if a candidate before them still waits then.
@@ -51,6 +51,7 @@ private:
 
     // ends_ and nexts_ are rings, indexed by places in the stream. Of the frames that end at one place, the one that begins last
     // is first in the list. A frame is stored as its size: it begins that far before the place where it ends.
+    std::size_t max_data_;
     std::size_t mask_;
     Room<std::uint16_t> ends_;     // by end: the first candidate; once it was judged, the first good frame
     Room<std::uint16_t> nexts_;    // by begin: the next candidate of the same end

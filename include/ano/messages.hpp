@@ -25,6 +25,7 @@ using enum Acknowledged;
 inline constexpr Controls controls = Controls::yes, controls_unless_listed = Controls::unless_listed;
 
 inline constexpr Meaning sflags[]{{0, "locked"}, {1, "unlocked"}, {2, "airborne"}};
+inline constexpr Meaning attitude_modes[]{{1, "Euler angles"}};
 inline constexpr Meaning module_states[]{{0, "no data"}, {1, "unusable"}, {2, "normal"}};
 inline constexpr Meaning gps_states[]{{0, "no data"}, {1, "unusable"}, {2, "normal"}, {3, "good"}};
 inline constexpr Meaning directions[]{{0, "down"},  {1, "forward"}, {2, "back"}, {3, "left"},
@@ -77,17 +78,23 @@ inline constexpr Message messages[] = {
         {"gyr_x", i16, times(32768, 2000), "°/s"}, {"gyr_y", i16, times(32768, 2000), "°/s"},
         {"gyr_z", i16, times(32768, 2000), "°/s"}, {"shock_sta", u8}}},
     {0x02, "compass", "Magnetometer and temperature", sensor, {
-        {"mag_x", i16}, {"mag_y", i16}, {"mag_z", i16}, {"tmp", i16, times(10), "°C"}, {"mag_sta", u8}}},
+        {"mag_x", i16}, {"mag_y", i16}, {"mag_z", i16}, {"tmp", i16, times(10), "°C"}, {"mag_sta", u8}},
+        exactly(9)},
     {0x02, "compass", "Magnetometer, barometric altitude and temperature", sensor, {
         {"mag_x", i16}, {"mag_y", i16}, {"mag_z", i16}, {"alt_bar", i32, "cm"}, {"tmp", i16, times(10), "°C"},
         {"bar_sta", u8}, {"mag_sta", u8}}, Variant{"field", 14}},
     {0x03, "euler", "Attitude as Euler angles", sensor, {
-        {"rol", i16, times(100), "°"}, {"pit", i16, times(100), "°"}, {"yaw", i16, times(100), "°"}, {"fusion_sta", u8}}},
+        {"rol", i16, times(100), "°"}, {"pit", i16, times(100), "°"}, {"yaw", i16, times(100), "°"}, {"fusion_sta", u8}},
+        exactly(7)},
+    {0x03, "euler", "Attitude as Euler angles, with a mode", sensor, {
+        {"mode", u8, only(1), attitude_modes}, {"rol", i16, times(100), "°"}, {"pit", i16, times(100), "°"},
+        {"yaw", i16, times(100), "°"}, {"fusion_sta", u8}}, Variant{"field", 8}},
     {0x04, "quaternion", "Attitude as a quaternion", sensor, {
         {"v0", i16, times(10000)}, {"v1", i16, times(10000)}, {"v2", i16, times(10000)}, {"v3", i16, times(10000)},
         {"fusion_sta", u8}}},
     {0x05, "altitude", "Altitude by barometer, by the additional sensor, fused", sensor, {
-        {"alt_bar", i32, "cm"}, {"alt_add", i32, "cm"}, {"alt_fu", i32, "cm"}, {"alt_sta", u8}}},
+        {"alt_bar", i32, "cm"}, {"alt_add", i32, "cm"}, {"alt_fu", i32, "cm"}, {"alt_sta", u8}},
+        exactly(13)},
     {0x05, "altitude", "Altitude fused and by the additional sensor", sensor, {
         {"alt_fu", i32, "cm"}, {"alt_add", i32, "cm"}, {"alt_sta", u8}}, Variant{"field", 9}},
     {0x06, "mode", "Flight mode, and the command being executed", sensor, {
@@ -151,7 +158,7 @@ inline constexpr Message messages[] = {
         {"speed_x", i16, "cm/s", NoData{INT16_MIN}}, {"speed_y", i16, "cm/s", NoData{INT16_MIN}},
         {"speed_z", i16, "cm/s", NoData{INT16_MIN}}}},
     {0x34, "ranging", "Distance in one direction", sensor_by_kind, {
-        {"type", u8, only(0, 6), directions}, {"dist", i32, "mm"}}},
+        {"type", u8, only(0, 6), directions}, {"dist", i32, "mm"}}, exactly(5)},
     {0x34, "ranging", "Distances all round", sensor_by_kind, {
         {"type", u8, only(100), scans}, {"points", list},
         {"angle", u16, times(100), "°", range(0, 360), note("clockwise from the nose")}, {"dist", u16, "cm"}},
@@ -219,14 +226,28 @@ inline constexpr Message messages[] = {
         {"par_id", u16}, {"par_type", u8, parameter_types, range(0, 10)}, {"name", text[20]}, {"info", text}}},
     {0xE2, "parameter_info", "Describes a parameter of an old device, which sends every value as i32", urgent, {
         {"par_id", u16}, {"min", i32}, {"max", i32}, {"name", text[20]}, {"info", text}}, Variant{"old", 0, true}},
+    {0xE2, "parameter_info", "Describes a parameter of a device that sends every value as i32, multiplied by mul", urgent, {
+        {"par_id", u16}, {"min", i32}, {"max", i32}, {"mul", i32, range(0, 10'000'000), note("the value is that of parameter_value / mul; 0: not scaled")},
+        {"name", text[20]}, {"info", text}}, Variant{"scaled", 0, true}},
     {0xE3, "device_info", "Who a device is", urgent, {
         {"dev_id", u8, Role::code}, {"hw_ver", u16}, {"sw_ver", u16}, {"bl_ver", u16}, {"pt_ver", u16}, {"name", text}}},
 
     {0xF0, "firmware", "A step of a firmware upgrade", urgent, no, controls, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, firmware_codes}}},
+    // Some devices send codes high byte first. 01 10 is "erase" then, and "frame failed" of all others: the length tells.
+    {0xF0, "firmware", "A step of a firmware upgrade, with the code high byte first", urgent, no, controls, {
+        {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, ByteOrder::big, only(0x0102, 0x0112), firmware_codes}},
+        Variant{"reading", 3}},
     {0xF0, "firmware", "What became of a frame of the image", urgent, no, controls, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, only(0x1001, 0x1002), firmware_frame_codes},
         {"frame_num", u16}}, Variant{"written"}},
+    {0xF0, "firmware", "What became of a frame of the image, with the code high byte first", urgent, no, controls, {
+        {"iap_cmd", u8, only(0x00), firmware_commands},
+        {"code", u16, ByteOrder::big, only(0x1001, 0x1002), firmware_frame_codes}, {"frame_num", u16}},
+        Variant{"reading_written", 5}},
+    {0xF0, "firmware", "The check of the image, with the code high byte first", urgent, no, controls, {
+        {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, ByteOrder::big, only(0x1011, 0x1012), firmware_codes}},
+        Variant{"reading_check", 3}},
     {0xF0, "firmware", "Describes the image", urgent, no, controls, {
         {"iap_cmd", u8, only(0x01), firmware_commands}, {"bin_len", u32}, {"frame_len", u16}, {"bin_crc", u16},
         {"bin_ver", u16}, {"hw_type", u8}, {"hw_ver_min", u16}, {"hw_ver_max", u16}, {"cmd", u32}}, Variant{"info"}},

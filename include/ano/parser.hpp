@@ -11,6 +11,7 @@
 #include <ano/frame.hpp>
 #include <ano/frame_pairs.hpp>
 #include <ano/heard.hpp>
+#include <ano/image_length.hpp>
 #include <ano/prefix_sums.hpp>
 #include <ano/room.hpp>
 #include <ano/time.hpp>
@@ -40,9 +41,13 @@ struct ParserCounters {
 class FrameParser {
 public:
     struct Options {
-        std::size_t max_data = 4096;                       // 0 to 65535: larger LEN is refused from the header alone
+        // 0 to 65535: larger LEN is refused from the header alone; of an image above it (max_image_data_at()), from the first bytes
+        // of its DATA
+        std::size_t max_data = usual_max_data;
         std::uint32_t line_rate = 0;                       // bytes/s the line carries; 0: unknown
         Duration quiet = std::chrono::milliseconds{50};    // after this long without a byte, waiting candidates may give way
+        Duration
+            frame_gap{};    // pauses of this length are normal inside a frame, and only there: replaces `quiet`; zero: not set
         bool zero_padding = false;    // 0x00 behind a good frame, committed together with its end, is padding and is not counted
     };
 
@@ -55,8 +60,8 @@ public:
     /// The next good frame; std::nullopt when none is whole.
     std::optional<FrameView> next() noexcept;
 
-    /// Call before the bytes of a datagram are put in. The rest of the previous one is kept only if it is younger than 100 ms
-    /// and `datagram` does not itself start with a whole good frame.
+    /// Call before the bytes of a datagram are put in. The rest of the previous one is kept only if it is younger than 100 ms (or
+    /// frame_gap) and `datagram` does not itself start with a whole good frame.
     void begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept;
     /// The input ends here: next() no longer waits for the rest of a candidate. What is committed later begins anew.
     void finish() noexcept { barrier_ = end_; }
@@ -69,6 +74,9 @@ public:
     std::size_t waiting() const noexcept { return end_ - pos_; }
     /// Those bytes; valid until the next prepare().
     std::span<const std::uint8_t> rest() const noexcept { return {buffer_.get() + pos_, end_ - pos_}; }
+    /// The newest of the bytes that belong to no good frame, in their order: copied, as many as there are and fit. Returns how many.
+    std::size_t copy_skipped(std::span<std::uint8_t> into) const noexcept;
+    static constexpr std::size_t kept_skipped = 1024;
     const ParserCounters& counters() const noexcept { return counters_; }
     void set_line_rate(std::uint32_t bytes_per_second) noexcept { options_.line_rate = bytes_per_second; }
 
@@ -96,11 +104,19 @@ private:
     void sum_up_from(std::size_t at) noexcept;
     std::size_t first_not_overdue(TimePoint now) const noexcept;
     void skip_to(std::size_t at) noexcept;
+    void keep_skipped(std::span<const std::uint8_t> bytes) noexcept;
     void drop_padding() noexcept;
+    bool begins_with_frame(std::span<const std::uint8_t> datagram) const noexcept;
+    bool may_be_image(std::size_t at, std::size_t length) const noexcept {
+        return buffer_[at + 3] == image_id && length <= max_image_;
+    }
+    Duration quiet() const noexcept { return options_.frame_gap > Duration{} ? options_.frame_gap : options_.quiet; }
     TimePoint overdue_at(std::size_t candidate, TimePoint since) const noexcept;
 
     Options options_;
-    std::size_t capacity_;
+    std::size_t max_image_;         // DATA of an image; at least max_data
+    std::size_t capacity_;          // of the buffer, for two of the longest images
+    std::size_t usual_capacity_;    // for two of the longest other frames: what lies behind is touched by images only
     Room<std::uint8_t> buffer_;
     std::size_t pos_ = 0;        // first byte not yet judged
     std::size_t end_ = 0;        // end of the bytes put in
@@ -120,7 +136,8 @@ private:
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
     V7Matcher v7_;
-    std::size_t v7_budget_ = 0;    // bytes it may still look at: each commit adds some
+    std::size_t v7_budget_ = 0;                   // bytes it may still look at: each commit adds some
+    Room<std::uint8_t> skipped_{kept_skipped};    // a ring: byte N of skipped_bytes is at N % kept_skipped
     ParserCounters counters_;
 };
 

@@ -32,19 +32,40 @@ using Value = std::variant<Nothing, std::int64_t, std::uint64_t, double, std::st
 enum class Readable : std::uint8_t {
     yes,
     unknown_id,
-    unknown_layout,    // a mode that is not listed, or a flexible message without a configured layout
+    unknown_layout,    // a mode or a length that no layout has, or a flexible message without a configured layout
     too_short,         // malformed: fewer bytes than the layout has
 };
 
+/// Whether `bytes` are text, in UTF-8 or GBK, without control characters, and only NULs follow its first NUL.
+constexpr bool is_padded_text(Bytes bytes) noexcept {
+    bool is_over = false;
+    for (const std::uint8_t byte : bytes) {
+        if (is_over ? byte != 0 : byte != 0 && (byte < 0x20 || byte == 0x7F)) return false;
+        is_over = is_over || byte == 0;
+    }
+    return true;
+}
+
 /// Whether `data` is plausible in this layout: it is long enough, integers are in their documented range, and no text of
-/// fixed size begins with a byte that is not a printable character.
+/// fixed size begins with a byte that is not a printable character. In a layout that is taken by its look, such a text is text to its
+/// end, and `min` is not above `max`.
 constexpr bool is_plausible(const Message& row, Bytes data) noexcept {
     if (data.size() < row.fixed_size) return false;
+    if (row.variant.by_look) {
+        const Field* const min = row.field("min");
+        const Field* const max = row.field("max");
+        if (min != nullptr && max != nullptr &&
+            load<std::int32_t>(data.data() + min->offset) > load<std::int32_t>(data.data() + max->offset))
+            return false;
+    }
     for (const Field& f : row.fields()) {
         const std::uint8_t* at = data.data() + f.offset;
-        if (f.type == Type::text && !f.is_open() && (*at < 0x20 || *at == 0x7F || *at == 0x80 || *at == 0xFF)) return false;
+        if (f.type == Type::text && !f.is_open()) {
+            if (*at < 0x20 || *at == 0x7F || *at == 0x80 || *at == 0xFF) return false;
+            if (row.variant.by_look && !is_padded_text(data.subspan(f.offset, f.size()))) return false;
+        }
         if (!f.range || !is_integer(f.type)) continue;
-        const double wire = with_type(f.type, [&]<class T>(T) { return static_cast<double>(load<T>(at)); });
+        const double wire = with_type(f.type, [&]<class T>(T) { return static_cast<double>(load<T>(at, f.order)); });
         const double value = wire * f.scale.value / f.scale.wire;
         if (value < f.range.first || value > f.range.last) return false;
     }
@@ -54,13 +75,16 @@ constexpr bool is_plausible(const Message& row, Bytes data) noexcept {
 /// The row of `layouts` (all of one message, the base first) that `data` is laid out by; null when none of them fits.
 constexpr const Message* select_layout(std::span<const Message> layouts, Bytes data) noexcept {
     const auto matches = [&](const Message& row) {
-        if (row.variant.length != 0 && row.variant.length != data.size()) return false;
+        // Fewer bytes than the base layout has are malformed, whatever its length.
+        const std::size_t length = row.variant.length;
+        if (length != 0 && (row.is_base() ? data.size() > length : data.size() != length)) return false;
+        if (row.may_be_shifted_by_one() && data.size() == row.fixed_size + 1u) return false;
         if (row.variant.by_look && (is_plausible(layouts.front(), data) || !is_plausible(row, data))) return false;
         if (!row.selective) return true;
         for (const Field& f : row.fields()) {
             if (!f.selects) continue;
             if (data.size() < f.offset + f.size()) return false;
-            const std::uint32_t v = f.type == Type::u8 ? data[f.offset] : load<std::uint16_t>(data.data() + f.offset);
+            const std::uint32_t v = f.type == Type::u8 ? data[f.offset] : load<std::uint16_t>(data.data() + f.offset, f.order);
             if (v < f.selects->first || v > f.selects->last) return false;
         }
         return true;
@@ -72,14 +96,15 @@ constexpr const Message* select_layout(std::span<const Message> layouts, Bytes d
 
 /// The number that begins at `at`, in the unit of `field`.
 inline double number_at(const Field& field, const std::uint8_t* at) noexcept {
-    return with_type(field.type,
-                     [&]<class T>(T) { return static_cast<double>(load<T>(at)) * field.scale.value / field.scale.wire; });
+    return with_type(field.type, [&]<class T>(T) {
+        return static_cast<double>(load<T>(at, field.order)) * field.scale.value / field.scale.wire;
+    });
 }
 
 /// The value of one number that begins at `at`.
 inline Value value_at(const Field& field, const std::uint8_t* at) noexcept {
     return with_type(field.type, [&]<class T>(T) -> Value {
-        const T wire = load<T>(at);
+        const T wire = load<T>(at, field.order);
         if constexpr (std::is_integral_v<T>) {
             if (field.no_data && static_cast<std::int64_t>(wire) == *field.no_data) return Nothing{};
             if (field.scale.is_one()) {
@@ -170,7 +195,7 @@ inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible
     const auto layouts = layouts_of(id);
     if (layouts.empty()) return {Readable::unknown_id, nullptr, {}, 0, data};
     if (is_flexible(id)) {
-        const FlexibleLayout* layout = flexible == nullptr ? nullptr : flexible->find(id, source);
+        const FlexibleLayout* layout = flexible == nullptr ? nullptr : flexible->find(id, source, data);
         if (layout != nullptr) return fitting(&layouts.front(), layout->fields(), layout->size());
         return {Readable::unknown_layout, &layouts.front(), {}, 0, data};
     }

@@ -29,6 +29,7 @@ void a_layout_needs_a_length_or_a_mode_of_its_own();
 void two_layouts_share_a_label();
 void a_layout_before_takes_this_length_already();
 void a_layout_is_no_longer_than_its_length();
+void another_length_moves_the_fields_so_the_base_layout_is_exact();
 void the_layouts_of_a_message_share_its_traffic_class();
 void no_message_has_this_name();
 void the_message_has_no_such_layout();
@@ -76,6 +77,9 @@ struct Scale {
     constexpr double factor() const noexcept { return value / wire; }
     friend constexpr bool operator==(const Scale&, const Scale&) = default;
 };
+
+/// The order of the bytes of a number on the wire.
+enum class ByteOrder : std::uint8_t { little, big };
 
 /// What one value of an enumeration means.
 struct Meaning {
@@ -137,6 +141,7 @@ struct Field {
     Meanings meanings{};
     Range range{};
     Role role = Role::plain;
+    ByteOrder order = ByteOrder::little;
 
     constexpr Field() = default;
     template <class... Options>
@@ -166,6 +171,7 @@ private:
     consteval void set(Note n) { note = n.text; }
     consteval void set(Label l) { label = l.text; }
     consteval void set(Role r) { role = r; }
+    consteval void set(ByteOrder o) { order = o; }
 
     consteval bool holds(std::int64_t wire) const {
         if (!is_integer(type)) return false;
@@ -221,12 +227,15 @@ struct Traffic {
 };
 
 /// A second layout of a message: taken at exactly `length` bytes of DATA (0: any), and where its selecting fields
-/// match.
+/// match. A base layout with a length, exactly(), has nothing behind it: a longer DATA has an unknown layout.
 struct Variant {
     std::string_view label{};
     std::uint16_t length = 0;
     bool by_look = false;    // taken where is_plausible() refuses the base layout and accepts this one
 };
+
+/// Of a base layout beside which another length has the fields in other places: a third length could be either of them.
+consteval Variant exactly(std::uint16_t length) { return {"", length, false}; }
 
 inline constexpr std::size_t max_fields = 12;
 
@@ -268,6 +277,11 @@ struct Message {
     constexpr std::span<const Field> element() const noexcept { return {storage.data() + size, elements}; }
     constexpr bool is_base() const noexcept { return variant.label.empty(); }
     constexpr bool is_open() const noexcept { return size > 0 && storage[size - 1u].is_open(); }
+    /// Whether DATA with one more byte has an unknown layout. Some devices put a mode byte before the fields of a message that they send
+    /// again and again, so that all are shifted. Two more bytes and more stand behind the fields.
+    constexpr bool may_be_shifted_by_one() const noexcept {
+        return size > 0 && traffic.replaces != Replaces::nothing && !is_open();
+    }
     constexpr bool ends_in_list() const noexcept { return size > 0 && storage[size - 1u].type == Type::list; }
     constexpr const Field* field(std::string_view field_name) const noexcept {
         for (const Field& f : fields())
@@ -298,6 +312,15 @@ private:
     }
 };
 
+/// Whether the layout of one row continues that of the other, so that the fields of both keep their places.
+consteval bool keep_their_places(const Message& one, const Message& other) {
+    for (std::size_t i = 0; i < one.fields().size() && i < other.fields().size(); ++i) {
+        const Field &a = one.fields()[i], &b = other.fields()[i];
+        if (a.name != b.name || a.type != b.type || a.count != b.count) return false;
+    }
+    return true;
+}
+
 /// Where the rows of each id stand.
 struct MessageIndex {
     std::array<std::uint8_t, 256> first{};
@@ -315,6 +338,8 @@ consteval MessageIndex index_messages(std::span<const Message> rows) {
             if (rows[j].name == row.name && rows[j].id != row.id) table_error::one_name_stands_for_two_messages();
         if (count == 0) {
             if (!row.is_base()) table_error::the_first_row_of_a_message_is_its_base_layout();
+            if (row.variant.length != 0 && row.variant.length != row.fixed_size)
+                table_error::a_layout_is_no_longer_than_its_length();
             first = static_cast<std::uint8_t>(i);
         } else {
             const Message& base = rows[first];
@@ -324,6 +349,8 @@ consteval MessageIndex index_messages(std::span<const Message> rows) {
                 table_error::a_layout_needs_a_length_or_a_mode_of_its_own();
             const std::size_t length = row.variant.length;
             if (length != 0 && length < row.fixed_size) table_error::a_layout_is_no_longer_than_its_length();
+            if (length != 0 && base.variant.length == 0 && !keep_their_places(base, row))
+                table_error::another_length_moves_the_fields_so_the_base_layout_is_exact();
             for (std::size_t j = first; j < i; ++j) {
                 if (rows[j].variant.label == row.variant.label) table_error::two_layouts_share_a_label();
                 if (length != 0 && length == rows[j].variant.length && !rows[j].selective)

@@ -76,7 +76,7 @@ public:
     constexpr auto get() const noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();
         if constexpr (is_number(f.type) && f.count == 1) {
-            const auto wire = load<typename detail::WireType<f.type>::type>(data_.data() + f.offset);
+            const auto wire = load<typename detail::WireType<f.type>::type>(data_.data() + f.offset, f.order);
             const auto value = in_unit<f.scale.is_one()>(wire, f.scale);
             if constexpr (f.no_data.has_value()) return wire == *f.no_data ? std::nullopt : std::optional{value};
             else return value;
@@ -114,7 +114,7 @@ constexpr std::optional<View<M, Label>> as(FrameView frame) noexcept {
     constexpr const Message& row = detail::row<M, Label>;
     const Bytes data = frame.data();
     if (frame.id() != row.id || data.size() < row.fixed_size) return std::nullopt;
-    if constexpr (layouts_of(row.id).size() > 1)
+    if constexpr (layouts_of(row.id).size() > 1 || row.may_be_shifted_by_one())
         if (select_layout(layouts_of(row.id), data) != &row) return std::nullopt;
     return View<M, Label>{data};
 }
@@ -126,8 +126,8 @@ public:
     constexpr Draft() noexcept {
         for (const Field& f : message().fields())
             if (f.selects) {
-                data_[f.offset] = static_cast<std::uint8_t>(f.selects->first);
-                if (f.type == Type::u16) data_[f.offset + 1u] = static_cast<std::uint8_t>(f.selects->first >> 8);
+                if (f.type == Type::u8) data_[f.offset] = static_cast<std::uint8_t>(f.selects->first);
+                else store(&data_[f.offset], static_cast<std::uint16_t>(f.selects->first), f.order);
             }
     }
 
@@ -144,10 +144,11 @@ public:
             if (value < static_cast<T>(f.selects->first) || value > static_cast<T>(f.selects->last)) return false;
         if constexpr (std::is_integral_v<T> && std::is_integral_v<Wire> && f.scale.is_one()) {
             if (!std::in_range<Wire>(value)) return false;
-            store(data_.data() + f.offset, static_cast<Wire>(value));
+            store(data_.data() + f.offset, static_cast<Wire>(value), f.order);
             return true;
         } else {
-            return detail::store_double<Wire>(data_.data() + f.offset, static_cast<double>(value), f.scale) == Stored::ok;
+            return detail::store_double<Wire>(data_.data() + f.offset, static_cast<double>(value), f.scale, f.order) ==
+                   Stored::ok;
         }
     }
     /// Text, bytes or an address. A field of fixed size takes a copy and is filled up with 0; for a field of open length, `value`

@@ -1,7 +1,8 @@
-// Numbers as they stand on the wire: little-endian, packed, scaled.
+// Numbers as they stand on the wire: little-endian unless their field says otherwise, packed, scaled.
 #pragma once
 #include <ano/schema.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -37,6 +38,21 @@ constexpr void store(std::uint8_t* at, T value) noexcept {
         std::conditional_t<sizeof(T) == 2, std::uint16_t, std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
     const std::uint64_t bits = std::bit_cast<Bits>(value);
     for (std::size_t i = 0; i < sizeof(T); ++i) at[i] = static_cast<std::uint8_t>(bits >> (8 * i));
+}
+
+/// The same in the byte order of a field.
+template <class T>
+constexpr T load(const std::uint8_t* at, ByteOrder order) noexcept {
+    if (order == ByteOrder::little) return load<T>(at);
+    std::uint8_t bytes[sizeof(T)]{};
+    for (std::size_t i = 0; i < sizeof(T); ++i) bytes[i] = at[sizeof(T) - 1 - i];
+    return load<T>(bytes);
+}
+
+template <class T>
+constexpr void store(std::uint8_t* at, T value, ByteOrder order) noexcept {
+    store(at, value);
+    if (order == ByteOrder::big) std::reverse(at, at + sizeof(T));
 }
 
 /// Calls `f` with a T{} of the C++ type for `type`; with std::uint8_t{} for types that are not numbers.
@@ -77,12 +93,12 @@ inline std::pair<double, double> limits_of(const Field& field) noexcept {
 namespace detail {
 
 template <class T>
-Stored store_double(std::uint8_t* at, double value, Scale scale) noexcept {
+Stored store_double(std::uint8_t* at, double value, Scale scale, ByteOrder order) noexcept {
     if constexpr (std::is_floating_point_v<T>) {
         const double wire = value * scale.wire / scale.value;
         const T narrow = static_cast<T>(wire);
         if (std::isfinite(value) && !std::isfinite(narrow)) return Stored::out_of_range;
-        store(at, narrow);
+        store(at, narrow, order);
     } else {
         if (scale.is_one() && std::isfinite(value) && value != std::trunc(value)) return Stored::not_whole;
         const double wire = std::round(value * scale.wire / scale.value);
@@ -90,7 +106,7 @@ Stored store_double(std::uint8_t* at, double value, Scale scale) noexcept {
         const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
         const double first = std::is_signed_v<T> ? -end : 0.0;
         if (!(wire >= first && wire < end)) return Stored::out_of_range;
-        store(at, static_cast<T>(wire));
+        store(at, static_cast<T>(wire), order);
     }
     return Stored::ok;
 }
@@ -106,11 +122,11 @@ inline Stored store_number(const Field& field, const Number& number, std::uint8_
                 if constexpr (std::is_integral_v<T> && std::is_integral_v<N>) {
                     if (field.scale.is_one()) {
                         if (!std::in_range<T>(n)) return Stored::out_of_range;
-                        store(at, static_cast<T>(n));
+                        store(at, static_cast<T>(n), field.order);
                         return Stored::ok;
                     }
                 }
-                return detail::store_double<T>(at, static_cast<double>(n), field.scale);
+                return detail::store_double<T>(at, static_cast<double>(n), field.scale, field.order);
             },
             number);
     });
@@ -120,11 +136,11 @@ inline Stored store_number(const Field& field, const Number& number, std::uint8_
 /// has none.
 inline bool store_no_data(const Field& field, std::uint8_t* at) noexcept {
     if (field.type == Type::f32) {
-        store(at, std::numeric_limits<float>::quiet_NaN());
+        store(at, std::numeric_limits<float>::quiet_NaN(), field.order);
     } else if (field.type == Type::f64) {
-        store(at, std::numeric_limits<double>::quiet_NaN());
+        store(at, std::numeric_limits<double>::quiet_NaN(), field.order);
     } else if (field.no_data) {
-        with_type(field.type, [&]<class T>(T) { store(at, static_cast<T>(*field.no_data)); });
+        with_type(field.type, [&]<class T>(T) { store(at, static_cast<T>(*field.no_data), field.order); });
     } else {
         return false;
     }

@@ -60,6 +60,7 @@ private:
     Outcome tell_count(const View<"command_query">& question, Reply& reply) const;
     Outcome describe(std::uint16_t n, Reply& reply) const;
     bool values_of(const Command& row, Bytes bytes, FrameView frame);
+    bool is_newest() const noexcept;    // the value types are those of the newest generation of devices
 
     const Profile& profile_;
     std::vector<Command> rows_;

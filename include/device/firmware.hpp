@@ -3,6 +3,7 @@
 // Flow:    device.firmware().allow({.max_size = 1 << 20, .install = [](const Image& image) { return write(image); }});
 #pragma once
 #include <ano/crc16.hpp>
+#include <ano/firmware_codes.hpp>
 #include <ano/time.hpp>
 #include <ano/typed.hpp>
 #include <device/info.hpp>
@@ -64,15 +65,15 @@ public:
 
     Outcome take(const View<"firmware", "info">& info, Reply& reply);
     Outcome take(const View<"firmware", "image">& frame, Reply& reply);
-    /// Handles "erase" and "all sent"; the other codes are answers.
-    Outcome take(const View<"firmware">& code, TimePoint now, Reply& reply);
+    /// Handles "erase" and "all sent"; the other codes are answers. What follows "erase" is answered in the order of its bytes.
+    Outcome take(const FirmwareCode& code, TimePoint now, Reply& reply);
 
     /// When the answer to a slow step is due; std::nullopt while none is under way.
     std::optional<TimePoint> due() const noexcept { return due_; }
     /// Ends the slow step if it is due; returns the answer and its receiver.
     struct Late {
         Asker asker;
-        std::uint16_t code;
+        Draft<"firmware"> answer;
     };
     std::optional<Late> run(TimePoint now);
 
@@ -81,6 +82,7 @@ private:
     Outcome check(TimePoint now, Reply& reply);
     std::uint16_t end_erasing();
     std::uint16_t end_checking();
+    Outcome tell(Reply& reply, std::uint16_t code) const noexcept { return reply.send(firmware_step(code, order_)); }
     bool is_ours(const ImageInfo& info) const;
     bool store(std::size_t number, Bytes bytes);
     std::size_t frames() const noexcept { return (image_.size + image_.frame_size - 1u) / image_.frame_size; }
@@ -90,6 +92,7 @@ private:
     Flash flash_;
     ImageInfo image_;
     State state_ = State::idle;
+    ByteOrder order_ = ByteOrder::little;
     std::optional<Asker> asker_;    // the sender of the image
     std::optional<TimePoint> due_;
     std::vector<std::uint8_t> bytes_;

@@ -104,6 +104,8 @@ private:
     Outcome tell_value(std::uint16_t id, Reply& reply);
     Outcome describe(std::uint16_t id, Reply& reply);
     Outcome describe_as_of_old(std::uint16_t id, Reply& reply) const;
+    Outcome describe_scaled(std::uint16_t id, Reply& reply) const;
+    std::int32_t factor_of(const Parameter& row) const noexcept;
     bool has(std::uint16_t id);
     bool has_calibration(std::string_view beginning) const noexcept;
     bool act(std::uint16_t action, bool& known);

@@ -17,12 +17,15 @@ struct Profile {
     std::size_t max_string = max_sent - 2;        // bytes of a text parameter: a longer one is cut, and acknowledged
     ValueType7 value_type_7 = ValueType7::f32;    // of command_info (0xC2)
 
+    bool any_address = false;              // acts on frames for every address, and answers them
     bool acknowledges_unknown = false;     // also 0xE1 of a parameter that it does not have
     bool refuses_beyond_limits = false;    // such a value gets silence; otherwise it is clamped, and acknowledged
     bool reads_behind_the_end = false;     // a value shorter than its type is filled up with the check bytes, and stored
     bool crashes_at_the_count = false;     // reading or writing the id behind the last parameter silences it for ever
     bool old_layouts = false;              // 0xE2 with min and max, every 0xE1 as i32, the count of 0xC1 in four bytes
+    bool scaled_values = false;            // 0xE2 with min, max and mul, every 0xE1 as i32: a real number is multiplied by mul
     bool frames_in_order = false;          // an image frame that is not the next one in order fails
+    ByteOrder firmware_order = ByteOrder::little;    // of the codes that it sends (0xF0); it understands both
 
     std::size_t queue = 0;    // max. frames that wait to be handled; further ones are dropped silently. 0: handled at once
     Duration handling{};      // time for each frame, if there is a queue
@@ -38,8 +41,19 @@ struct Profile {
         profile.reads_behind_the_end = true;
         profile.crashes_at_the_count = true;
         profile.frames_in_order = true;
+        profile.firmware_order = ByteOrder::big;
         profile.queue = 20;
         profile.handling = milliseconds{1};
+        return profile;
+    }
+    constexpr bool sends_i32() const noexcept { return old_layouts || scaled_values; }
+
+    /// The generation between the two: parameters with ranges, and real numbers multiplied.
+    static constexpr Profile scaled() noexcept {
+        Profile profile = vendor();
+        profile.max_data = 298;
+        profile.value_type_7 = ValueType7::f32;
+        profile.scaled_values = true;
         return profile;
     }
     /// The oldest devices: parameters with ranges and without types.

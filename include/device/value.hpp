@@ -88,9 +88,9 @@ Value read_value(Type type, Bytes bytes);
 /// Appends the value to `out`, as it stands on the wire. An empty text is one NUL: a value has at least one byte.
 void append_value(std::vector<std::uint8_t>& out, Type type, const Value& value);
 
-/// The value as i32, as which the oldest devices send every number: clamped to its range, fractions rounded. Text is 0.
-std::int32_t as_i32(const Value& value) noexcept;
-/// The number of `type` nearest to `number`.
-Value from_i32(Type type, std::int32_t number);
+/// The value times `factor` as i32, as which older devices send every number: clamped to its range, fractions rounded. Text is 0.
+std::int32_t as_i32(const Value& value, std::int32_t factor = 1) noexcept;
+/// The number of `type` nearest to `number` / `factor`.
+Value from_i32(Type type, std::int32_t number, std::int32_t factor = 1);
 
 }    // namespace ano::device

@@ -14,7 +14,7 @@
 namespace anogate {
 
 struct AliasRule {
-    std::uint8_t device = 0;    // the id it has
+    std::uint8_t device = 0;    // the id it has; 0x00 and 0xFF are no ids, but some devices send from there
     std::uint8_t as = 0;        // the id it appears under; no other device may have it
     bool operator==(const AliasRule&) const = default;
 };
@@ -32,6 +32,8 @@ public:
     /// A frame from the link as other links are to see it: with the source, the device id of a device info (0xE3) and the
     /// checks in an acknowledgement rewritten. Valid until the next call.
     ano::FrameView inbound(ano::FrameView frame, ano::TimePoint now) noexcept;
+    /// The id under which a device of the link appears.
+    std::uint8_t appears_as(std::uint8_t device) const noexcept { return as_[device] != 0 ? as_[device] : device; }
     /// A frame to the link as its devices are to see it. std::nullopt for a frame to the real id of an aliased device: it is
     /// meant for another device that has this id, and must not reach this one. Valid until the next call.
     std::optional<ano::FrameView> outbound(ano::FrameView frame, ano::TimePoint now) noexcept;
@@ -42,8 +44,8 @@ private:
     ano::FrameView finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester, std::uint8_t alias,
                           ano::TimePoint now) noexcept;
 
-    std::array<std::uint8_t, 256> as_{};        // by device; 0: none
-    std::array<std::uint8_t, 256> device_{};    // by alias; 0: none
+    std::array<std::uint8_t, 256> as_{};                       // by device; 0: none
+    std::array<std::optional<std::uint8_t>, 256> device_{};    // by alias
     std::size_t max_size_;
     std::unique_ptr<std::uint8_t[]> in_, out_;            // two buffers: a frame may go from one device of the link to another
     ExpiringCache<ano::Checks> sent_as_{memory, 1024};    // the checks a frame had, by those it has now

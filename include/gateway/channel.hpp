@@ -1,7 +1,9 @@
 // A connection on a link: a serial link has one channel, a listening UDP link has one for every peer.
 #pragma once
 #include <ano/parser.hpp>
+#include <gateway/answer_watch.hpp>
 #include <gateway/counters.hpp>
+#include <gateway/echo_watch.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/outbox.hpp>
 #include <gateway/question_queue.hpp>
@@ -22,12 +24,14 @@ struct Channel {
     std::string peer;    // for people: the device, or the peer's endpoint
     ano::FrameParser parser;
     Outbox outbox;
-    ReceiveCounters routed;    // only what is counted after the parser: denied_in, inhibited, looped, duplicate, no_route
+    ReceiveCounters routed;    // only what no parser counts
     ano::TimePoint opened_at{};
     ano::TimePoint heard_at{};            // the last good frame; zero: none yet
     std::uint64_t skipped_by_then = 0;    // skipped() at the time heard_at
     bool hosts_spoke = false;             // a frame of a host was to be sent here
-    ReceiveCounters beside{};             // of further parsers: a CAN link has one for every CAN id
+    AnswerWatch answers{};
+    EchoWatch echo{};
+    ReceiveCounters beside{};    // of further parsers: a CAN link has one for every CAN id
 
     std::unique_ptr<QuestionQueue> questions{};    // before the outbox of a device that takes few questions; nullptr: none
 
@@ -45,6 +49,10 @@ struct Channel {
     /// The counters of the outbox and of `questions`.
     SendCounters sent() const noexcept;
     std::size_t waiting() const noexcept;
+    /// Whether a frame that came by the channel `from` waits to be sent.
+    bool has_waiting(ChannelId from) const noexcept {
+        return outbox.has_waiting(from) || (questions && questions->has_waiting(from));
+    }
 
 private:
     std::uint64_t skipped() const noexcept { return parser.counters().skipped_bytes + beside.skipped_bytes; }

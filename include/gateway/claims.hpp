@@ -12,13 +12,6 @@
 
 namespace anogate {
 
-/// Where a device speaks, as far as the Router knows.
-enum class Speaks : std::uint8_t {
-    somewhere,
-    at_home,      // at its home: where it was heard first
-    elsewhere,    // it has moved, or another device uses its address
-};
-
 /// The tests under way, at most one for an address: questions to the holder, and a verdict when it does not answer. Constant time,
 /// except take(); no allocation.
 class Claims {

@@ -20,6 +20,8 @@ struct ReceiveCounters {
     std::uint64_t looped{};           // came back around a ring
     std::uint64_t duplicate{};        // came already by another link of the group
     std::uint64_t no_route{};         // good frames without a receiver
+    std::uint64_t over_share{};       // datagrams of a peer that sent more than could be read in its share of the time
+    std::uint64_t suspended{};        // frames of a peer that was asked about as a listening gateway
 };
 
 /// Counts what was offered to a channel. frames_out + every cause + those waiting = offered.
@@ -27,11 +29,12 @@ struct SendCounters {
     std::uint64_t frames_out{};
     std::uint64_t bytes_out{};
     std::uint64_t empty_out{};      // of frames_out, those with LEN 0: older devices lose such a frame and the next
+    std::uint64_t flush_bytes{};    // zero bytes outside of frames, see Outbox::flush_parser()
     std::uint64_t superseded{};     // replaced by a newer one of its kind
     std::uint64_t queue_full{};     // gave way to newer frames
     std::uint64_t stale{};          // waited longer than its age limit
     std::uint64_t limited{};        // above the rate set for its kind
-    std::uint64_t denied_out{};     // refused by a filter
+    std::uint64_t denied_out{};     // refused by a filter, or because the link is in exclusive use
     std::uint64_t link_down{};      // the link was down, or went down
     std::uint64_t too_big{};        // more DATA than the link carries
     std::uint64_t send_failed{};    // refused by the system
@@ -81,12 +84,16 @@ inline constexpr CounterRow<ReceiveCounters> receive_counters[] = {
     {"looped", &ReceiveCounters::looped, "frames that went round and came back"},
     {"duplicate", &ReceiveCounters::duplicate, "copies that came by another link of the group already"},
     {"no_route", &ReceiveCounters::no_route, "good frames that had no taker"},
+    {"over_share", &ReceiveCounters::over_share, "datagrams dropped because their peer sent more than its share"},
+    {"suspended", &ReceiveCounters::suspended,
+     "frames refused for a second because their peer asked as a listening gateway does"},
 };
 
 inline constexpr CounterRow<SendCounters> send_counters[] = {
     {"frames_out", &SendCounters::frames_out, "frames sent"},
     {"bytes_out", &SendCounters::bytes_out, "bytes of the frames sent"},
     {"empty_out", &SendCounters::empty_out, "frames sent that have no DATA"},
+    {"flush_bytes", &SendCounters::flush_bytes, "zero bytes sent to a device that may wait inside a damaged frame"},
     {"superseded", &SendCounters::superseded, "replaced by a newer frame while waiting"},
     {"queue_full", &SendCounters::queue_full, "dropped because the queue was full"},
     {"stale", &SendCounters::stale, "dropped because they had waited too long"},

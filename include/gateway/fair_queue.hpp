@@ -17,9 +17,6 @@
 
 namespace anogate {
 
-/// The channel of frames that the gateway itself sends.
-inline constexpr ChannelId ourselves{max_channels};
-
 /// Frames of one sender leave in order, except that frames which `overtake` alternate with the others, and go first. A channel
 /// that had nothing waiting lately sends first. Neither throws nor allocates after construction; constant time a frame,
 /// amortised over its bytes.
@@ -81,6 +78,14 @@ public:
         skip(nodes_[frames_[i].flow].planned, i);
     }
 
+    /// The frame that leaves next of those of one sender; no_frame when none waits.
+    FrameIndex first_of(ChannelId from, std::uint8_t source) const noexcept {
+        const auto key = static_cast<std::uint32_t>(index(from) << 8 | source);
+        if (!shared_) return count_ > 0 && nodes_[sole].key == key ? first(nodes_[sole].now) : no_frame;
+        Number n = buckets_[bucket_of(key)];
+        while (n != nobody && nodes_[n].key != key) n = nodes_[n].chained;
+        return n != nobody ? first(nodes_[n].now) : no_frame;
+    }
     /// The oldest frame of the sender that has the most bytes waiting, on the channel that has the most. The queue must not be
     /// empty. When many wait, only some of them are compared.
     FrameIndex gives_way() noexcept;
@@ -161,7 +166,8 @@ private:
         return !shared_ && nodes_[sole].key == key ? sole : flow_of_many(key);
     }
     // The hash puts the flows of one channel into different buckets.
-    Number& bucket(std::uint32_t key) noexcept { return buckets_[(key ^ (key >> 8) * 0x9Du) % bucket_count]; }
+    static std::size_t bucket_of(std::uint32_t key) noexcept { return (key ^ (key >> 8) * 0x9Du) % bucket_count; }
+    Number& bucket(std::uint32_t key) noexcept { return buckets_[bucket_of(key)]; }
 
     Number flow_of_many(std::uint32_t key) noexcept;
     Number new_flow(std::uint32_t key) noexcept;

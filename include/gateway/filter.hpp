@@ -111,6 +111,10 @@ public:
     }
 
     bool takes(ano::FrameView frame) const noexcept { return !receive_ || passes(*receive_, frame); }
+    /// Whether the send filter lets the frame pass; limits are not looked at.
+    bool sends(ano::FrameView frame) const noexcept {
+        return (sends_empty_ || !frame.data().empty()) && (!send_ || passes(*send_, frame));
+    }
     /// nullptr: the frame may leave; otherwise the counter for the reason. A frame that goes to several channels of the link counts
     /// once for the limits: `number`, above 0, is the number of the frame in the gateway.
     SendCause refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {

@@ -7,13 +7,14 @@
 //          while (Channel* to = forwarder.next_to_flush()) ...   // at the end of a batch: frames wait in its outbox
 //          forwarder.tick(now);                                  // at due(), and say_hellos(now) at hello_due(); then flush
 #pragma once
+#include <ano/flush.hpp>
 #include <ano/frame.hpp>
 #include <ano/messages.hpp>
 #include <ano/time.hpp>
 #include <gateway/channel.hpp>
 #include <gateway/duplicate_guard.hpp>
 #include <gateway/forwarder_link.hpp>
-#include <gateway/held.hpp>
+#include <gateway/frame_key.hpp>
 #include <gateway/hello.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/inhibit.hpp>
@@ -26,6 +27,7 @@
 #include <gateway/tunnel_port.hpp>
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -47,6 +49,7 @@ public:
             bool arrivals = true;      // received()
             bool fates = true;         // passes(), offered(), dropped(), refused()
             bool departures = true;    // left(), gave_up()
+            bool always = false;       // it listens as long as the gateway runs: not counted by is_observed()
             bool operator==(const Wants&) const = default;
         };
 
@@ -58,7 +61,7 @@ public:
         /// The frame waits in the outbox of `to`, or in the queue of questions before it; `frame` is as its receiver will see it. left()
         /// or gave_up() follows. `from` may be `ourselves`.
         virtual void offered(const Channel& to, ano::FrameView frame, ChannelId from) = 0;
-        /// A received frame was dropped. A withheld frame whose next repeat never came is counted as `looped` without this call.
+        /// A received frame was dropped.
         virtual void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) = 0;
         /// The frame was to leave by `to` and was refused.
         virtual void refused(LinkId to, ano::FrameView frame, SendCause cause) = 0;
@@ -93,6 +96,8 @@ public:
     void remove_link(LinkId link);
     /// Changes the settings and keeps what was learned. set_unknown_link() must be called again.
     void set(const GatewaySettings& settings) { router_.set(settings); }
+    /// The ids whose frames are not treated as the message table has it.
+    void set_classes(const std::vector<ClassSettings>& classes);
     void pin(std::uint8_t first, std::uint8_t last, LinkId link) { router_.pin(first, last, link); }
     /// Except for the aliases of the link, which stay pinned.
     void unpin(std::uint8_t first, std::uint8_t last, LinkId link);
@@ -105,6 +110,7 @@ public:
     void restore(std::uint8_t address, const Channel& channel, TimePoint heard_at) {
         router_.restore(address, channel.id, heard_at);
     }
+    void restore_last_homes(const std::bitset<256>& addresses, LinkId link) { router_.restore_last_homes(addresses, link); }
     void restore_first(std::uint8_t address, const Channel& channel) { router_.restore_first(address, channel.id); }
     /// What a link of a group brought after `since`, to be restored in the next run of the program, so that copies by other links of the
     /// group are still detected.
@@ -112,6 +118,8 @@ public:
         return duplicates_.brought_by(link, since);
     }
     void restore(LinkId link, const DuplicateGuard::Memory& brought);
+    /// While a person writes to the devices of `link` by hand: frames to it are dropped (denied_out).
+    void set_exclusive(LinkId link, bool exclusive);
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
     /// Makes `link`, which was added, the tunnel; tunnel frames that come by `carried` leave by it. `port` must live until the link
     /// is removed. Another call changes what is carried.
@@ -139,6 +147,10 @@ public:
     /// Routes a frame of the gateway itself. `from` is not one of the opened channels, its id is `ourselves`: the rules and switches of
     /// its link apply, and it counts what is dropped. No address is learned from the frame.
     void send_on(Channel& from, ano::FrameView frame, TimePoint now);
+
+    /// Has zero bytes sent (Outbox::flush_parser()) wherever `frame`, which send_on() is to get next, will leave. Of
+    /// several lines the slowest counts.
+    ano::Flush flush_parsers(LinkId from, ano::FrameView frame, TimePoint now);
 
     /// As say(), for an answer of the gateway itself, which may come back by any link.
     void answer(ChannelId to, ano::FrameView frame, TimePoint now);
@@ -178,11 +190,18 @@ public:
     /// Who claimed the address last; nullptr: nobody.
     const Claimant* claimant(const Conflict& conflict) const;
 
+    /// A frame that came by `from` with this `source` has the address of a device that is at home elsewhere: Router::claims(), of the
+    /// address under which other links see it.
+    bool is_elsewhere(const Channel& from, std::uint8_t source) const noexcept;
+
+    /// As in Router; for the log.
+    std::optional<Router::Moved> take_move() noexcept { return router_.take_move(); }
+
     /// Without observers, nothing is copied for them. For an observer that is registered already, this changes `wants`.
     void add_observer(Observer& observer, Observer::Wants wants);
     void add_observer(Observer& observer) { add_observer(observer, Observer::Wants{}); }
     void remove_observer(Observer& observer);
-    bool is_observed() const noexcept { return !observers_.empty(); }
+    bool is_observed() const noexcept { return observers_.size() > always_.size(); }
     /// Gives the port id to the open channel alone.
     void bear(const Channel& channel, std::uint8_t port_id) { router_.bear(channel.id, port_id); }
     /// Changes whenever a link or a channel was added or removed.
@@ -193,7 +212,7 @@ public:
     ChannelSet channels() const noexcept { return used_; }
     const Router& router() const noexcept { return router_; }
     const SameDevice& same_device() const noexcept { return same_device_; }
-    const RingWatch& rings() const noexcept { return loop_guard_.rings(); }
+    const LoopGuard& loops() const noexcept { return loop_guard_; }
     /// The switches that block control frames.
     Inhibit& inhibit() noexcept { return inhibit_; }
 
@@ -201,6 +220,8 @@ private:
     struct LinkEntry;
     LinkEntry& entry(LinkId link) noexcept { return *links_[index(link)]; }
     const LinkEntry& entry(LinkId link) const noexcept { return *links_[index(link)]; }
+
+    QueuePolicy policy(ano::FrameView frame) const noexcept { return policies_[frame.id()]; }
 
     void left(ChannelId channel, ano::FrameView frame) noexcept override;
     void dropped(ChannelId channel, ano::FrameView frame, SendCause cause) noexcept override;
@@ -218,20 +239,23 @@ private:
     // forwarder.cpp: the steps
     void begin(Channel& from, ano::FrameView frame, TimePoint now);
     void replay(Channel& from, ano::FrameView frame);
-    Said said_at(const Channel& from, ano::FrameView frame, std::uint64_t key) const;
-    bool goes_round(Channel& from, ano::FrameView frame, ano::FrameView brought, const Said& said, std::uint32_t& copies);
-    void end_loop(Channel& from, ano::FrameView frame);
+    LoopGuard::Arrival arrival(const Channel& from, ano::FrameView frame, std::uint64_t key) const;
+    void end_loop(Channel& from, ano::FrameView frame, ChannelSet ask);
+    bool is_echo(Channel& from, ano::FrameView brought, std::uint64_t key) const;
     bool is_duplicate(Channel& from, ano::FrameView brought, std::uint64_t key, QueuePolicy policy);
     void compare(const Channel& from, ano::FrameView frame, std::uint64_t key);
     bool admit(Channel& from, ano::FrameView frame);
     bool admit_unopened(Channel& from, ano::FrameView frame);
-    void pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const Said& said, std::uint32_t copies);
+    void pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const LoopGuard::Arrival& arrival,
+                 const LoopGuard::Judgement& judgement);
     void keep_from_tunnel(Route& route);
     void tell_own(const Channel& from, ano::FrameView frame, Via via) {
         if (own_ && (via == Via::own || via == Via::broadcast)) [[unlikely]]
             own_->take(from, frame, now_);
     }
     void note_taker(Channel& from, ano::FrameView frame, const Route& route, bool is_ours);
+    void drop_unrouted(Channel& from, ano::FrameView frame);
+    void note_device(const Channel& from, ano::FrameView frame);
     void offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
     SendCause rewrite(LinkEntry& link, ano::FrameView& frame);
     void drop(Channel& from, ano::FrameView frame, ReceiveCause cause);
@@ -242,22 +266,15 @@ private:
     bool may_leave(LinkId to, ano::FrameView frame);
     void learn(Channel& from, ano::FrameView frame);
 
-    // forwarder_held.cpp
-    static bool keeps_order(ano::FrameView frame) noexcept;
-    bool hold(Channel& from, ano::FrameView brought, TimePoint due, Held::Repeats repeats = {});
-    void make_room_for(const Channel& from, ano::FrameView frame);
-    void hurry(ChannelId from);
-    void receive_held(const Held::Frame& held);
-    void release_held_until(TimePoint due);
-
     // forwarder_questions.cpp
     void say(ChannelId to, ano::FrameView frame);
-    void send_probe(ChannelId channel);
+    void send_probes(ChannelId from, ChannelSet channels);
     void take_probe(Channel& from, ano::FrameView probe);
     SendCause ask(ChannelId from, Channel& channel, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
     void release_questions();
     void ask_holders();
     void say_and_remember(ChannelId to, ano::FrameView frame);
+    ano::Flush flush_parser(ChannelId to);
     TimePoint heard_at(const LinkEntry& link) const;
     void await_hellos();
     void note_claimants();
@@ -265,10 +282,8 @@ private:
     static constexpr std::uint8_t firmware_id = ano::id_of<"firmware">;
 
     Router router_;
+    std::array<QueuePolicy, 256> policies_ = policies;
     LoopGuard loop_guard_;
-    Held held_;    // frames that wait for a judgement of loop_guard_
-    bool releasing_ = false;
-    bool hurrying_ = false;
     DuplicateGuard duplicates_;
     SameDevice same_device_;
     Inhibit inhibit_;
@@ -284,9 +299,10 @@ private:
     LinkSet carried_;    // the links whose tunnel frames the tunnel takes
     LinkSet ruled_;      // the links with rules, aliases, present_as, a hello, or devices that take few questions
     std::vector<Observer*> observers_;    // all
-    std::vector<Observer*> hear_arrivals_, hear_fates_, hear_departures_;
+    std::vector<Observer*> hear_arrivals_, hear_fates_, hear_departures_, always_;
     Own* own_ = nullptr;
     std::uint64_t frame_number_ = 0;
+    bool to_one_place_ = false;    // the frame that is offered now was not spread, so that only an echo brings it back
     std::uint64_t version_ = 0;
     TimePoint now_{};
     TimePoint arrived_at_{};    // of the frame being received
@@ -304,6 +320,8 @@ struct Forwarder::LinkEntry {
     std::unique_ptr<Aliases> aliases;    // nullptr: none
     PresentAs* present_as = nullptr;     // nullptr: hosts keep their addresses; the links of a group share one
     std::optional<Hello> hello;          // std::nullopt: it never speaks first
+    bool exclusive = false;              // no frames leave
+    bool has_rules() const noexcept { return rules || aliases || present_as || hello || settings.takes_few_questions; }
 };
 
 inline const LinkTraffic& Forwarder::traffic(LinkId link) const { return entry(link).traffic; }

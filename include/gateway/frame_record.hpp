@@ -16,10 +16,11 @@ enum class Direction : std::uint8_t { in, out, dropped };
 std::string_view text(Direction direction) noexcept;
 
 /// Numbers are little-endian: time_ns (8 bytes), boottime_ns (8), link, direction, cause, channel, and the frame, whose LEN gives
-/// its length. Records follow each other without a gap.
+/// its length. The upper bit of the direction is `is_elsewhere`. Records follow each other without a gap.
 struct FrameRecord {
     static constexpr std::size_t head = 20;             // bytes before the frame
     static constexpr std::uint8_t no_channel = 0xFF;    // it belongs to no channel of its link
+    static constexpr std::uint8_t elsewhere = 0x80;     // in the byte of the direction
 
     std::uint64_t time_ns = 0;        // since 1970
     std::uint64_t boottime_ns = 0;    // since the computer was started, including the time that it was suspended
@@ -28,6 +29,7 @@ struct FrameRecord {
     std::uint8_t cause = 0;    // why it was dropped: an index of frame_causes(); 0: it was not dropped
     std::uint8_t channel = no_channel;
     ano::FrameView frame;
+    bool is_elsewhere = false;    // it was received where its source is not at home: another sender may use the address
 
     /// Bytes that write() takes.
     std::size_t size() const noexcept { return head + frame.bytes().size(); }

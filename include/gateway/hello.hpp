@@ -21,6 +21,8 @@ public:
     static constexpr ano::Duration first_silence = std::chrono::seconds{1};
     static constexpr ano::Duration min_interval = std::chrono::seconds{1};
     static constexpr ano::Duration update_pause = std::chrono::seconds{60};
+    /// After so many hellos without an answer the device may be deaf: its parser waits inside a damaged frame.
+    static constexpr unsigned until_deaf = 2;
 
     /// `interval` between two hellos, at least min_interval.
     explicit Hello(ano::Duration interval) : interval_{std::max(interval, min_interval)} {}
@@ -32,7 +34,14 @@ public:
     void went_down() noexcept { up_at_.reset(); }
     /// A firmware frame (0xF0) passed, to the link or from it.
     void saw_firmware(ano::TimePoint now) noexcept { firmware_at_ = now; }
-    void said(ano::TimePoint now) noexcept { said_at_ = now; }
+    /// Whether the parser of the device is to be flushed before the next hello: before the third of three without an answer.
+    bool may_be_deaf(ano::TimePoint heard_at) const noexcept {
+        return said_at_ && heard_at < *said_at_ && unanswered_ % (until_deaf + 1) == until_deaf;
+    }
+    void said(ano::TimePoint now, ano::TimePoint heard_at) noexcept {
+        unanswered_ = said_at_ && heard_at < *said_at_ ? unanswered_ + 1 : 1;
+        said_at_ = now;
+    }
 
     /// When the next hello is due if nothing is heard until then; std::nullopt while the link is down. `heard_at` is the time of
     /// the last good frame that the link brought, zero for none.
@@ -48,6 +57,7 @@ private:
     ano::Duration interval_;
     std::optional<ano::TimePoint> up_at_;
     std::optional<ano::TimePoint> said_at_;    // since it came up
+    unsigned unanswered_ = 0;                  // hellos since the last good frame came
     std::optional<ano::TimePoint> firmware_at_;
 };
 

@@ -1,7 +1,10 @@
 // Finds out from the counters of a link what is wrong with it, and what to do. README, "Troubleshooting".
 #pragma once
+#include <ano/attitude.hpp>
+#include <ano/parser.hpp>
 #include <ano/time.hpp>
 #include <gateway/counters.hpp>
+#include <gateway/wrong_frames.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -55,7 +58,7 @@ struct LinkFigures {
     std::uint64_t came_stale = 0;    // the part of `sent.stale` that had waited before, while the gateway stood still
     std::uint64_t v7_frames = 0;
     std::string_view ring_out, ring_back;    // names of links: frames sent by the first come back by the second; empty: no ring
-    bool ring_is_certain = true;             // false: may also be a device on two links
+    std::vector<std::uint8_t> skipped{};     // the newest bytes that belong to no frame, of one parser
     std::uint64_t gateways = 0;              // other gateways' listening ports that were refused
     std::uint64_t no_place = 0;              // datagrams of strangers that were refused because all places were taken
     ano::Duration up_for{};
@@ -65,8 +68,21 @@ struct LinkFigures {
     std::optional<ano::Duration> untaken_for;    // for how long frames to hosts have had no receiver; std::nullopt: not so
     std::string_view hosts_link;                 // the link where hosts were heard last, when all such links are down; else empty
     SharedSource shared = SharedSource::none;
+    std::uint8_t shared_address = 0;                   // of that source; 0: not known
+    std::optional<std::uint8_t> not_sent;              // a frame from here that acts on this device went nowhere
+    ToUtf8 to_utf8 = nullptr;                          // for text that is shown
+    bool echoes = false;                               // what is sent by it comes back by it
+    std::optional<std::uint8_t> answers_for_others;    // the device here that answers for addresses that are not its own
+    std::optional<std::uint8_t> nobody;                // 0x00 or 0xFF, from where a device here sends
+    std::uint8_t contradictory = 0;                    // address of a device here, see AttitudeWatch; 0: none
+    ano::EulerSigns attitude{};                        // the setting of the link
     std::uint8_t hidden = 0;    // address of a device here that is also the port id of another link; 0: none
 };
+
+/// Frames that act on the device `address` are not sent, as it is not known where it is.
+Hint unknown_device(std::uint8_t address);
+/// Where bytes were skipped by `parser`, they are added: for the first parser that has some.
+void add_skipped(LinkFigures& link, const ano::FrameParser& parser);
 
 /// The most important hint; empty when there is none.
 Hint find_hint(const LinkFigures& link);

@@ -14,6 +14,9 @@ enum class ChannelId : std::uint8_t {};
 inline constexpr std::size_t max_links = 64;
 inline constexpr std::size_t max_channels = 64;
 
+/// The channel of frames that the gateway itself sends.
+inline constexpr ChannelId ourselves{max_channels};
+
 constexpr std::size_t index(LinkId id) noexcept { return static_cast<std::size_t>(id); }
 constexpr std::size_t index(ChannelId id) noexcept { return static_cast<std::size_t>(id); }
 

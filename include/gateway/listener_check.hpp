@@ -24,7 +24,8 @@ using ano::TimePoint;
 class ListenerCheck {
 public:
     static constexpr Duration suspended_for = std::chrono::seconds{1};
-    /// A question suspends an endpoint at most once in this time: otherwise questions with a forged source could silence it.
+    /// A question suspends an endpoint at most once in this time: otherwise questions with a forged source could silence it. While as
+    /// many endpoints as can be remembered were suspended within that time, no other is.
     static constexpr Duration between_suspensions = std::chrono::minutes{1};
     /// A refused endpoint that does not answer this many questions in a row, one a second, is no longer a listening gateway.
     static constexpr int unanswered_enough = 5;
@@ -43,9 +44,11 @@ public:
     /// An answer of `from` came. True: it is a listening gateway, and refused from now on.
     bool answered(const Endpoint& from, std::uint64_t number, TimePoint now);
 
-    bool is_suspended(const Endpoint& endpoint, TimePoint now) const noexcept;
+    bool is_suspended(const Endpoint& endpoint, TimePoint now) const noexcept { return suspended_until(endpoint, now) > now; }
+    /// The end of its suspension; `now`: it is not suspended.
+    TimePoint suspended_until(const Endpoint& endpoint, TimePoint now) const noexcept;
     bool is_refused(const Endpoint& endpoint) const noexcept;
-    /// To be called when it is no longer a peer or a suspect.
+    /// To be called when it is no longer a peer or a suspect. Its last suspension is remembered.
     void forget(const Endpoint& endpoint) noexcept;
 
 private:
@@ -55,19 +58,26 @@ private:
         std::uint32_t asks = 0;
         TimePoint asked_at{};
         TimePoint seen_at{};
-        std::optional<TimePoint> suspended_at;
         bool refused = false;
         int unanswered = 0;    // while refused
     };
     static constexpr std::size_t max_suspects = 128;    // twice the peers of a link
 
+    // A table of its own: questions of strangers must not push out what is remembered of a suspension.
+    struct Suspension {
+        Endpoint endpoint;    // port 0: a free row
+        TimePoint at{};
+    };
+
     const Suspect* find(const Endpoint& endpoint) const noexcept;
     Suspect* find(const Endpoint& endpoint) noexcept;
     Suspect& row(const Endpoint& endpoint, TimePoint now) noexcept;
     ListeningNotice ask(Suspect& suspect, TimePoint now);
+    void suspend(const Endpoint& endpoint, TimePoint now) noexcept;
 
     std::function<std::uint64_t()> random_;
     std::array<Suspect, max_suspects> suspects_;
+    std::array<Suspension, max_suspects> suspensions_;
     TimePoint answers_since_{};
     std::uint32_t answers_ = 0;
 };

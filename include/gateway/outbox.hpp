@@ -6,6 +6,7 @@
 //          outbox.set_congested()                          // when the wire took no more and frames still wait
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/image_length.hpp>
 #include <ano/room.hpp>
 #include <ano/time.hpp>
 #include <gateway/class_shares.hpp>
@@ -17,6 +18,7 @@
 
 #include <array>
 #include <bit>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -24,6 +26,11 @@
 namespace anogate {
 
 class InFlight;
+
+/// How long a line of `rate` bytes/s is busy with the zero bytes of a flush; zero when the rate is not known (0).
+constexpr ano::Duration time_of_flush(std::size_t bytes, std::uint32_t rate) noexcept {
+    return rate > 0 ? ano::Duration{std::chrono::seconds{bytes}} / rate : ano::Duration{};
+}
 
 /// Urgent frames leave first, then telemetry, then bulk, but each class that waits gets at least a tenth of the bytes.
 /// Within a class, each channel by which frames come has the same share, and within a channel each sender. Frames of one sender
@@ -33,9 +40,17 @@ class Outbox {
 public:
     struct Options {
         std::size_t bytes = 32 * 1024;    // maximum that waits; at least overhead + max_data, at most 1 GiB
-        std::size_t max_data = 4096;      // frames with more DATA are counted too_big
+        std::size_t max_data = 4096;      // frames with more DATA are counted too_big; images may have more (image_length.hpp)
         AgeLimits age{};
+        std::size_t flush_bytes = 0;          // zero bytes of a flush_parser(), at most max_flush; 0: none, the wire is no UART
+        std::size_t flush_again_bytes = 0;    // the same if there was one within flushed_soon; fewer than flush_bytes: as many
     };
+    static constexpr std::size_t usual_flush = 206;    // the most DATA of vendor devices, and a frame around it
+    static constexpr std::size_t max_flush = 306;      // the same of older ones
+    static constexpr std::size_t zeros_at_once = 32;
+    static constexpr ano::Duration between_flushes = std::chrono::seconds{1};
+    static constexpr ano::Duration flushed_soon = std::chrono::seconds{10};
+
     explicit Outbox(const Options& options);
 
     /// Queues a frame that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
@@ -45,6 +60,16 @@ public:
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
     /// The same for a frame of the lowest class that is never dropped as stale.
     SendCause push(ano::FrameView frame) noexcept { return store(frame, {}, ano::TimePoint::max(), ourselves); }
+    /// Queues zero bytes, which leave before the next frame and are not part of one: a device whose parser waits inside a damaged frame
+    /// gets its end, and a parser that searches for a header skips them. They end when a second frame waits. False, and nothing is queued,
+    /// while frames wait, within between_flushes of the last time, or without Options::flush_bytes.
+    bool flush_parser(ano::TimePoint now) noexcept;
+    /// In which time flush_parser() may succeed that does not because of between_flushes; zero: it does, or another reason prevents it.
+    ano::Duration until_flush(ano::TimePoint now) const noexcept;
+    /// The zero bytes that have not left yet; a stream gets them by gather() and sent().
+    std::size_t zeros() const noexcept { return zeros_; }
+    /// Whether a frame waits that came by the channel `from`.
+    bool has_waiting(ChannelId from) const noexcept;
     /// Whether a frame of this age may not be sent any more.
     bool is_stale(QueuePolicy policy, ano::Duration age) const noexcept;
     /// The clock that ages are measured by did not count `time` (the machine was suspended): all waiting frames become that much older.
@@ -60,6 +85,7 @@ public:
     struct Next {
         std::size_t size = 0;
         bool urgent = false;
+        bool is_zeros = false;    // `size` zero bytes, of which any number may leave
     };
     Next next(ano::TimePoint now) noexcept;
     /// The frames that leave next, in order, one piece each; the first piece is the rest of a frame that has left in part. Drops
@@ -73,6 +99,8 @@ public:
     void sent_frame() noexcept;
     /// The first frame of what gather() gave can't be sent, for `cause`. Must not be called for a frame that has begun to leave.
     void drop_frame(SendCause cause) noexcept;
+    /// Drops all that waits, for `cause`: only the rest of a frame that has left in part is still sent.
+    void drop_waiting(SendCause cause) noexcept;
     /// The wire takes no more for now: from now on, newer frames replace older ones of their kind, until nothing waits.
     void set_congested() noexcept { congested_ = frames_ > 0; }
 
@@ -96,8 +124,11 @@ public:
 
     void set_age_limits(const AgeLimits& age) noexcept { options_.age = age; }
     bool is_open() const noexcept { return open_; }
+    /// Whether a frame has left in part: nothing may be written before its rest.
+    bool has_begun() const noexcept { return partly_sent_ > 0; }
     bool congested() const noexcept { return congested_; }
-    bool empty() const noexcept { return frames_ == 0; }
+    /// Nothing waits, no zero bytes either.
+    bool empty() const noexcept { return frames_ == 0 && zeros_ == 0; }
     std::size_t waiting() const noexcept { return frames_; }
     std::size_t waiting_bytes() const noexcept { return bytes_; }
     const SendCounters& counters() const noexcept { return counters_; }
@@ -161,6 +192,9 @@ private:
     std::size_t partly_sent_ = 0;    // how many of its bytes have left
     std::size_t frames_ = 0;
     std::size_t bytes_ = 0;
+    std::size_t zeros_ = 0;
+    std::uint64_t zeros_before_ = 0;    // the number of the frame before which they leave
+    ano::TimePoint flush_again_at_ = ano::TimePoint::min();
     std::uint64_t pushed_ = 0;
     bool open_ = false;
     bool congested_ = false;

@@ -25,16 +25,21 @@ constexpr std::uint32_t uart_rate(std::uint32_t baud, bool parity, unsigned stop
 class Pacer {
 public:
     struct Options {
-        std::uint32_t rate = 0;                                   // bytes/s, above 0; a UART with 8N1 carries baud / 10
+        std::uint32_t rate = 0;                                   // bytes/s; a UART with 8N1 carries baud / 10; 0: not known
         ano::Duration latency = std::chrono::milliseconds{20};    // up to 1 s
+        ano::Duration gap{};    // frames leave one by one, with a pause after each; zero: they may leave without pauses
     };
-    explicit constexpr Pacer(const Options& options) noexcept : options_{options} { assert(options.rate > 0); }
+    /// Has a rate or a gap.
+    explicit constexpr Pacer(const Options& options) noexcept : options_{options} {
+        assert(options.rate > 0 || options.gap > ano::Duration::zero());
+    }
 
     /// How many bytes may be written now: none, or at least the `size` bytes of what leaves next. A whole frame may always
     /// be written to an idle line. A spent budget is only renewed when half a `latency` is free, so that a busy line needs
     /// few writes; an urgent frame does not wait for that.
     constexpr std::size_t allowance(std::size_t size, bool urgent, ano::TimePoint now) noexcept {
         const ano::Duration ahead = ahead_of(now);
+        if (pauses()) return one_frame(size, now);
         if (spent_ && !urgent && ahead > options_.latency / 2) return 0;
         spent_ = false;
         const std::size_t room = bytes_in(options_.latency - ahead);
@@ -46,11 +51,15 @@ public:
     /// When allowance() is next above 0 for `size` bytes, if nothing is sent before.
     constexpr ano::TimePoint next_at(std::size_t size) const noexcept {
         if (done_at_ == ano::TimePoint::min()) return done_at_;    // nothing has been sent yet
+        if (pauses()) return done_at_ + options_.gap;
         const ano::Duration ahead = std::max(ano::Duration::zero(), options_.latency - time_of(size));
         return done_at_ - std::min(ahead, options_.latency / 2);
     }
     /// The driver took `bytes` at `now`.
-    constexpr void sent(std::size_t bytes, ano::TimePoint now) noexcept { done_at_ = now + ahead_of(now) + time_of(bytes); }
+    constexpr void sent(std::size_t bytes, ano::TimePoint now) noexcept {
+        done_at_ = now + ahead_of(now) + time_of(bytes);
+        left_ -= std::min(left_, bytes);
+    }
     /// The driver still holds `unsent` bytes at `now`: a line that is slower than its rate, or stopped by flow control.
     /// When it holds less than expected, nothing is changed: there may be another buffer behind it.
     constexpr void correct(std::size_t unsent, ano::TimePoint now) noexcept {
@@ -60,9 +69,16 @@ public:
     constexpr void reset() noexcept {
         done_at_ = seen_ = ano::TimePoint::min();
         spent_ = false;
+        left_ = 0;
     }
 
 private:
+    constexpr bool pauses() const noexcept { return options_.gap > ano::Duration::zero(); }
+    // All of the frame that leaves next, or the rest of the one that the wire took in part.
+    constexpr std::size_t one_frame(std::size_t size, ano::TimePoint now) noexcept {
+        if (left_ == 0 && done_at_ != ano::TimePoint::min() && now < done_at_ + options_.gap) return 0;
+        return left_ = size;
+    }
     // When the clock was set back, the line's time is set back too.
     constexpr ano::Duration ahead_of(ano::TimePoint now) noexcept {
         if (now < seen_ && done_at_ > now) done_at_ -= std::min(seen_ - now, done_at_ - now);
@@ -70,7 +86,7 @@ private:
         return done_at_ > now ? done_at_ - now : ano::Duration::zero();
     }
     constexpr ano::Duration time_of(std::size_t bytes) const noexcept {
-        return ano::Duration{std::chrono::seconds{bytes}} / options_.rate;
+        return options_.rate > 0 ? ano::Duration{std::chrono::seconds{bytes}} / options_.rate : ano::Duration::zero();
     }
     constexpr std::size_t bytes_in(ano::Duration time) const noexcept {
         if (time <= ano::Duration::zero()) return 0;
@@ -82,6 +98,7 @@ private:
     ano::TimePoint done_at_ = ano::TimePoint::min();
     ano::TimePoint seen_ = ano::TimePoint::min();
     bool spent_ = false;
+    std::size_t left_ = 0;    // with a gap: bytes of the frame that leaves which the wire has not taken yet
 };
 
 }    // namespace anogate

@@ -11,15 +11,19 @@
 #include <gateway/outbox.hpp>
 #include <gateway/waiting_frame.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 
 namespace anogate {
 
-/// Questions that wait take turns by the channel they came by; those of one channel leave in the order in which they came.
+/// The sender with the fewest unanswered questions is next, and of those the one that was so longest ago; a sender is the channel by
+/// which questions came, and they leave in the order in which they came. While a sender waits that has no place, the unanswered
+/// questions of another hold no more than one for long (InFlight::early). One place is kept for the gateway itself.
 /// When full, the oldest question of the channel with the most bytes waiting is dropped. Their age counts as in the outbox; drops
-/// here are counted here. Neither throws nor allocates after construction; constant time a question, amortised over its bytes.
+/// here are counted here. Neither throws nor allocates after construction; a time for each question that depends on the number of
+/// channels, and is amortised over its bytes.
 class QuestionQueue {
 public:
     struct Options {
@@ -31,7 +35,7 @@ public:
     QuestionQueue(const QuestionQueue&) = delete;
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
-    /// Passes a frame to the outbox; a question waits here when InFlight::max_questions are unanswered. Like Outbox::push(), it returns
+    /// Passes a frame to the outbox; a question waits here while its sender can have no place. Like Outbox::push(), it returns
     /// why the frame does not wait.
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
         return push(frame, policy, now, from, now);
@@ -47,10 +51,14 @@ public:
     std::optional<ano::TimePoint> next_look(ano::TimePoint now) const noexcept;
     /// As Outbox::grow_older(), for the questions that wait here.
     void grow_older(ano::Duration time) noexcept;
+    /// Drops the waiting questions for `cause`.
+    void drop_waiting(SendCause cause) noexcept;
     /// Drops the waiting questions and counts them as link_down. Does not close the outbox.
     void close() noexcept;
 
     std::size_t waiting() const noexcept { return turns_.count(); }
+    /// Whether a question waits here that came by the channel `from`.
+    bool has_waiting(ChannelId from) const noexcept;
     std::size_t in_flight() const noexcept { return in_flight_.size(); }
     /// Counts the questions that wait or were dropped here; those passed to the outbox are counted there.
     const SendCounters& counters() const noexcept { return counters_; }
@@ -59,7 +67,10 @@ private:
     SendCause store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept;
     FrameIndex oldest() const noexcept { return in_room_.first; }
     ano::TimePoint stale_at(FrameIndex i) const noexcept { return ano::TimePoint{frames_[i].stale_at}; }
-    void hand_over(FrameIndex i) noexcept;
+    std::optional<ChannelId> next_sender() const noexcept;
+    bool somebody_has_none() const noexcept;
+    bool is_waiting(ChannelId from) const noexcept { return turns_.first_of(from, 0) != no_frame; }
+    void hand_over(FrameIndex i, ChannelId from) noexcept;
     void drop(FrameIndex i, SendCause cause) noexcept;
     void forget(FrameIndex i) noexcept;
     void compact() noexcept;
@@ -73,7 +84,10 @@ private:
     FrameIndex used_ = 0;              // frames_[0, used_) have been used since nothing waited last
     FrameIndex free_ = no_frame;       // of those, the free ones
     FrameList in_room_ = no_frames;    // all questions, in the order in which they came, which is that of their bytes
-    FairQueue turns_;
+    FairQueue turns_;                  // what waits of each sender, and who has the most
+    static constexpr std::size_t senders = max_channels + 1;
+    std::array<std::uint64_t, senders> served_{};    // the number of its last question that was handed over
+    std::uint64_t handed_over_ = 0;
     SendCounters counters_;
 };
 

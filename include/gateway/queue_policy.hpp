@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace anogate {
 
@@ -45,11 +46,29 @@ struct QueuePolicy {
     TrafficClass traffic = TrafficClass::bulk;
     Replaces replaces = Replaces::nothing;
     AgeKind age = AgeKind::rest;
+    std::uint32_t age_limit = 0;    // milliseconds; 0: the limit of the link for `age`
     friend constexpr bool operator==(QueuePolicy, QueuePolicy) noexcept = default;
 };
 
-/// By id.
+constexpr ano::Duration limit(const AgeLimits& limits, QueuePolicy policy) noexcept {
+    return policy.age_limit != 0 ? std::chrono::milliseconds{policy.age_limit} : limit(limits, policy.age);
+}
+
+/// By id, as in the message table.
 extern const std::array<QueuePolicy, 256> policies;
 inline QueuePolicy policy_of(std::uint8_t id) noexcept { return policies[id]; }
+
+/// What the user says of the frames of one id.
+enum class FrameClass : std::uint8_t { control, urgent, telemetry, bulk };
+struct ClassSettings {
+    std::uint8_t id = 0;
+    FrameClass frame_class{};
+    std::optional<bool> replaces{};        // a newer frame replaces an older one that waits; std::nullopt: only of `control`
+    std::optional<ano::Duration> age{};    // std::nullopt: as the link has it for the class
+    bool operator==(const ClassSettings&) const = default;
+};
+QueuePolicy policy_of(const ClassSettings& of_id) noexcept;
+/// Whether a ClassSettings may be about frames of `id`: not commands, parameters and their answers, each of which must arrive.
+bool may_have_class(std::uint8_t id) noexcept;
 
 }    // namespace anogate

@@ -1,6 +1,7 @@
 // Decides who gets a frame. Uses no bytes, no sockets and no clock (protocol text, section 2; config/README.md, "Where frames go").
 #pragma once
 #include <ano/address.hpp>
+#include <ano/conversation.hpp>
 #include <ano/time.hpp>
 #include <gateway/claims.hpp>
 #include <gateway/ids.hpp>
@@ -47,8 +48,9 @@ public:
         std::uint8_t port_id = 0;    // 0: none
         bool flood = true;
         bool broadcast = true;
-        std::uint8_t group = 0;    // 1 to 64: links with the same number lead to the same place; 0: none
-        bool teaches = true;       // sources that speak by it are learned. False: a replay
+        std::uint8_t group = 0;          // 1 to 64: links with the same number lead to the same place; 0: none
+        bool teaches = true;             // sources that speak by it are learned. False: a replay
+        bool acts_for_others = false;    // its devices act on frames for any address
     };
 
     /// If several channels have heard a device, those that heard it within this time get its frames.
@@ -62,6 +64,8 @@ public:
 
     /// Returns the lowest free number; one must be free.
     LinkId add_link(const LinkRule& rule);
+    /// A device there answered for another address: from now on it is as if its rule had acts_for_others.
+    void note_acts_for_others(LinkId link) { links_[index(link)].acts_for_others = true; }
     /// Its channels must be closed. Forgets what leads to it and every conflict that does not exist without it.
     void remove_link(LinkId link);
     /// Frames to `first`…`last` go to `link`; to every such link when called for several.
@@ -84,10 +88,19 @@ public:
     void report_unreachable(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 
     /// Learns that `source` is behind `from`, or begins to test its claim, and returns who gets the frame; never `from` itself.
-    Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
+    Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now,
+                ano::Intent intent = ano::Intent::informs);
 
+    /// As route(), but learns nothing.
+    Route spread(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now,
+                 ano::Intent intent = ano::Intent::informs);
     /// The part of route() without learning, for frames of the gateway itself: as if it had come by `from` and by none of its channels.
-    Route find(LinkId from, std::uint8_t destination, TimePoint now);
+    Route find(LinkId from, std::uint8_t destination, TimePoint now, ano::Intent intent = ano::Intent::informs);
+
+    /// A host is behind the channel, though it uses another address than hosts do.
+    void note_host(ChannelId channel) noexcept { hosts_.insert(channel); }
+    /// No other device than `source`, and no host, was heard by the channel.
+    bool is_alone(std::uint8_t source, ChannelId channel) const noexcept;
 
     /// Forgets where `address` was heard, and every claim and conflict about it. False: it was not known.
     bool forget(std::uint8_t address);
@@ -97,6 +110,10 @@ public:
 
     /// When `address` was heard by `channel`; std::nullopt: it is not at home there.
     std::optional<TimePoint> heard_at(std::uint8_t address, ChannelId channel) const noexcept;
+    /// The addresses that are at home at this link alone, or were until its channels were closed.
+    std::bitset<256> last_homes(LinkId link) const noexcept;
+    /// Restores that these addresses were last at home at `link`, except those that are at home now.
+    void restore_last_homes(const std::bitset<256>& addresses, LinkId link) noexcept;
     /// Whether it was at home there before it moved: when it speaks there again, it has come back.
     bool was_first(std::uint8_t source, ChannelId channel) const noexcept;
     /// Restores that `source` was at home there when the program ran before, and was heard at `at`. Ignored if it was learned since.
@@ -113,9 +130,6 @@ public:
     /// A frame of `source` by `channel` is a claim: `source` is at home elsewhere, and that place is not known to be down. Links of
     /// one group are one place; hosts are at home everywhere.
     bool claims(std::uint8_t source, ChannelId channel) const noexcept;
-
-    /// Where `source` speaks, for the LoopGuard; to be called before route() learns from the frame.
-    Speaks speaks(std::uint8_t source, ChannelId channel) const noexcept;
 
     /// A question to the holder of an address, whether it is still there. It goes to `channels`; only an answer from there counts.
     struct Question {
@@ -154,6 +168,16 @@ public:
     bool take_claimant(Claimant& claimant);
     /// The next conflict that began and was not taken yet; for the log.
     bool take_new_conflict(Conflict& conflict);
+    /// A device that is at home on another link than before.
+    struct Moved {
+        std::uint8_t address = 0;
+        LinkSet from;
+        LinkId to{};
+    };
+    /// The next move that was not taken yet; for the log.
+    std::optional<Moved> take_move() noexcept;
+    /// The links where the address was at home before it moved, as long as it has not come back.
+    LinkSet moved_from(std::uint8_t address) const { return moved_from_[address]; }
     std::uint64_t own_frames() const { return own_frames_; }
 
 private:
@@ -165,13 +189,23 @@ private:
     /// Removes the first address from `untold`, which is new_conflicts_ or new_claimants_, and returns it.
     std::optional<std::uint8_t> tell_first(std::bitset<256>& untold);
     void move(std::uint8_t source, ChannelId to);
+    void note_move(std::uint8_t source, ChannelId to) noexcept;
     void come_back(std::uint8_t source, ChannelId from, TimePoint now);
     bool leads_to(ChannelSet known, ChannelId channel) const noexcept;
     bool is_cut_off(ChannelSet known) const noexcept;
     LinkSet links_of(ChannelSet channels) const noexcept;
-    ChannelSet channels_of(LinkSet links) const;
-    void decide(Route& route, std::uint8_t destination, TimePoint now);
-    void add_unknown(Route& route) const;
+    ChannelSet channels_of(LinkSet links) const noexcept;
+    void decide(Route& route, std::uint8_t destination, ChannelSet from, ano::Intent intent, TimePoint now);
+    void to_namesakes(Route& route, std::uint8_t address, ChannelId from, ano::Intent intent);
+    bool to_last_home(Route& route, std::uint8_t destination);
+    void add_unknown(Route& route, std::uint8_t destination, ChannelSet from, ano::Intent intent);
+    ChannelSet devices();
+    ChannelSet places_of(ChannelSet channels) const noexcept;
+    ChannelSet places_of_devices_alone() { return places_of(devices()) - places_of_hosts(); }
+    ChannelSet places_of_hosts() const noexcept {
+        return places_of(hosts_ | known_[ano::address::host] | known_[ano::address::ros_bridge]);
+    }
+    ChannelSet the_only_place(ChannelSet devices) const noexcept;
     bool is_port(std::uint8_t destination) const noexcept {
         return destination <= ano::address::last_port_id && !(ports_[destination].empty() && port_channels_[destination].empty());
     }
@@ -208,14 +242,28 @@ private:
     ChannelSet flooded_;      // channels whose link takes floods
     ChannelSet broadcast_;    // channels whose link takes broadcasts
     ChannelSet down_;         // channels whose wire is gone
+    ChannelSet hosts_;        // channels of note_host()
+    ChannelSet devices_;      // channels where a device is at home, or was last; valid unless homes_changed_
+    ChannelSet silent_;       // those of devices_ that have heard nobody since
+    bool homes_changed_ = false;
 
     // Where an address is at home, and when it was heard there. This is kept however long ago it was: a silent device may still be
     // there, and is asked. Exact times need no periodic sweep, and a frame touches only the words of its two addresses and one
     // time for each channel that heard them.
     std::array<ChannelSet, 256> known_{};
     std::array<std::array<TimePoint, max_channels>, 256> heard_{};
+    // The link where an address was at home until its channel was closed; for addresses that are at home nowhere.
+    std::array<LinkSet, 256> left_{};
+    LinkSet remade_;    // links of restore_last_homes()
     // Where an address was at home before it moved, as long as it is elsewhere: when it speaks there again, it has come back.
     std::array<ChannelSet, 256> first_{};
+
+    // The links of that, and the addresses whose last move was not taken yet.
+    std::array<LinkSet, 256> moved_from_{};
+    std::bitset<256> new_moves_;
+
+    // Where an address was heard though it is at home elsewhere: a host and a device that have the same address.
+    std::array<ChannelSet, 256> also_{};
 
     Claims claims_;
     std::array<Conflict, 256> conflicts_{};

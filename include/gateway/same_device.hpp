@@ -36,6 +36,8 @@ public:
         for (Sample& sample : samples_)
             if (sample.links.contains(link)) sample = {};
     }
+    /// Whether two links have brought the same frame of `source`.
+    bool met(std::uint8_t source) const noexcept { return samples_[source].met_before > 0; }
     /// Whether two links bring frames of `source` that are hardly ever the same.
     bool differ(std::uint8_t source) const noexcept {
         const Sample& sample = samples_[source];

@@ -2,6 +2,7 @@
 // what each one does is documented where it is used.
 #pragma once
 #include <ano/address.hpp>
+#include <ano/attitude.hpp>
 #include <ano/flexible.hpp>
 #include <ano/time.hpp>
 #include <ano/values.hpp>
@@ -31,12 +32,15 @@ using ano::TimePoint;
 enum class Profile : std::uint8_t {
     none,
     vendor,    // the vendor's newest library: 198 bytes of DATA, no LEN 0, few questions at a time, hello needed
+    old,       // the oldest libraries: they act on every frame, whatever its address, and overrun at LEN above 100
 };
 using ano::ValueType7;
 enum class TextEncoding : std::uint8_t { utf8, gbk };
 
 /// Maximum of DATA that a device of Profile::vendor takes, in bytes.
 inline constexpr std::uint16_t vendor_max_data = 198;
+/// The same of Profile::old.
+inline constexpr std::uint16_t old_max_data = 60;
 
 /// The settings that only links of one kind have: a struct whose type only this kind knows.
 class KindSettings {
@@ -76,9 +80,10 @@ struct LinkSettings {
     std::optional<Duration> hello;                // interval between hellos; zero: never
     std::optional<ValueType7> value_type_7;       // for tools that show what the link brings
     std::optional<TextEncoding> encoding;         // of the texts in it, for the same tools
+    ano::EulerSigns attitude{};                   // of its devices, for everything that shows an orientation
     std::uint32_t queue = 32 * 1024;              // bytes; at least one frame of effective_max_data_out()
-    bool flood = true;                            // takes frames for unknown addresses
-    bool broadcast = true;                        // takes frames to 0xFF
+    std::optional<bool> flood;                    // takes frames for unknown addresses
+    std::optional<bool> broadcast;                // takes frames to 0xFF
     std::string group;                            // links of one group lead to the same place; empty: none
     std::uint8_t present_as = 0;    // the address under which the devices of this link see every host; 0: the host's own
     std::uint32_t rate = 0;         // maximum of bytes/s; 0: what the line carries, or no limit
@@ -86,6 +91,9 @@ struct LinkSettings {
     bool pack = true;                                    // puts several waiting frames into one datagram
     std::uint16_t mtu = 1400;                            // maximum bytes of such a datagram
     AgeLimits age;
+    Duration gap{};    // pause after each frame that is sent, from its end on the wire; zero: none
+    std::optional<Duration>
+        frame_gap;    // pauses of this length are normal inside a received frame; std::nullopt: as the kind has it
     RuleSettings rules;
     bool required = false;    // the program ends with 1 when this link is not up within 10 s
     bool enabled = true;      // false: its wire is not opened
@@ -105,11 +113,16 @@ struct LinkSettings {
 
     /// The effective values, with the defaults of the profile.
     std::uint16_t effective_max_data_out() const noexcept {
-        return max_data_out.value_or(profile == Profile::vendor ? std::min(max_data, vendor_max_data) : max_data);
+        if (max_data_out || profile == Profile::none) return max_data_out.value_or(max_data);
+        return std::min(max_data, profile == Profile::old ? old_max_data : vendor_max_data);
     }
-    ValueType7 meaning_of_type_7() const noexcept {
-        return value_type_7.value_or(profile == Profile::vendor ? ValueType7::u64 : ValueType7::f32);
+    /// std::nullopt: neither the key nor the profile states it.
+    std::optional<ValueType7> stated_type_7() const noexcept {
+        return !value_type_7 && profile == Profile::vendor ? std::optional{ValueType7::u64} : value_type_7;
     }
+    bool takes_floods() const noexcept { return flood.value_or(profile != Profile::old); }
+    bool takes_broadcasts() const noexcept { return broadcast.value_or(profile != Profile::old); }
+    ValueType7 meaning_of_type_7() const noexcept { return stated_type_7().value_or(ValueType7::f32); }
     TextEncoding text_encoding() const noexcept {
         return encoding.value_or(profile == Profile::vendor ? TextEncoding::gbk : TextEncoding::utf8);
     }
@@ -256,6 +269,7 @@ struct Settings {
     std::vector<LinkSettings> links;
     std::vector<RouteSettings> routes;
     std::vector<AliasSettings> aliases;
+    std::vector<ClassSettings> classes;
     std::optional<TunnelSettings> tunnel;
     std::vector<GpioSettings> gpio;
     std::vector<ano::FlexibleSpec> flexible;    // for tools; forwarding does not use them

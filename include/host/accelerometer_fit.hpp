@@ -36,6 +36,9 @@ enum class Face : std::uint8_t { x_plus, x_minus, y_plus, y_minus, z_plus, z_min
 inline constexpr std::array<std::string_view, 6> face_names{"+x", "-x", "+y", "-y", "+z", "-z"};
 constexpr std::string_view name_of(Face face) noexcept { return face_names[static_cast<std::size_t>(face)]; }
 
+/// cm/s², how far `acceleration` is from gravity alone on `face`.
+double error_on(Face face, const Vector& acceleration) noexcept;
+
 /// Gathers samples of each face while the device lies still on it. Only fit() allocates, for its text.
 class SixFaces {
 public:
@@ -57,11 +60,17 @@ public:
     std::optional<Face> face() const noexcept { return face_; }
     std::size_t samples(Face face) const noexcept { return gathered_[static_cast<std::size_t>(face)].count; }
     bool is_enough(Face face) const noexcept { return samples(face) >= enough; }
+    /// The mean of the samples of a face, which must have some.
+    Vector mean(Face face) const noexcept;
+    /// cm/s², the standard deviation of these samples, of all axes together.
+    double spread(Face face) const noexcept;
     std::size_t faces_done() const noexcept;
     bool is_complete() const noexcept { return faces_done() == 6; }
 
     /// Computed from one half of the samples and checked with the other half: rejected when the residual is not below that of `old`.
     Fit<AccelerometerCalibration> fit(const AccelerometerCalibration& old) const;
+    /// cm/s², of one half of the samples; see fit().
+    double residual(const AccelerometerCalibration& calibration) const noexcept;
 
 private:
     struct Sample {
@@ -69,13 +78,13 @@ private:
     };
     struct Gathered {
         std::size_t count = 0;
+        double squares = 0;             // of the lengths
         std::array<Vector, 2> sum{};    // of the samples of each half: every second one belongs to the other
         Vector mean(std::size_t half) const noexcept;
     };
 
     void judge() noexcept;
     std::optional<AccelerometerCalibration> solve() const noexcept;
-    double residual(const AccelerometerCalibration& calibration) const noexcept;
 
     std::array<Sample, window> last_{};
     std::size_t taken_ = 0;

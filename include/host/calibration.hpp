@@ -5,9 +5,12 @@
 //          if (calibration.step() == Calibration::Step::keep) { keep(calibration.old_values()); calibration.kept(now); }
 //          calibration.faces(), calibration.sphere()     // to show while it is turned
 #pragma once
+#include <host/calibration_check.hpp>
 #include <host/compass_fit.hpp>
 #include <host/parameter_apply.hpp>
+#include <host/restart_watch.hpp>
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -50,12 +53,20 @@ private:
 };
 
 /// The old values are read, and stored by the owner before anything is changed; then the device clears them, so that it sends raw
-/// measurements; the user turns it; the new values are computed, written and read back. When they are rejected, the task is cancelled
-/// or the device fails, the old values are written back before the task ends. After a crash the owner does that with CalibrationWrite.
+/// measurements; the user turns it; the new values are computed, written and read back; then what the device sends, which is corrected
+/// now, is compared with what the fit has promised. When they are rejected, the task is cancelled or the device fails, the old values
+/// are written back before the task ends. After a crash the owner does that with CalibrationWrite.
+///
+/// A device that restarts uses its old calibration again. So each sign of a restart (RestartWatch), or CAL_ parameters that are not
+/// those of after the clear when the device was turned to all sides, discards all samples: it is cleared again.
 class Calibration final : public Task {
 public:
-    enum class Step : std::uint8_t { read, keep, clear, turn, write, restore, over };
+    enum class Step : std::uint8_t { read, keep, clear, turn, confirm, write, verify, restore, over };
     static constexpr Duration time_to_turn = std::chrono::minutes{10};
+    static constexpr Duration time_to_verify = std::chrono::minutes{1};
+    /// A device from which nothing came for so long, or no samples though other frames did, ends the task.
+    static constexpr Duration silent_after = std::chrono::milliseconds{4500};
+    static constexpr unsigned max_restarts = 5;    // of the device; one more ends the task
 
     Calibration(Device& device, Sensor sensor, DescriptionCache* cache = nullptr);
 
@@ -68,8 +79,8 @@ public:
     void ask_before_writing(std::function<std::string()> refusal) { refusal_ = std::move(refusal); }
     /// To be called with every frame that comes from the device's side, in addition to Device::take().
     void hear(FrameView frame, TimePoint now);
-    /// When look() has to be called, as the time to turn the device is over; std::nullopt outside Step::turn.
-    std::optional<TimePoint> due() const noexcept { return step_ == Step::turn ? turn_until_ : std::nullopt; }
+    /// When look() has to be called, since a time is over; std::nullopt: not in this step.
+    std::optional<TimePoint> due() const noexcept;
     void look(TimePoint now);
     /// The task ends when the old values are written back.
     void cancel(TimePoint now) override;
@@ -87,32 +98,68 @@ public:
     const CompassSphere& sphere() const noexcept { return sphere_; }
     /// Of the old values and of the new ones, see SixFaces::fit() and CompassSphere::fit(); std::nullopt before they are computed.
     std::optional<std::pair<double, double>> residuals() const noexcept { return residuals_; }
+    /// How often the device restarted while it was turned, and the sign of the last one.
+    unsigned restarts() const noexcept { return restarts_; }
+    const std::string& last_restart() const noexcept { return last_restart_; }
+    /// The face on which Step::verify measures; it is another one than before when one face alone proves nothing.
+    std::optional<Face> face_to_verify() const noexcept {
+        return accelerometer_check_ ? std::optional{accelerometer_check_->face()} : std::nullopt;
+    }
+    /// Whether it has to be turned for that, see faces_that_prove().
+    bool is_further_face() const noexcept { return !verified_faces_.empty(); }
+    /// The largest error that Step::verify has measured on a face that passed, or that it measured last: cm/s², or a share of the field.
+    std::optional<double> verified() const noexcept;
 
 private:
+    void enter(Step step, TimePoint now) noexcept;
     void read_old(TimePoint now);
+    void clear(TimePoint now);
     void cleared(TimePoint now);
-    void turned(TimePoint now);
+    void read_cleared(TimePoint now);
+    void confirm(TimePoint now);
+    void confirmed(TimePoint now);
+    void read_values(void (Calibration::*then)(TimePoint), TimePoint now);
+    bool is_restarted(TimePoint now);
+    void restarted(std::string sign, TimePoint now);
+    void take_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now);
+    void take_field(const Vector& field, TimePoint now);
+    bool is_gone_on(TimePoint now);
+    void verify(TimePoint now);
+    void not_verified(TimePoint now);
+    std::optional<TimePoint> samples_missing_at() const noexcept;
+    void stop_tasks(TimePoint now);
+    TimePoint silent_at() const noexcept;
+    void end_silent(TimePoint now);
+    void fit(TimePoint now);
     void written(TimePoint now);
     void restore(End why, TimePoint now);
     void restored(TimePoint now);
     bool order_is_right() const;
+    std::optional<CalibrationValues> values_read() const;
     CalibrationValues named(std::span<const float> values) const;
-    template <std::size_t N>
-    std::array<float, N> old() const;
-    template <class Found>
-    void use(const Fit<Found>& fit, TimePoint now);
+    template <std::size_t N, class Samples, class Found>
+    void use(const Samples& samples, const Fit<Found>& fit, TimePoint now);
+    void make_check(const AccelerometerCalibration& stored);
+    void make_check(const CompassCalibration& stored);
 
     Sensor sensor_;
     DescriptionCache* cache_;
     Step step_ = Step::read;
-    Parameters parameters_;
-    ParameterAction clear_;
+    DescriptionCache own_cache_;    // used when the caller has none
+    std::unique_ptr<Parameters> reading_;
+    std::unique_ptr<ParameterAction> clear_;
     std::unique_ptr<CalibrationWrite> write_;
     std::unique_ptr<CalibrationWrite> restore_;
-    CalibrationValues old_, new_;
+    CalibrationValues old_, cleared_, new_;
     SixFaces faces_;
     CompassSphere sphere_;
-    std::optional<TimePoint> turn_until_;
+    std::optional<RestartWatch> watch_;    // since the last clear
+    unsigned restarts_ = 0;
+    std::string last_restart_;
+    std::optional<AccelerometerCheck> accelerometer_check_;
+    std::vector<AccelerometerCheck> further_checks_, verified_faces_;    // on other faces than this one
+    std::optional<CompassCheck> compass_check_;
+    TimePoint step_since_{};
     std::optional<std::pair<double, double>> residuals_;
     std::function<std::string()> refusal_;
     End why_;    // how it ends when the old values are written back

@@ -41,12 +41,15 @@ public:
     /// Computed from one half of the samples and checked with the other half: rejected when the residual is not below that of `old`.
     /// Residuals are standard deviations of the field's strength, as a share of it.
     Fit<CompassCalibration> fit(const CompassCalibration& old) const;
+    /// The mean strength of the field in these samples, corrected by `calibration`.
+    double strength(const CompassCalibration& calibration) const noexcept;
+    static std::size_t cell_of(const Vector& from_centre) noexcept;
+    /// As a share of the field, of one half of the samples; see fit().
+    double residual(const CompassCalibration& calibration) const noexcept;
 
 private:
-    static std::size_t cell_of(const Vector& from_centre) noexcept;
     void cover_again();
     std::optional<CompassCalibration> solve() const noexcept;
-    double residual(const CompassCalibration& calibration) const noexcept;
 
     std::vector<Vector> samples_;
     Vector min_{}, max_{};

@@ -1,16 +1,20 @@
-// Descriptions of parameters, which do not change as long as the device is the same.
+// Descriptions of parameters or commands, which do not change as long as the device is the same.
 #pragma once
 #include <host/device.hpp>
 #include <host/parameter_info.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace ano::host {
 
-/// Equal keys mean the same device: same device info, same number of parameters, and it was not away.
+/// Equal keys mean the same device: same device info, same number of parameters or commands, and it was not away.
 struct DescriptionKey {
     std::uint8_t address = 0;
     std::uint32_t presence = 0;
@@ -19,23 +23,67 @@ struct DescriptionKey {
     friend bool operator==(const DescriptionKey&, const DescriptionKey&) = default;
 };
 
+/// The key of `device` by its last reports; `count`: its number of parameters or commands. std::nullopt: it is away, or did not report
+/// all of this since it was away.
+inline std::optional<DescriptionKey> key_of(const Device& device, std::optional<std::uint16_t> count, TimePoint now) {
+    if (!device.is_present(now) || !device.info() || !count) return std::nullopt;
+    return DescriptionKey{device.address(), device.presence(), *device.info(), *count};
+}
+
 /// Values are not cached, since they may change in the device. Keeps the `max_devices` devices used last.
-class DescriptionCache {
+template <class Description>
+class DescriptionCacheOf {
 public:
     static constexpr std::size_t max_devices = 32;
 
     /// Null when the descriptions are not known; valid until the next call of store() or forget().
-    const std::vector<ParameterInfo>* find(const DescriptionKey& key);
-    /// Replaces what was known of the same address.
-    void store(DescriptionKey key, std::vector<ParameterInfo> descriptions);
-    void forget(std::uint8_t address);
+    const std::vector<Description>* find(const DescriptionKey& key) {
+        const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
+        if (found == entries_.end()) return nullptr;
+        entries_.splice(entries_.begin(), entries_, found);
+        return &entries_.front().descriptions;
+    }
+    /// What an earlier run may have kept: `recall` returns it for a device that looks like the same, and each description must be compared
+    /// before it is relied on. `keep` is called with what was read.
+    struct EarlierRuns {
+        std::function<std::optional<std::vector<Description>>(const DescriptionKey&)> recall;
+        std::function<void(const DescriptionKey&, const std::vector<Description>&)> keep;
+    };
+    void use(EarlierRuns earlier) { earlier_ = std::move(earlier); }
+    std::optional<std::vector<Description>> recall(const DescriptionKey& key) const {
+        return earlier_.recall ? earlier_.recall(key) : std::nullopt;
+    }
 
-private:
     struct Entry {
         DescriptionKey key;
-        std::vector<ParameterInfo> descriptions;
+        std::vector<Description> descriptions;
     };
+    /// What was stored last for `address`, whatever became of the device since; null: nothing. Valid as find() says.
+    Entry* last_of(std::uint8_t address) noexcept {
+        const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                        [&](const Entry& entry) { return entry.key.address == address; });
+        return found == entries_.end() ? nullptr : &*found;
+    }
+
+    /// Replaces what was known of the same address.
+    void store(DescriptionKey key, std::vector<Description> descriptions) {
+        forget(key.address);
+        if (earlier_.keep) earlier_.keep(key, descriptions);
+        entries_.push_front({std::move(key), std::move(descriptions)});
+        if (entries_.size() > max_devices) entries_.pop_back();
+    }
+    void forget(std::uint8_t address) {
+        entries_.remove_if([&](const Entry& entry) { return entry.key.address == address; });
+    }
+    bool has(std::uint8_t address) const noexcept {
+        return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key.address == address; });
+    }
+
+private:
     std::list<Entry> entries_;    // the one used last is first
+    EarlierRuns earlier_;
 };
+
+using DescriptionCache = DescriptionCacheOf<ParameterInfo>;
 
 }    // namespace ano::host

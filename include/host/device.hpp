@@ -5,17 +5,22 @@
 //          while (const auto frame = device.next_frame(now)) ...     // after each of these, and at due(): to be sent now
 #pragma once
 #include <ano/address.hpp>
+#include <ano/flush.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <host/exchange.hpp>
 #include <host/window.hpp>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace ano::host {
 
@@ -30,7 +35,7 @@ struct DeviceInfo {
 /// How a request ended.
 enum class Outcome : std::uint8_t {
     answered,     // with data, or with the acknowledgement
-    timeout,      // no answer came
+    timeout,      // no answer came that fits; Evidence::unfit has one that does not
     not_there,    // not sent: its parameter is beyond the count that the device has reported meanwhile
 };
 
@@ -47,9 +52,19 @@ public:
     /// A request ended. New ones may be asked here; the device may not be destroyed.
     virtual void ended(const Ended& ended, TimePoint now) = 0;
 
+    /// The requests of this asker are not begun while those of others that do not yield are open.
+    bool yields() const noexcept { return yields_; }
+    void yield_to_others(bool yields) noexcept { yields_ = yields; }
+
 protected:
     ~Asker() = default;
+
+private:
+    bool yields_ = false;
 };
+
+/// Whether a frame asks a device for its device info (0xE0 0).
+bool is_question_for_info(FrameView frame) noexcept;
 
 /// What a frame meant for this device's requests.
 enum class Taken : std::uint8_t {
@@ -62,7 +77,10 @@ enum class Taken : std::uint8_t {
 };
 
 /// There is one of these for each device, shared by all askers together with its window. At most Window::max_size requests are on
-/// their way, and at most one that writes, commands or upgrades. Two that the same answer would end are sent one after the other.
+/// their way, and at most one that writes or upgrades. Two that the same answer would end are sent one after the other.
+/// A command waits neither for a place in the window, nor for the end of another one or of a write. The oldest of equal commands gets the first acknowledgement, and Evidence::may_be_of_equal.
+/// A request of an asker that yields goes behind all others. Such a request that was sent before is sent again nevertheless: another one may
+/// wait for its end.
 ///
 /// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on it.
 class Device {
@@ -71,6 +89,7 @@ public:
     static constexpr Duration away_after = std::chrono::seconds{30};
     /// An answer may come this long after its time-out. An equal request that may be sent only once waits until then.
     static constexpr Duration late_for = RoundTrip::ceiling;
+    static constexpr Duration info_may_come_for = RoundTrip::ceiling + late_for;
 
     /// `address` is a device's, or a port id; `own` is the host's.
     explicit Device(std::uint8_t address, std::uint8_t own = address::host) : address_{address}, own_{own} {}
@@ -84,11 +103,23 @@ public:
     void forget(const Asker& asker) noexcept;
 
     /// To be called with every frame of the device. For a port id: also with frames of other sources, but only if they came by the links
-    /// of that port and ended no request of another Device; otherwise the answers of several port ids could be mixed up.
+    /// of that port and ended no request of another Device; otherwise the answers of several port ids could be mixed up. A check frame from
+    /// a port id also ends a request to the device, if it repeats its check bytes.
     Taken take(FrameView frame, TimePoint now);
     /// The next frame to be sent at `now`; std::nullopt: none. It is valid until the next call of any function. Requests that ran out
     /// of time end here.
     std::optional<FrameView> next_frame(TimePoint now);
+    /// To be called instead of next_frame() while the frame that it returned last waits to leave, behind other frames or for a slow line: that
+    /// is no time in which an answer could come. After max_queued a frame counts as sent.
+    void wait_to_leave(TimePoint now) noexcept;
+    static constexpr Duration max_queued = std::chrono::seconds{10};
+    /// When next_frame() last returned a frame.
+    TimePoint last_sent() const noexcept { return last_sent_; }
+    /// `flush` is called before a frame leaves that the device may not hear, because its parser waits inside a damaged one: before a
+    /// request is repeated, unless the device has heard a later one; and before one that waits long. Where it may flush later only, the
+    /// frame waits for that, if the wait for its answer would last longer: deaf, the device would cost it that. Not so a command while
+    /// another one waits for its end or within a second behind one, nor the next request of an asker whose last one was just answered.
+    void on_maybe_deaf(std::function<Flush(FrameView next)> flush) { flush_ = std::move(flush); }
     /// When next_frame() has to be called again; TimePoint::min(): now; std::nullopt: no request is open.
     std::optional<TimePoint> due() const noexcept;
 
@@ -98,45 +129,95 @@ public:
     const std::optional<DeviceInfo>& info() const noexcept { return info_; }
     /// As last reported (0xE0 1); std::nullopt as for info().
     std::optional<std::uint16_t> parameter_count() const noexcept { return parameter_count_; }
+    /// As last reported (0xC1 0); std::nullopt as for info().
+    std::optional<std::uint16_t> command_count() const noexcept { return command_count_; }
+    /// Whether it was heard within `away_after`.
+    bool is_present(TimePoint now) const noexcept { return heard_at_ && now - *heard_at_ < away_after; }
     /// Grows each time the device was away: what was known of it before may be wrong.
     std::uint32_t presence() const noexcept { return presence_; }
+    /// Grows with each sign that it may have restarted, or be another device: with presence(), when its telemetry paused for longer than
+    /// max_pause and three usual intervals, and when the link to it was down. What it described before may be wrong.
+    std::uint32_t doubts() const noexcept { return doubts_; }
+    /// Whether there was no such sign since `doubts`, and its telemetry does not pause now.
+    bool is_certain_since(std::uint32_t doubts, TimePoint now) const noexcept {
+        return is_present(now) && doubts == doubts_ && !pauses(now);
+    }
+    static constexpr Duration max_pause = std::chrono::milliseconds{500};
+    /// The link to it was down.
+    void link_was_down() noexcept { ++doubts_; }
+    /// Somebody asks it for device info: what it sends of that in the next `info_may_come_for` is an answer.
+    void expect_info(TimePoint now) noexcept { info_asked_at_ = now; }
+    /// Grows each time it sends device info (0xE3) to this host or to all that nobody asked for, as devices do when they start.
+    std::uint32_t announcements() const noexcept { return announcements_; }
     std::optional<TimePoint> heard_at() const noexcept { return heard_at_; }
     const RoundTrip& round_trip() const noexcept { return round_trip_; }
     std::size_t window() const noexcept { return window_.size(); }
     std::size_t on_their_way() const noexcept;
+    /// A write or a command is on its way.
+    bool awaits_acknowledgement() const noexcept;
     std::size_t waiting() const noexcept { return waiting_.size(); }
+    /// A command waits for next_frame().
+    bool has_command() const noexcept;
 
 private:
     using Exchanges = std::list<Exchange>;    // in the order in which they were first sent, or queued
     struct Past {
         Expectation expects;
+        Checks checks;    // of its frame
         bool answered;
         TimePoint late_until;    // of a request that may be sent only once
     };
 
     void hear(FrameView frame, TimePoint now);
+    void note_telemetry(FrameView frame, TimePoint now) noexcept;
+    bool pauses(TimePoint now) const noexcept {
+        return telemetry_at_ && interval_ && now - *telemetry_at_ > std::max(max_pause, usual_intervals * *interval_);
+    }
     Taken past(FrameView frame) noexcept;
+    bool missed(FrameView frame, TimePoint now);
+    bool is_of_the_past(FrameView frame) const noexcept;
     void remember(const Exchange& exchange, bool answered) noexcept;
+    bool has_unanswered_equal(const Exchange& command, TimePoint now) const noexcept;
     void expire(TimePoint now);
     void end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now);
     bool may_be_asked(FrameView request) const noexcept;
     std::optional<TimePoint> may_start_at(const Exchange& exchange) const noexcept;
     const Exchange* lost() const noexcept;
+    bool keeps_back_those_that_yield() const noexcept;
     const Exchange* next_to_send(TimePoint now) const noexcept;
-    FrameView send(Exchanges& from, Exchanges::iterator which, TimePoint now) noexcept;
-    Evidence evidence_of(const Exchange& exchange) const noexcept {
-        return {exchange.sent(), round_trip_.smoothed(), exchange.was_sent() && heard_at_ && *heard_at_ > exchange.first_sent()};
+    bool is_behind_a_command(TimePoint now) const noexcept;
+    bool may_be_deaf_to(const Exchange& exchange) const noexcept;
+    bool waits_for_flush(Exchange& next, TimePoint now);
+    Exchange::Send this_send(const Exchange& next) const noexcept;
+    FrameView send(Exchanges& from, Exchanges::iterator which, TimePoint now);
+    Evidence evidence_of(const Exchange& exchange) const {
+        return {exchange.sent(), round_trip_.smoothed(), exchange.was_sent() && heard_at_ && *heard_at_ > exchange.first_sent(),
+                exchange.unfit()};
     }
 
     std::uint8_t address_;
     std::uint8_t own_;
     std::optional<DeviceInfo> info_;
     std::optional<std::uint16_t> parameter_count_;
+    std::optional<std::uint16_t> command_count_;
     std::optional<TimePoint> heard_at_;
     std::optional<TimePoint> answered_at_;
     std::uint32_t presence_ = 0;
+    std::uint32_t doubts_ = 0;
+    static constexpr int usual_intervals = 3;
+    std::optional<TimePoint> telemetry_at_;
+    std::optional<Duration> interval_;    // of its telemetry, usually
+    std::optional<TimePoint> info_asked_at_;
+    std::uint32_t announcements_ = 0;
     RoundTrip round_trip_;
     Window window_;
+    std::uint64_t sends_ = 0;               // of all requests
+    std::uint64_t heard_send_ = 0;          // the latest of them that the device has answered
+    const Asker* heard_asker_ = nullptr;    // whose the request was that it has answered last
+    TimePoint last_sent_{};
+    std::optional<TimePoint> commanded_at_;
+    TimePoint line_is_busy_until_ = TimePoint::min();    // with what flush_ sends, or kept free for it
+    std::function<Flush(FrameView)> flush_;
     Exchanges sent_;
     Exchanges waiting_;
     std::array<std::optional<Past>, 32> past_{};    // of the last exchanges

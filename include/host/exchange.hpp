@@ -5,6 +5,8 @@
 #include <host/expectation.hpp>
 #include <host/round_trip.hpp>
 
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,8 +17,14 @@ namespace ano::host {
 
 /// How often a request is sent, and how long each send waits for an answer.
 struct Patience {
+    /// A request that may be repeated, and whose wait follows the round trips, is sent more often as long as not so much time has passed.
+    static constexpr Duration repeated_for = std::chrono::seconds{1};
+
+    /// The same for a question while no round trip of the device was measured.
+    static constexpr Duration unknown_for = std::chrono::seconds{6};
+
     unsigned sends = 5;
-    std::optional<Duration> wait{};    // std::nullopt: by the device's round trips, doubled after each loss
+    std::optional<Duration> wait{};    // std::nullopt: by the device's round trips
     Duration at_least{};               // minimum of a wait that is computed from round trips
 };
 
@@ -38,9 +46,12 @@ Request request(const Draft& draft, std::uint32_t tag = 0, Patience patience = {
 
 /// What is known about a request that ended.
 struct Evidence {
-    unsigned sent = 0;                       // times
-    std::optional<Duration> round_trip{};    // of this device, smoothed; std::nullopt: not measured yet
-    bool is_heard = false;                   // some frame of the device came since the first send
+    unsigned sent = 0;                        // times
+    std::optional<Duration> round_trip{};     // of this device, smoothed; std::nullopt: not measured yet
+    bool is_heard = false;                    // some frame of the device came since the first send
+    std::vector<std::uint8_t> unfit{};        // DATA of the last frame that should have been the answer and did not fit
+    std::optional<std::uint8_t> by_port{};    // the port id that acknowledged instead of the device
+    bool may_be_of_equal = false;             // an equal command waited as well: the acknowledgement may be its own
 };
 
 /// The sender of requests, which is called when they end.
@@ -59,34 +70,82 @@ public:
     Asker* asker() const noexcept { return asker_; }
     std::uint32_t tag() const noexcept { return tag_; }
 
+    /// A send of a request.
+    struct Send {
+        std::uint64_t number = 0;    // of the sends to the device, from 1
+        bool alone = false;          // as in Window
+        bool answers = false;        // the device has answered something since the send before
+        bool by_itself = false;      // no other request was on its way
+    };
     /// To be called when the frame is sent, for the first time or again.
-    void send(TimePoint now, const RoundTrip& round_trip) noexcept;
+    void send(TimePoint now, const RoundTrip& round_trip, const Send& send) noexcept;
+    /// How long the send would wait for its answer.
+    Duration wait_for_answer(const RoundTrip& round_trip, const Send& send) const noexcept;
+    /// The next send is kept back for `time`, which is no time in which an answer could come. False: it was already.
+    bool keep(TimePoint now, Duration time) noexcept;
+    TimePoint kept_until() const noexcept { return kept_until_; }
+    /// The frame that was sent last has not left yet: its wait begins anew.
+    void wait_to_leave(TimePoint now) noexcept;
+    std::uint64_t first_number() const noexcept { return first_number_; }
+    const Send& last() const noexcept { return last_; }
+    TimePoint last_sent() const noexcept { return last_sent_; }
     bool was_sent() const noexcept { return sent_ > 0; }
     /// The frame was sent, and its wait is not over.
     bool is_on_its_way() const noexcept { return on_its_way_; }
     /// To be called when the wait is over: the frame is to be sent again. False when it was sent as often as it may be.
-    bool time_out() noexcept {
+    bool time_out(TimePoint now) noexcept {
         on_its_way_ = false;
-        return sent_ < patience_.sends;
+        if (is_once() || !is_measured()) return sent_ < patience_.sends;
+        return sent_ < patience_.sends ||
+               now - first_sent_ - kept_for_ < (asks_often(known_) ? Patience::unknown_for : Patience::repeated_for);
     }
+    /// A frame came that should have been the answer, and does not fit (Expectation::is_missed_by()). True: it was an
+    /// acknowledgement, so there is nothing more to be waited for.
+    bool miss(FrameView frame) {
+        const auto size = std::min<std::size_t>(frame.data().size(), max_unfit);
+        unfit_.assign(frame.data().begin(), frame.data().begin() + static_cast<std::ptrdiff_t>(size));
+        return expects_->is_acknowledgement();
+    }
+    const std::vector<std::uint8_t>& unfit() const noexcept { return unfit_; }
+    /// A loss of the first send costs the whole task, or seconds.
+    bool waits_long() const noexcept { return is_once() || !is_measured(); }
     TimePoint due() const noexcept { return due_; }
+    /// It was sent less often than it may be.
+    bool may_be_repeated() const noexcept { return sent_ < patience_.sends; }
+    /// To be called when its wait is over, but not by time.
+    void stop_waiting() noexcept { on_its_way_ = false; }
     /// May be sent only once. An equal request is not sent as long as an answer to this one may come: it would be taken for its answer.
     bool is_once() const noexcept { return patience_.sends == 1; }
     TimePoint first_sent() const noexcept { return first_sent_; }
     unsigned sent() const noexcept { return sent_; }
+    /// The last send was waited for as long as the measured round trips told.
+    bool is_lost_by_measure() const noexcept { return is_measured() && known_; }
     /// Round trips are measured only by requests without a fixed wait.
     bool is_measured() const noexcept { return !patience_.wait; }
 
 private:
+    static constexpr std::size_t max_unfit = 16;    // bytes
+
     std::vector<std::uint8_t> frame_;
+    std::vector<std::uint8_t> unfit_;
     std::optional<Expectation> expects_;
     Patience patience_;
     Asker* asker_;
     std::uint32_t tag_;
     unsigned sent_ = 0;
+    // Until a round trip is measured, a loss says nothing about the time that an answer needs, and a question harms nobody.
+    bool asks_often(bool known) const noexcept { return !known && is_measured() && !expects_->is_acknowledgement(); }
+
     bool on_its_way_ = false;
+    bool known_ = false;    // a round trip of the device was measured before the last send
     TimePoint first_sent_{};
+    TimePoint last_sent_{};
+    std::uint64_t first_number_ = 0;
+    Send last_{};
     TimePoint due_{};
+    bool was_kept_ = false;    // its next send
+    TimePoint kept_until_ = TimePoint::min();
+    Duration kept_for_{};    // all sends
 };
 
 }    // namespace ano::host

@@ -16,8 +16,12 @@ public:
 
     /// Whether `frame` ends the request. Answers shorter than their layout do not.
     bool is_met_by(FrameView frame) const noexcept;
+    /// Whether `frame` is of the kind that ends the request, and does not: an acknowledgement of the right id with other check bytes, or a
+    /// step of an upgrade that is no answer to this one.
+    bool is_missed_by(FrameView frame) const noexcept;
     /// Whether a frame with this id can end any request at all. Most frames of devices are sent without a request and can't.
     static bool may_be_met_by(std::uint8_t id) noexcept;
+    bool is_acknowledgement() const noexcept { return kind_ == Kind::acknowledgement; }
     /// A write, a command or a step of an upgrade: a device gets one of these at a time.
     bool is_alone() const noexcept { return kind_ == Kind::acknowledgement || kind_ >= Kind::firmware_info; }
 
@@ -43,6 +47,7 @@ private:
     Expectation(FrameView request, Kind kind, std::uint16_t about = 0) noexcept
         : asked_{request.destination()}, asker_{request.source()}, kind_{kind}, about_{about} {}
     static std::optional<Expectation> of_firmware(FrameView request) noexcept;
+    bool is_for_it(FrameView frame) const noexcept;
     bool fits(FrameView frame) const noexcept;
     bool fits_firmware(FrameView frame) const noexcept;
 

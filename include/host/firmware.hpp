@@ -4,6 +4,7 @@
 //          upgrade.start(now);      // then drive the device until upgrade.end()
 //          upgrade.progress(), upgrade.bytes_a_second(now), upgrade.time_left(now), upgrade.repeats()
 #pragma once
+#include <ano/firmware_codes.hpp>
 #include <host/firmware_image.hpp>
 #include <host/task.hpp>
 
@@ -23,16 +24,37 @@ struct FirmwareOptions {
     std::optional<DeviceInfo> info{};    // read earlier, for a device that was left in its loader and may not report it
 };
 
-/// Device info, info, erase, each frame until it is "written", all sent, and the device's check of the image. "Erase" is sent once
-/// and has 60 s, "all sent" once and 30 s: writing flash takes long, and a loader that gets them twice may start again.
+/// Device info, info, erase, each frame until it is "written", all sent, and the device's check of the image. "Erase" has 60 s before it is
+/// sent again: flash is slow, and a loader that gets it twice may start again. "All sent" is waited for 30 s in all.
+///
+/// The info is repeated for 30 s: a device may restart into its loader first.
+///
+/// The codes are sent in the byte order in which the device accepted the info; before that, nothing with a code is sent.
+///
+/// On a bad line a frame is repeated until it is acknowledged, so an upgrade survives a lost connection. Where most frames get lost, a
+/// second info proposes shorter ones, as long as less than half is written; a device that does not accept it keeps the length. A device
+/// that lost the upgrade (it was switched off, for instance) fails every frame or does not answer: then the upgrade begins again, once
+/// for a frame.
 ///
 /// Done: only after the device said that its check passed. Refused: by the device, before anything was changed. Failed: it could not
-/// erase, write or check. Timeout: it fell silent. Invalid: the image is not for it. The text of every failure after the erase says
-/// that the device is left in its loader.
+/// erase, write or check. Timeout: it does not answer. Invalid: the image is not for it. The text of every failure after the erase
+/// says that the device is left in its loader.
 class Firmware final : public Task {
 public:
     static constexpr std::size_t max_frames = 0x10000;    // frame_num is a u16
     static constexpr unsigned max_failures = 5;           // "frame failed" in a row, of one frame
+    static constexpr unsigned max_erases = 4;             // sends of "erase"
+    static constexpr unsigned max_restarts = 3;
+    /// How long a frame is repeated without an answer: while other frames of the device come, and while nothing comes from it at all, as
+    /// when the connection is lost.
+    static constexpr Duration patience = std::chrono::seconds{30};
+    static constexpr Duration patience_unheard = std::chrono::seconds{65};
+    /// How long the report on the check is waited for.
+    static constexpr Duration check_patience = std::chrono::seconds{30};
+    /// When `judged` frames in a row took `hard` sends or more, shorter ones are proposed, down to `least_len`. A lost connection counts
+    /// as `most_sends`.
+    static constexpr unsigned judged = 8, hard = 40, most_sends = 15;
+    static constexpr std::size_t least_len = 32;
 
     Firmware(Device& device, FirmwareImage image, FirmwareOptions options = {});
 
@@ -41,7 +63,7 @@ public:
     Progress progress() const noexcept override;
     /// Long, since giving up leaves the device in its loader.
     Duration max_duration() const noexcept override {
-        return std::chrono::minutes{5} + std::chrono::seconds{2} * static_cast<int>(frames());
+        return std::chrono::minutes{10} + std::chrono::seconds{3} * static_cast<int>(frames());
     }
     void cancel(TimePoint now) override;
     void ended(const Ended& ended, TimePoint now) override;
@@ -50,6 +72,11 @@ public:
     std::string_view step() const noexcept;
     /// How many times a frame was sent again, after silence or "frame failed".
     std::size_t repeats() const noexcept { return repeats_; }
+    /// How long the device has not answered; 0 before the info is accepted.
+    Duration silent_for(TimePoint now) const noexcept { return erasing_ ? now - answered_at_ : Duration{}; }
+    /// What did not go as planned, as clauses; empty: nothing.
+    const std::string& remark() const noexcept { return remark_; }
+    std::size_t frame_len() const noexcept { return options_.frame_len; }
     /// Since the first frame; 0 before.
     double bytes_a_second(TimePoint now) const noexcept;
     /// Estimate for the remaining frames; std::nullopt before the first is written.
@@ -59,24 +86,57 @@ public:
 
 private:
     enum Step : std::uint32_t { identify, describe, erase, send_frame, check };
+    enum class Purpose : std::uint8_t { begin, shorten, begin_again };    // of an info
 
     std::string_view half_done() const noexcept override { return erasing_ ? "; it is left in its loader, begin again" : ""; }
-    void ask_info(TimePoint now);
+    void ask_info(Purpose purpose, std::size_t frame_len, TimePoint now);
     void identified(const Ended& ended, TimePoint now);
-    void frame_ended(const Ended& ended, TimePoint now);
+    void send_info(TimePoint now);
+    void described(std::optional<FirmwareCode> code, const Ended& ended, TimePoint now);
+    void check_unanswered(const Ended& ended, TimePoint now);
+    void frame_ended(std::uint16_t code, const Ended& ended, TimePoint now);
+    void unanswered(const Ended& ended, TimePoint now);
+    void frame_unanswered(const Ended& ended, TimePoint now);
+    bool is_hard() noexcept;
+    Patience patience_of_frame() const noexcept;
+    void measure(const Evidence& evidence, bool answered, TimePoint now);
+    void begin_again(const std::string& why, Ending or_else, const Evidence& evidence, TimePoint now);
     void ask_frame(TimePoint now);
-    void ask_step(Step step, std::uint16_t code, Duration wait, TimePoint now);
+    void ask_order(Step step, TimePoint now);
+    std::string silence(const Evidence& evidence) const;
+    std::size_t shorter_len() const noexcept;
+    void note(const std::string& clause) { remark_ += (remark_.empty() ? "" : "; ") + clause; }
     void give_up(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now);
-    std::size_t frames() const noexcept { return (image_.bytes.size() + options_.frame_len - 1) / options_.frame_len; }
+    std::size_t frames_of(std::size_t len) const noexcept { return (image_.bytes.size() + len - 1) / len; }
+    std::size_t frames() const noexcept { return frames_of(options_.frame_len); }
 
     FirmwareImage image_;
     FirmwareOptions options_;
     Step step_ = identify;
+    Purpose purpose_ = Purpose::begin;
+    ByteOrder order_ = ByteOrder::little;
+    std::size_t asked_len_ = 0;      // in the last info
+    TimePoint described_since_{};    // the first of the infos for the same purpose
     std::uint32_t frame_ = 0;
     std::vector<std::uint8_t> piece_;    // of the image, in that frame
+    unsigned orders_ = 0;                // sends of this step
     unsigned failures_ = 0;
+    unsigned sends_ = 0;    // of this frame
+    unsigned judged_frames_ = 0;
+    unsigned judged_sends_ = 0;    // of these frames
+    bool may_shorten_ = true;
+    unsigned restarts_ = 0;
+    std::optional<std::uint32_t> lost_frame_;    // that was the reason to begin again
+    std::string lost_because_;
+    Ending lost_ending_ = Ending::timeout;
     std::size_t repeats_ = 0;
     bool erasing_ = false;
+    TimePoint answered_at_{};
+    static constexpr unsigned repeated_enough = 8;
+    std::optional<Duration> frame_wait_;    // for an answer to a frame; std::nullopt: not measured yet
+    TimePoint asked_at_{};                  // for this frame
+    unsigned repeated_in_a_row_ = 0;        // frames
+    std::string remark_;
     std::optional<TimePoint> frames_since_;
 };
 

@@ -38,6 +38,10 @@ private:
     Read read_;
 };
 
+/// Why a file without a header is probably no firmware: it begins as a text, form, ZIP, ELF or Intel HEX file does. A clause, with how to convert it
+/// where that is possible; empty: nothing speaks against it.
+std::string looks_unlike_firmware(const FirmwareBytes& file);
+
 struct FirmwareImage {
     static constexpr std::size_t header_bytes = 100;
     static constexpr std::size_t max_bytes = std::size_t{64} << 20;

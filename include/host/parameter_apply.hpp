@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,12 +23,21 @@ struct ApplyOptions {
     bool dry_run = false;          // only reports what would be written
     bool also_the_same = false;    // writes also those that do not differ
     bool goes_on = false;          // continues after one that the device refuses; not with `rollback`
-    TextLimits text{};
+    WriteLimits text{};
+    /// Of the rows whose name several parameters have, or that have an empty one: the number of the one that is meant, which must have
+    /// this name. May be shorter than the rows.
+    std::vector<std::optional<std::uint16_t>> ids{};
+    /// Whether two texts that differ in bytes are the same to the user; may be empty.
+    std::function<bool(const std::string&, const std::string&)> same_text{};
 };
 
 /// Nothing is written before every name is found, every value fits its type and every old value is read; otherwise all wrong rows are
 /// `failed`. Writes go one by one in the order given. The first that fails ends the task; with `goes_on`, only a device that no longer
 /// answers or became another one ends it.
+///
+/// A device that restarts loses what was not saved, and a short restart shows no sign. So all values that were written are read once more at
+/// the end, if there are several or the device restarted (after a restart also those that did not differ). What is lost is written again
+/// once, then it is `failed`. The same after undoing: every old value has to be back.
 class ParameterApply final : public Task {
 public:
     enum class State : std::uint8_t {
@@ -46,6 +56,7 @@ public:
         std::string what{};                  // why it failed, as a clause
         std::optional<AnyValue> before{};    // as read first
         std::optional<AnyValue> stored{};    // as read last
+        bool acknowledged = false;           // of `written` and `clamped`; otherwise only reading back showed it
     };
 
     ParameterApply(Device& device, DescriptionCache* cache, const std::vector<std::pair<std::string, AnyValue>>& values,
@@ -65,25 +76,45 @@ public:
 private:
     void described(TimePoint now);
     bool check(TimePoint now);
+    Found found(std::size_t row) const;
+    bool is_same(const AnyValue& wanted, const AnyValue& has, const ParameterInfo& info) const;
     std::string fault_of(const Row& row, const Found& found) const;
     End failure(const char* deed) const;
+    bool is_restarted() const noexcept;
+    std::string words_of_restart() const;
     void next(TimePoint now);
     void row_ended(TimePoint now);
     void fail(const End& end, TimePoint now);
+    void read_again(void (ParameterApply::*then)(TimePoint), TimePoint now);
+    bool is_read_again(const Row& row) const noexcept;
+    bool has(std::size_t row, const std::optional<AnyValue>& value) const;
+    void check_written(TimePoint now);
+    void written_is_read(TimePoint now);
+    void finish_written(TimePoint now);
     void undo_next(TimePoint now);
     void undone(TimePoint now);
-    void write(std::size_t row, const AnyValue& value, TextLimits limits, void (ParameterApply::*then)(TimePoint), TimePoint now);
+    void undone_is_read(TimePoint now);
+    void write(std::size_t row, const AnyValue& value, WriteLimits limits, void (ParameterApply::*then)(TimePoint),
+               TimePoint now);
 
     ApplyOptions options_;
     std::vector<Row> rows_;
     std::vector<ParameterInfo> infos_;    // of rows_
+    DescriptionCache own_cache_;          // used when the caller has none
+    DescriptionCache* cache_;
     Parameters parameters_;
+    std::unique_ptr<Parameters> again_;         // at the end
+    std::unique_ptr<Parameters> last_again_;    // as last_
     std::unique_ptr<ParameterWrite> write_;
     std::unique_ptr<ParameterWrite> last_;    // the task before, which may not be destroyed in its own on_end() call
     std::size_t at_ = 0;
-    std::vector<std::size_t> touched_;    // rows whose old value is to be restored if one fails
+    std::uint32_t presence_ = 0, announcements_ = 0;    // of the device when the first value was written
+    std::vector<std::size_t> touched_;                  // rows whose old value is to be restored if one fails
+    std::vector<bool> repeated_;                        // of rows_: written once more, since it was lost
+    std::size_t lost_ = 0;
     bool undoing_ = false;
-    std::optional<End> why_;    // of the first that failed; how the task ends after undoing
+    std::vector<bool> undone_again_;    // of rows_
+    std::optional<End> why_;            // of the first that failed; how the task ends after undoing
 };
 
 }    // namespace ano::host

@@ -3,14 +3,25 @@
 #include <ano/frame.hpp>
 #include <ano/schema.hpp>
 #include <host/exchange.hpp>
+#include <host/value.hpp>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ano::host {
+
+/// How a device describes its parameters: all of them in one way.
+enum class ParameterLayout : std::uint8_t {
+    typed,     // by their type
+    ranged,    // by min and max; every value is an i32
+    scaled,    // by min, max and mul; every value is an i32, multiplied by mul
+};
 
 struct ParameterInfo {
     struct Limits {
@@ -22,12 +33,42 @@ struct ParameterInfo {
     std::optional<Type> type{};    // std::nullopt: of unknown type, and it can't be written
     std::string name{};            // as received, in whatever encoding the device uses; so is info
     std::string info{};
-    std::optional<Limits> limits{};    // of an old device, which sends them in place of the type, and every value as i32
+    std::optional<Limits> limits{};    // of an older device, in the unit of the value; ParameterWrite keeps to it
+    ParameterLayout layout = ParameterLayout::typed;
+    std::int32_t mul = 1;    // the number on the wire is the value times `mul`, which is at least 1
+
+    bool is_scaled() const noexcept { return mul > 1; }
     friend bool operator==(const ParameterInfo&, const ParameterInfo&) = default;
 };
 
 /// The description in `frame`; std::nullopt when it is not a 0xE2, or too short for one.
+std::optional<ParameterInfo> parameter_info_in(FrameView frame, ParameterLayout layout);
+/// The same, in the layout that this frame looks like: another frame of the same device may show that it is wrong.
 std::optional<ParameterInfo> parameter_info_in(FrameView frame);
+
+/// As of value.hpp, for the value of this parameter: of a scaled one it is a double. std::nullopt where the type is not known.
+std::optional<AnyValue> value_of(Bytes bytes, const ParameterInfo& info);
+/// A scaled value must be a multiple of 1 / mul, to a thousandth of that.
+Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, const ParameterInfo& info);
+std::string words_of_misfit(Misfit misfit, const ParameterInfo& info);
+bool same_bytes(const AnyValue& a, const AnyValue& b, const ParameterInfo& info);
+/// The nearest number that append() accepts, of one that is within the range; other values as they are.
+AnyValue nearest_value(const AnyValue& value, const ParameterInfo& info);
+
+/// Why a number may not be written as a value of `size` bytes where the device sent `had` bytes, as a clause; empty: it may.
+std::string length_misfit(std::size_t size, std::size_t had, const ParameterInfo& info);
+
+/// Finds out the layout of a device from all its descriptions, since one alone may look like another layout.
+class LayoutVotes {
+public:
+    void count(FrameView description) noexcept;
+    /// That of most descriptions.
+    ParameterLayout winner() const noexcept;
+    void clear() noexcept { votes_ = {}; }
+
+private:
+    std::array<std::uint32_t, 3> votes_{};
+};
 
 /// The parameter that a name stands for.
 struct Found {
@@ -35,6 +76,8 @@ struct Found {
     bool several = false;
 };
 Found find_parameter(std::span<const ParameterInfo> all, std::string_view name) noexcept;
+/// The one with this name, or else with this number.
+Found parameter_called(std::span<const ParameterInfo> all, std::string_view word) noexcept;
 
 /// The 0xE0 questions, whose answers are 0xE3, 0xE0, 0xE1 and 0xE2.
 namespace question {

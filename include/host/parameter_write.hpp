@@ -15,26 +15,35 @@
 
 namespace ano::host {
 
-struct TextLimits {
+struct WriteLimits {
     bool longer = false;                       // a text may be longer than the one that it replaces
     std::optional<std::size_t> max_bytes{};    // of any text: 29 where the device has the vendor's parser
+    bool beyond_range = false;                 // a number may lie outside of the range that the device states for it
 };
 
 /// Why a text of `size` bytes may not replace one of `had` bytes, as a clause to follow the text; empty: it may.
-std::string text_misfit(std::size_t size, std::size_t had, const TextLimits& limits);
+std::string text_misfit(std::size_t size, std::size_t had, const WriteLimits& limits);
+
+/// Why `value` may not be written into a parameter whose device states a range, as a clause to follow the value; empty: it may.
+std::string range_misfit(const AnyValue& value, const ParameterInfo& info, const WriteLimits& limits);
 
 /// The old value is read first: by default a text may not be longer than the old one, and the old value shows whether the device
 /// clamped the new one or stored nothing. Then it is written, acknowledged and read back; a different value is read once more, since
 /// it may be a late answer. If the device was away meanwhile, the parameter count and this description are read again first.
 ///
-/// The value is read back even when the write was not acknowledged.
+/// The question for the read-back leaves right behind the write, without waiting for its acknowledgement: one round trip. It shows that
+/// the value is stored; that it is not, only if the write did not have to be repeated. Otherwise the value is read back afterwards, also
+/// when the write was not acknowledged.
 ///
 /// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Failed: it became another device. Invalid,
-/// with nothing sent to be written: the value does not fit the type, or the parameter is not there.
+/// with nothing sent to be written: the value does not fit the type or the stated range, the device sends it in another length, or the parameter is not
+/// there.
 class ParameterWrite final : public Task {
 public:
-    ParameterWrite(Device& device, ParameterInfo info, AnyValue value, TextLimits limits = {});
+    ParameterWrite(Device& device, ParameterInfo info, AnyValue value, WriteLimits limits = {});
 
+    /// To be called before start(): the old value, which was read just now from the device of that presence, is not read again.
+    void set_before(Bytes value, std::uint32_t presence);
     void start(TimePoint now);
     Progress progress() const noexcept override { return {step_, 4}; }
     void cancel(TimePoint now) override;
@@ -53,7 +62,7 @@ public:
     bool was_acknowledged() const noexcept { return was_sent_ && !silence_; }
 
 private:
-    enum Step : std::uint32_t { read_before, write_value, read_back, read_again, ask_count, ask_description };
+    enum Step : std::uint32_t { read_before, write_value, read_back, read_again, ask_count, ask_description, read_early };
     using Wire = std::vector<std::uint8_t>;
 
     void go_on(TimePoint now);
@@ -65,6 +74,8 @@ private:
     void write(TimePoint now);
     void written(const Ended& ended, TimePoint now);
     void took(const Ended& ended, TimePoint now);
+    void read_along(const Ended& ended, TimePoint now);
+    void both_ended(TimePoint now);
     void not_given_back(const Ended& ended, TimePoint now);
     void compare(TimePoint now);
     bool same(const Wire& a, const Wire& b) const;
@@ -73,9 +84,12 @@ private:
 
     ParameterInfo info_;
     AnyValue value_;
-    TextLimits limits_;
+    WriteLimits limits_;
     Step step_ = read_before;
     bool was_sent_ = false;
+    bool write_ended_ = false, early_ended_ = false;
+    bool was_repeated_ = false;          // the write
+    Evidence acknowledgement_;           // of the write
     std::optional<Evidence> silence_;    // set when the write was not acknowledged
     std::uint32_t presence_ = 0;         // of the device that `info` is of
     Wire wire_;

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +22,12 @@ namespace ano::host {
 
 /// Reads device info, the number of parameters, every description that the cache does not have, and values; at the end it reads the
 /// number again: when the device has changed, everything is read once more.
+///
+/// If the device is known and not all values are wanted, device info and number are asked just before the values, without waiting for
+/// the answers: one round trip. The ids are below the number that it reported last, since when it was not away.
+///
+/// Where only an earlier run knew it (DescriptionCache::recall()), the descriptions of the wanted values are read with them and compared. If
+/// one differs, or not as many are found as are wanted, everything is read.
 class Parameters final : public Gather {
 public:
     enum class Values : std::uint8_t { all, none, named };
@@ -33,6 +40,19 @@ public:
     /// Reads the values of these only; names that no parameter or several parameters have are left out.
     void read_named(std::vector<std::string> names, TimePoint now) {
         names_ = std::move(names);
+        read(Values::named, now);
+    }
+
+    /// Reads the values of those with these names or, where no parameter has such a name, these numbers.
+    void read_called(std::vector<std::string> words, TimePoint now) {
+        may_be_numbers_ = true;
+        read_named(std::move(words), now);
+    }
+
+    /// Reads the values of those only for which `wanted` is true, of `at_least` parameters. It is called when the descriptions are there.
+    void read_where(std::function<bool(const ParameterInfo&)> wanted, TimePoint now, std::size_t at_least = 0) {
+        is_wanted_ = std::move(wanted);
+        at_least_ = at_least;
         read(Values::named, now);
     }
 
@@ -50,6 +70,8 @@ public:
     std::optional<AnyValue> value(std::uint16_t id) const;
     /// The parameter with this name.
     Found find(std::string_view name) const noexcept { return find_parameter(descriptions_, name); }
+    /// Device::presence() of the device that was read.
+    std::uint32_t presence() const noexcept { return presence_; }
     /// Whether the descriptions come from the cache.
     bool from_cache() const noexcept { return from_cache_; }
 
@@ -66,18 +88,25 @@ private:
     void start(TimePoint now);
     void counted(TimePoint now);
     void counted_again(TimePoint now);
+    void start_known(const std::vector<ParameterInfo>& known, TimePoint now);
+    bool has_changed() const;
     std::optional<std::uint16_t> first_lacking() const;
+    void settle_layout();
     bool took_description(std::uint16_t id, FrameView answer);
+    bool compared(std::uint16_t id, FrameView answer);
+    bool recall();
+    void read_again(TimePoint now);
     bool took_value(std::uint16_t id, FrameView answer);
     void ask_named(TimePoint now);
 
     // If all values are wanted, descriptions and values are read alternately, so that the first parameters are complete early.
-    enum class Asks : std::uint8_t { descriptions, values, both, named_values };
+    enum class Asks : std::uint8_t { descriptions, values, both, named_values, named_both };
     bool is_description(std::uint32_t i) const noexcept {
-        return asks_ == Asks::descriptions || (asks_ == Asks::both && i % 2 == 0);
+        return asks_ == Asks::descriptions || ((asks_ == Asks::both || asks_ == Asks::named_both) && i % 2 == 0);
     }
     std::uint16_t id_of_question(std::uint32_t i) const noexcept {
-        if (asks_ == Asks::named_values) return named_[i];
+        if (asks_ == Asks::named_values) return named_[i - checks_];
+        if (asks_ == Asks::named_both) return named_[i / 2];
         return static_cast<std::uint16_t>(asks_ == Asks::both ? i / 2 : i);
     }
 
@@ -86,12 +115,20 @@ private:
     std::optional<std::uint16_t> count_;
     std::uint32_t presence_ = 0;
     Asks asks_ = Asks::both;
+    std::uint32_t checks_ = 0;    // the first questions ask whether the device is still the same: 2, or 0
     std::vector<std::string> names_;
+    bool may_be_numbers_ = false;    // those of names_ that no parameter has
+    std::function<bool(const ParameterInfo&)> is_wanted_;
+    std::size_t at_least_ = 0;             // so many are meant by is_wanted_
     std::vector<std::uint16_t> wanted_;    // by id
     std::vector<std::uint16_t> named_;     // the ids of names_ and wanted_
     bool from_cache_ = false;
+    bool is_recalled_ = false;    // they are of an earlier run
+    bool differs_ = false;        // one of them is not as it was
     bool started_again_ = false;
     std::vector<ParameterInfo> descriptions_;
+    std::vector<std::vector<std::uint8_t>> frames_;    // of the descriptions as received, until all are there
+    LayoutVotes votes_;
     std::vector<std::vector<std::uint8_t>> values_;
 };
 

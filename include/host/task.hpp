@@ -74,6 +74,8 @@ protected:
     void finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely = {});
     /// The same for an order, which was not acknowledged.
     void finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely);
+    /// For an order that a port id acknowledged instead of the device, as a clause; empty: it was the device.
+    static std::string words_of_port(const Evidence& evidence);
     /// Ends in the same way as `other`.
     void finish_as(const Task& other, TimePoint now);
 

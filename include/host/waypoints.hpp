@@ -4,8 +4,12 @@
 #include <host/gather.hpp>
 
 #include <array>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -56,8 +60,15 @@ private:
 
 /// Writes waypoints one by one, reads each back, and asks at the end how many there are. The protocol has no way to remove one: when
 /// the device has more, the end says so.
+///
+/// One that is not acknowledged is read back, and written again if it is not stored: for `patience`, since some devices take 3 s, and as
+/// long as the device does not store something else. If there are several, or anything was lost on the way, or the device was away, the
+/// whole list is read again at the end: the device may have restarted and lost waypoints. Failed: the list differs from what was stored;
+/// then the progress counts those that the device has.
 class WaypointsPut final : public Task {
 public:
+    static constexpr Duration patience = std::chrono::seconds{4};
+
     WaypointsPut(Device& device, std::vector<Waypoint> waypoints) : Task{device}, waypoints_{std::move(waypoints)} {}
 
     void start(TimePoint now);
@@ -75,13 +86,30 @@ private:
     enum Step : std::uint32_t { write, read_back, ask_count };
 
     void next(TimePoint now);
+    void write_it(TimePoint now);
+    void written(const Ended& ended, TimePoint now);
+    void ask_patiently(TimePoint now);
+    void was_read_back(const Ended& ended, TimePoint now);
     void counted(std::uint8_t count, TimePoint now);
+    void look_again(TimePoint now);
+    void looked(TimePoint now);
+    std::string number() const { return "waypoint " + std::to_string(waypoints_[at_].num); }
 
     std::vector<Waypoint> waypoints_;
     std::vector<Waypoint> stored_;
     std::vector<Request> writes_;
     std::size_t at_ = 0;
     std::size_t changed_ = 0;    // stored with other values than written
+    std::size_t unacknowledged_ = 0;
+    std::optional<TimePoint> begun_at_;    // this waypoint
+    bool is_acknowledged_ = false;         // this waypoint
+    TimePoint acknowledged_at_{};
+    unsigned mismatches_ = 0;    // of this waypoint, read back without an acknowledgement
+    Evidence silence_;           // of its writes
+    bool may_have_restarted_ = false;
+    std::uint32_t presence_ = 0;
+    std::string remark_;
+    std::unique_ptr<WaypointsGet> look_;    // at the end
 };
 
 }    // namespace ano::host

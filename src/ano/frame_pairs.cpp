@@ -31,7 +31,8 @@ std::uint64_t heads_among(const std::uint8_t* eight) noexcept {
 
 // A search covers less than the size of the largest frame, and its candidates end less than that size behind it.
 FramePairs::FramePairs(std::size_t max_data)
-    : mask_{std::bit_ceil(std::max<std::size_t>(1, 2 * std::min(max_data, max_len))) - 1},
+    : max_data_{max_data},
+      mask_{std::bit_ceil(std::max<std::size_t>(1, 2 * std::min(max_data, max_len))) - 1},
       ends_{mask_ + 1},
       nexts_{mask_ + 1},
       forgotten_{0 - static_cast<Place>(mask_) - 1} {}    // one ring length back, so that the first search clears the ring
@@ -66,7 +67,7 @@ void FramePairs::forget_until(Place place) noexcept {
 // False: there is not enough credit. No candidate may be checked before all headers are noted.
 bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                               const Heard& heard) noexcept {
-    const std::size_t max_length = data_length(bytes.data() + waiting);
+    const std::size_t max_length = std::min(data_length(bytes.data() + waiting), max_data_);
     const std::size_t whole = bytes.size() - (header_size - 1);    // no whole header begins there or behind
     auto at = static_cast<std::size_t>(headers_until_ - origin_);
     for (; at < whole; at += 8) {

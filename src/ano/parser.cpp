@@ -64,7 +64,9 @@ inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::siz
 // Twice the largest frame: never more bytes are moved to the front than have come in since the last move.
 FrameParser::FrameParser(Options options)
     : options_{options},
-      capacity_{2 * (overhead + std::min(options.max_data, max_len)) + read_room},
+      max_image_{std::min(max_image_data_at(options.max_data), max_len)},
+      capacity_{2 * (overhead + max_image_) + read_room},
+      usual_capacity_{2 * (overhead + std::min(options.max_data, max_len)) + read_room},
       buffer_{capacity_ + block},    // HEADs are looked for by whole blocks
       sums_{capacity_},
       pairs_{options.max_data} {
@@ -76,7 +78,7 @@ std::span<std::uint8_t> FrameParser::prepare() noexcept {
         pairs_.move_front(pos_);
         pos_ = end_ = barrier_ = sums_until_ = 0;
         sums_.begin(0);
-    } else if (pos_ > 0 && capacity_ - end_ < read_room) {
+    } else if (pos_ >= end_ - pos_ && usual_capacity_ < end_ + read_room) {
         std::memmove(buffer_.get(), buffer_.get() + pos_, end_ - pos_);
         sums_.move_front(pos_);
         pairs_.move_front(pos_);
@@ -85,7 +87,7 @@ std::span<std::uint8_t> FrameParser::prepare() noexcept {
         end_ -= pos_;
         pos_ = 0;
     }
-    return {buffer_.get() + end_, capacity_ - end_};
+    return {buffer_.get() + end_, std::max(usual_capacity_, std::min(end_ + read_room, capacity_)) - end_};
 }
 
 void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
@@ -140,15 +142,22 @@ void FrameParser::drop_padding() noexcept {
     behind_frame_ = false;
 }
 
+bool FrameParser::begins_with_frame(std::span<const std::uint8_t> datagram) const noexcept {
+    if (datagram.size() < overhead) return false;
+    const auto frame = frame_at(datagram, max_data_of(datagram[3], options_.max_data));
+    return frame && (frame->data().size() <= options_.max_data || is_plausible_image(datagram.data()));
+}
+
 void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept {
     if (waiting() == 0) return;
-    if (now - last_arrival_ >= datagram_patience || frame_at(datagram, options_.max_data)) finish();
+    const Duration patience = options_.frame_gap > Duration{} ? options_.frame_gap : datagram_patience;
+    if (now - last_arrival_ >= patience || begins_with_frame(datagram)) finish();
 }
 
 bool FrameParser::expire(TimePoint now) noexcept {
     if (!candidate_waits_) return false;
     const bool overdue = now >= overdue_at(pos_, candidate_since_);
-    const bool quiet = now - last_arrival_ >= options_.quiet;
+    const bool quiet = now - last_arrival_ >= this->quiet();
     if (quiet && !none_behind_) {
         if (const std::size_t good = find_good_frame_behind(pos_)) {
             barrier_ = good;
@@ -164,7 +173,7 @@ bool FrameParser::expire(TimePoint now) noexcept {
 std::optional<TimePoint> FrameParser::deadline() const noexcept {
     if (!candidate_waits_) return std::nullopt;
     const TimePoint overdue = overdue_at(pos_, candidate_since_);
-    return none_behind_ ? overdue : std::min(overdue, last_arrival_ + options_.quiet);
+    return none_behind_ ? overdue : std::min(overdue, last_arrival_ + quiet());
 }
 
 // The next HEAD from `from` on, or end_. Candidates that are refused by their LEN or by the sums made so far are
@@ -201,7 +210,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
         for (; heads != 0; heads &= heads - 1) {
             const std::size_t at = from + static_cast<unsigned>(std::countr_zero(heads));
             const std::size_t length = data_length(bytes + at);
-            if (length > max_data) {
+            if (length > max_data && !may_be_image(at, length)) {
                 ++too_long;
             } else if (at + length >= last ||
                        (sums[at] == gaps_behind[at + length] && !add_is_wrong(at, at + header_size + length))) [[unlikely]] {
@@ -224,7 +233,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
 [[gnu::noinline]] std::uint64_t FrameParser::refused_together(std::uint64_t candidates, std::size_t from,
                                                               std::size_t sums_end) const noexcept {
     if (std::popcount(candidates) < worth_a_block) return 0;
-    if (length_of_heads > options_.max_data) return candidates;
+    if (length_of_heads > options_.max_data) return candidates;    // and above max_image_, unless that is max_data
     const std::size_t to = from + header_size + length_of_heads;
     if (to + block > sums_end) return 0;
     return candidates & ~equal_among(sums_.sums() + from, sums_.gaps() + to);
@@ -244,7 +253,11 @@ FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexc
     const std::size_t there = limit - at;
     if (there < header_size) return Verdict::incomplete;
     const std::size_t length = data_length(buffer_.get() + at);
-    if (length > options_.max_data) return Verdict::too_long;
+    if (length > options_.max_data) {
+        if (!may_be_image(at, length)) return Verdict::too_long;
+        if (there < image_head_size) return Verdict::incomplete;
+        if (!is_plausible_image(buffer_.get() + at)) return Verdict::too_long;
+    }
     if (there < overhead + length) return Verdict::incomplete;
     return checks_hold(at, header_size + length) ? Verdict::good : Verdict::bad;
 }
@@ -271,7 +284,8 @@ bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     if (end_ - at <= overhead || counters_.frames_in == 0 || !pairs_.can_look()) return false;
     if (heard_.makes_credible(buffer_.get() + at)) return false;
     sum_up_from(at);
-    return pairs_.stand_behind(at, {buffer_.get(), end_}, sums_, heard_);
+    const std::size_t to = std::min(end_, at + overhead + options_.max_data);    // of an image, only the beginning is searched
+    return pairs_.stand_behind(at, {buffer_.get(), to}, sums_, heard_);
 }
 
 // Sums every byte behind a waiting candidate, since any may be needed again.
@@ -299,11 +313,32 @@ std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
 }
 
 void FrameParser::skip_to(std::size_t at) noexcept {
+    keep_skipped({buffer_.get() + pos_, at - pos_});
     counters_.skipped_bytes += at - pos_;
     for (; pos_ < at && v7_budget_ > 0; ++pos_, --v7_budget_)
         if (v7_.take(buffer_[pos_])) ++counters_.v7_frames;
     if (pos_ < at) v7_ = {};
     pos_ = at;
+}
+
+void FrameParser::keep_skipped(std::span<const std::uint8_t> bytes) noexcept {
+    std::uint64_t number = counters_.skipped_bytes + bytes.size();
+    bytes = bytes.last(std::min(bytes.size(), kept_skipped));
+    number -= bytes.size();
+    while (!bytes.empty()) {
+        const auto place = static_cast<std::size_t>(number % kept_skipped);
+        const std::size_t n = std::min(bytes.size(), kept_skipped - place);
+        std::memcpy(skipped_.get() + place, bytes.data(), n);
+        bytes = bytes.subspan(n);
+        number += n;
+    }
+}
+
+std::size_t FrameParser::copy_skipped(std::span<std::uint8_t> into) const noexcept {
+    const std::uint64_t end = counters_.skipped_bytes;
+    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>({end, kept_skipped, into.size()}));
+    for (std::size_t i = 0; i < n; ++i) into[i] = skipped_[static_cast<std::size_t>((end - n + i) % kept_skipped)];
+    return n;
 }
 
 bool FrameParser::V7Matcher::take(std::uint8_t byte) noexcept {
@@ -327,9 +362,16 @@ bool FrameParser::V7Matcher::take(std::uint8_t byte) noexcept {
 }
 
 TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const noexcept {
-    if (options_.line_rate == 0) return since + overdue_unknown_rate;
-    const std::size_t wanted = end_ - candidate < header_size ? overhead : overhead + data_length(buffer_.get() + candidate);
-    return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
+    TimePoint overdue = since + overdue_unknown_rate;
+    if (options_.line_rate != 0) {
+        const std::size_t there = end_ - candidate;
+        const std::size_t length = there < header_size ? 0 : data_length(buffer_.get() + candidate);
+        const bool is_unchecked = length > options_.max_data && there < image_head_size;    // it may be an image
+        const std::size_t wanted = overhead + (is_unchecked ? options_.max_data : length);
+        overdue = since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
+    }
+    // Where pauses are normal, a frame is on its way as long as its bytes come.
+    return options_.frame_gap > Duration{} ? std::max(overdue, last_arrival_ + options_.frame_gap) : overdue;
 }
 
 }    // namespace ano

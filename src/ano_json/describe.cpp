@@ -15,6 +15,7 @@ Json field_json(const Field& f) {
     if (f.is_open()) json["count"] = nullptr;
     else if (f.count != 1) json["count"] = f.count;
     json["offset"] = f.offset;
+    if (f.order == ByteOrder::big) json["endian"] = "big";
     if (is_number(f.type)) json["scale"] = f.scale.factor();
     if (!f.unit.empty()) json["unit"] = f.unit;
     if (f.range) json["range"] = {f.range.first, f.range.last};
@@ -61,7 +62,7 @@ std::vector<Json> describe_all(const FlexibleLayouts& flexible) {
             json["size"] = layout.size();
             json["fields"] = fields_json(layout.fields());
             if (layout.source()) json["source"] = *layout.source();
-            else is_for_all = true;
+            else is_for_all = is_for_all || !layout.when();
         }
         if (!is_for_all) rows.push_back(describe(row));
     }

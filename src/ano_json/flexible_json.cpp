@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -20,24 +22,33 @@ public:
         : layouts_{layouts}, specs_{specs}, faults_{faults} {}
 
     void read(const nlohmann::json& given, const std::string& pointer) {
-        constexpr std::array<std::string_view, 3> keys{"id", "source", "fields"};
+        constexpr std::array<std::string_view, 5> keys{"id", "source", "endian", "when", "fields"};
         const std::size_t faults_before = faults_.size();
         if (!check_keys(given, pointer, keys)) return;
         const auto id = id_at(given, pointer);
         std::optional<std::uint8_t> source;
         if (given.contains("source")) {
-            source = byte(given["source"]);
-            if (!source || *source == 0 || *source == 255) fault(pointer + "/source", "an address is 1 to 254");
+            source = whole<std::uint8_t>(given["source"]);
+            if (!source) fault(pointer + "/source", "an address is 0 to 255");
         }
-        auto fields = fields_at(given, pointer);
+        FlexibleSpec spec{.id = id.value_or(0), .source = source};
+        spec.endian = endian_at(given, pointer);
+        if (given.contains("when")) {
+            spec.when = whole<std::uint32_t>(given["when"]);
+            if (!spec.when) fault(pointer + "/when", std::string{text_of(FlexibleLayouts::Fault::when)});
+        }
+        spec.fields = fields_at(given, pointer);
         if (faults_.size() != faults_before || !id) return;
-        if (const auto refusal = layouts_.add(*id, source, fields)) {
+        if (const auto refusal = layouts_.add(spec)) {
             using enum FlexibleLayouts::Fault;
-            const bool at_field = refusal.fault == name || refusal.fault == type || refusal.fault == scale;
-            const std::string where = at_field ? "/fields/" + std::to_string(refusal.field) : "";
+            const bool at_field = refusal.fault == name || refusal.fault == type || refusal.fault == scale ||
+                                  refusal.fault == count;
+            const std::string where = at_field                ? "/fields/" + std::to_string(refusal.field)
+                                      : refusal.fault == when ? "/when"
+                                                              : "";
             fault(pointer + where, std::string{text_of(refusal.fault)});
         } else {
-            specs_.push_back({*id, source, std::move(fields)});
+            specs_.push_back(std::move(spec));
         }
     }
 
@@ -55,15 +66,22 @@ private:
         return true;
     }
 
-    static std::optional<std::uint8_t> byte(const nlohmann::json& value) {
+    // Of a number, or of its text as in C; std::nullopt: it is not one that T can hold.
+    template <class T>
+    static std::optional<T> whole(const nlohmann::json& value) {
         std::optional<Number> number;
-        if (value.is_number_integer()) number = value.get<std::int64_t>();
+        if (value.is_number_unsigned()) number = value.get<std::uint64_t>();
         if (value.is_string()) number = parse_number(value.get_ref<const std::string&>());
         if (!number) return std::nullopt;
         const double n = std::visit([](auto v) { return static_cast<double>(v); }, *number);
-        for (int i = 0; i < 256; ++i)
-            if (n == i) return static_cast<std::uint8_t>(i);
-        return std::nullopt;
+        if (!(n >= 0 && n <= static_cast<double>(std::numeric_limits<T>::max())) || n != std::trunc(n)) return std::nullopt;
+        return static_cast<T>(n);
+    }
+
+    ByteOrder endian_at(const nlohmann::json& given, const std::string& pointer) {
+        if (!given.contains("endian") || given["endian"] == "little") return ByteOrder::little;
+        if (given["endian"] != "big") fault(pointer + "/endian", "this is to be \"little\" or \"big\"");
+        return ByteOrder::big;
     }
 
     std::optional<std::uint8_t> id_at(const nlohmann::json& given, const std::string& pointer) {
@@ -72,7 +90,7 @@ private:
             return std::nullopt;
         }
         const nlohmann::json& value = given["id"];
-        auto id = byte(value);
+        auto id = whole<std::uint8_t>(value);
         if (!id && value.is_string())
             if (const Message* message = find_message(value.get_ref<const std::string&>())) id = message->id;
         if (!id || !is_flexible(*id)) fault(pointer + "/id", std::string{text_of(FlexibleLayouts::Fault::id)});
@@ -92,8 +110,19 @@ private:
         return fields;
     }
 
+    /// Names and units are shown in terminals and tables.
+    std::string printable(const nlohmann::json& given, const std::string& pointer) {
+        std::string text = given.get<std::string>();
+        for (std::size_t at = 0; at < text.size(); ++at)
+            if (control_size(text, at) > 0) {
+                fault(pointer, "control characters are not accepted");
+                break;
+            }
+        return text;
+    }
+
     FlexibleField field(const nlohmann::json& given, const std::string& pointer) {
-        constexpr std::array<std::string_view, 4> keys{"name", "type", "scale", "unit"};
+        constexpr std::array<std::string_view, 5> keys{"name", "type", "count", "scale", "unit"};
         FlexibleField field;
         if (!check_keys(given, pointer, keys)) return field;
         for (const char* key : {"name", "type"}) {
@@ -101,14 +130,19 @@ private:
             else if (!given[key].is_string()) fault(pointer + "/" + key, "this is to be text");
         }
         if (given.contains("unit")) {
-            if (given["unit"].is_string()) field.unit = given["unit"].get<std::string>();
+            if (given["unit"].is_string()) field.unit = printable(given["unit"], pointer + "/unit");
             else fault(pointer + "/unit", "this is to be text");
+        }
+        if (given.contains("count")) {
+            const auto count = whole<std::uint16_t>(given["count"]);
+            if (count) field.count = *count;
+            else fault(pointer + "/count", std::string{text_of(FlexibleLayouts::Fault::count)});
         }
         if (given.contains("scale")) {
             if (given["scale"].is_number()) field.scale = given["scale"].get<double>();
             else fault(pointer + "/scale", "this is to be a number");
         }
-        if (given.contains("name") && given["name"].is_string()) field.name = given["name"].get<std::string>();
+        if (given.contains("name") && given["name"].is_string()) field.name = printable(given["name"], pointer + "/name");
         if (given.contains("type") && given["type"].is_string()) {
             const auto& word = given["type"].get_ref<const std::string&>();
             const auto it = std::find(type_names.begin(), type_names.end(), word);
@@ -138,6 +172,7 @@ std::vector<JsonFault> read_all(const nlohmann::json& array, const std::string& 
 
 Json field_to_json(const FlexibleField& field) {
     Json object{{"name", field.name}};
+    if (field.count != 1) object["count"] = field.count;
     if (field.scale != 1) object["scale"] = field.scale;
     object["type"] = name_of(field.type);
     if (!field.unit.empty()) object["unit"] = field.unit;
@@ -153,7 +188,7 @@ std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::stri
 
 std::vector<JsonFault> read_flexible(const nlohmann::json& array, const std::string& pointer, std::vector<FlexibleSpec>& specs) {
     FlexibleLayouts layouts;
-    for (const FlexibleSpec& spec : specs) layouts.add(spec.id, spec.source, spec.fields);
+    for (const FlexibleSpec& spec : specs) layouts.add(spec);
     return read_all(array, pointer, layouts, specs);
 }
 
@@ -162,8 +197,12 @@ Json flexible_to_json(const std::vector<FlexibleSpec>& specs) {
     for (const FlexibleSpec& spec : specs) {
         Json fields = Json::array();
         for (const FlexibleField& field : spec.fields) fields.push_back(field_to_json(field));
-        Json object{{"fields", std::move(fields)}, {"id", hex_byte(spec.id)}};
+        Json object = Json::object();
+        if (spec.endian == ByteOrder::big) object["endian"] = "big";
+        object["fields"] = std::move(fields);
+        object["id"] = hex_byte(spec.id);
         if (spec.source) object["source"] = *spec.source;
+        if (spec.when) object["when"] = *spec.when;
         array.push_back(std::move(object));
     }
     return array;

@@ -1,6 +1,7 @@
 // Layouts of flexible messages from a configuration:
 //
-//   "flexible": [{"id": "0xF1", "source": 30, "fields": [{"name": "a", "type": "i16", "scale": 0.01, "unit": "V"}]}]
+//   "flexible": [{"id": "0xF1", "source": 30, "endian": "big", "when": 3,
+//                 "fields": [{"name": "kind", "type": "u8"}, {"name": "a", "type": "i16", "count": 4, "scale": 0.01, "unit": "V"}]}]
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano_json/frame_json.hpp>
@@ -12,8 +13,9 @@
 namespace ano {
 
 /// Adds the layouts of `array`, which stands at `pointer`, to `layouts`: `id` (0xF1 to 0xFA, or the name), `source`
-/// (only frames from there; left out: from anywhere), `fields` with `name`, `type`, and optionally `scale` (value =
-/// what is on the wire × scale, default 1) and `unit`. Every fault is reported; a layout with a fault is left out.
+/// (only frames from there; left out: from anywhere), `when` (only frames whose first field has this value), `endian` (little, the
+/// default, or big), `fields` with `name`, `type`, and optionally `count` (an array), `scale` (value = what is on the wire × scale,
+/// default 1) and `unit`. Every fault is reported; a layout with a fault is left out.
 std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts);
 
 /// Appends the same layouts, as they were written, to `specs`.

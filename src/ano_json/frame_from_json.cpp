@@ -340,6 +340,28 @@ void fail_for_word(std::span<const Message> layouts, const Json& given, ValueTyp
     fail("", name + " has no layout with all of these fields");
 }
 
+/// The layouts that the given numbers select.
+std::vector<const FlexibleLayout*> selected_by(std::uint8_t id, std::uint8_t source, const Json& given,
+                                               const FlexibleLayouts& layouts) {
+    std::vector<FlexibleLayouts::Named> numbers;
+    for (const auto& [key, value] : given.items()) {
+        const double number = value.is_number() ? value.get<double>() : -1;
+        if (number >= 0 && number <= UINT32_MAX) numbers.push_back({key, static_cast<std::uint32_t>(number)});
+    }
+    return layouts.layouts_for(id, source, numbers);
+}
+
+[[noreturn]] void fail_without_flexible(std::uint8_t id, std::uint8_t source, const Json& given, const FlexibleLayouts& layouts) {
+    const std::string name{layouts_of(id).front().name};
+    std::vector<std::string_view> known;
+    for (const FlexibleLayout* layout : layouts.layouts_for(id, source))
+        for (const std::string_view field : names_in(layout->fields())) known.push_back(field);
+    for (const auto& [key, value] : given.items())
+        if (std::find(known.begin(), known.end(), key) == known.end())
+            fail(pointer_step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, known));
+    fail("", name + " has no layout in the configuration with all of these fields and values");
+}
+
 Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, const JsonOptions& options, bool inside_a_tunnel) {
     const auto layouts = layouts_of(id);
     if (layouts.empty()) fail("", "id " + hex_byte(id) + " is not listed: only its data can be given");
@@ -347,13 +369,20 @@ Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, cons
     FieldReader reader{layouts.front().name, options, inside_a_tunnel};
     const std::string name{layouts.front().name};
     if (is_flexible(id)) {
-        const FlexibleLayout* layout = options.flexible == nullptr ? nullptr : options.flexible->find(id, source);
-        if (layout == nullptr) fail("", name + " has no layout in the configuration: only its data can be given");
-        const auto names = names_in(layout->fields());
-        for (const auto& [key, value] : given.items())
-            if (std::find(names.begin(), names.end(), key) == names.end())
-                fail(pointer_step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, names));
-        return reader.encode(layout->fields(), {}, layout->size(), given);
+        if (options.flexible == nullptr || !options.flexible->has_layout_for(id, source))
+            fail("", name + " has no layout in the configuration: only its data can be given");
+        const auto encoded = [&](const std::vector<const FlexibleLayout*>& candidates) -> std::optional<Data> {
+            for (const FlexibleLayout* layout : candidates) {
+                if (!has_all(names_in(layout->fields()), given)) continue;
+                Data data = reader.encode(layout->fields(), {}, layout->size(), given);
+                if (options.flexible->find(id, source, data) == layout) return data;
+            }
+            return std::nullopt;
+        };
+        if (auto data = encoded(selected_by(id, source, given, *options.flexible))) return *std::move(data);
+        // The field that selects need not be given, and may be given as text.
+        if (auto data = encoded(options.flexible->layouts_for(id, source))) return *std::move(data);
+        fail_without_flexible(id, source, given, *options.flexible);
     }
     bool looks_otherwise = false;
     for (const Message& row : layouts) {

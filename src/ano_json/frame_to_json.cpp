@@ -1,6 +1,7 @@
 #include <ano/hex.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
+#include <ano_json/shown_text.hpp>
 #include <ano_json/split_frames.hpp>
 
 #include <nlohmann/json.hpp>
@@ -63,10 +64,7 @@ private:
                                   if (f.type == Type::f32 && f.scale.is_one()) return widened(static_cast<float>(v));
                                   return v;
                               },
-                              [&](std::string_view text) -> Json {
-                                  const Bytes bytes{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-                                  return to_utf8(bytes, options_.encoding);
-                              },
+                              [&](std::string_view text) -> Json { return shown_text(text, options_.encoding); },
                               [](Bytes bytes) -> Json { return hex(bytes); },
                               [](auto integer) -> Json { return integer; },
                           },

@@ -1,3 +1,4 @@
+#include <ano_json/escapes.hpp>
 #include <ano_json/json_line.hpp>
 
 #include <nlohmann/json.hpp>
@@ -23,7 +24,7 @@ void keep_exact(nlohmann::ordered_json& json) {
 
 std::string json_line(nlohmann::ordered_json json) {
     keep_exact(json);
-    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    return json_text(json) + "\n";
 }
 
 }    // namespace ano

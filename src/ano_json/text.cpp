@@ -1,7 +1,10 @@
+#include <ano_json/escapes.hpp>
+#include <ano_json/shown_text.hpp>
 #include <ano_json/text.hpp>
 
 #include <iconv.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -37,6 +40,13 @@ std::size_t utf8_length(std::string_view text, std::size_t& bad) {
         high = 0xBF;
     }
     return length;
+}
+
+constexpr bool is_gbk_lead(char c) noexcept {
+    return static_cast<std::uint8_t>(c) > 0x80 && static_cast<std::uint8_t>(c) != 0xFF;
+}
+constexpr bool is_gbk_trail(char c) noexcept {
+    return static_cast<std::uint8_t>(c) >= 0x40 && static_cast<std::uint8_t>(c) != 0x7F && static_cast<std::uint8_t>(c) != 0xFF;
 }
 
 class Converter {
@@ -101,7 +111,8 @@ std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding) {
         Converter converter{"UTF-8", "GBK"};
         while (!converter.convert(in, out)) {
             out += replacement;
-            in.remove_prefix(1);
+            const bool is_pair = in.size() > 1 && is_gbk_lead(in[0]) && is_gbk_trail(in[1]);    // of no character
+            in.remove_prefix(is_pair ? 2 : 1);
         }
         return out;
     }
@@ -157,6 +168,53 @@ bool is_utf8(std::string_view text) noexcept {
     return true;
 }
 
+bool may_be_gbk(std::string_view text) noexcept {
+    while (!text.empty()) {
+        const bool is_pair = is_gbk_lead(text[0]);
+        if (!is_pair && static_cast<std::uint8_t>(text[0]) >= 0x80) return false;
+        if (is_pair && text.size() > 1 && !is_gbk_trail(text[1])) return false;
+        text.remove_prefix(is_pair && text.size() > 1 ? std::size_t{2} : std::size_t{1});
+    }
+    return true;
+}
+
+std::string_view without_cut_character(std::string_view text, Encoding encoding) noexcept {
+    if (encoding == Encoding::gbk) {
+        std::size_t at = 0;
+        while (at < text.size()) {
+            const bool is_pair = is_gbk_lead(text[at]);
+            if (is_pair && at + 1 == text.size()) break;
+            at += is_pair && is_gbk_trail(text[at + 1]) ? std::size_t{2} : std::size_t{1};
+        }
+        return text.substr(0, at);
+    }
+    constexpr std::size_t most = 3;    // bytes of a character that is not whole
+    for (std::size_t n = 1; n <= std::min(most, text.size()); ++n) {
+        const std::string_view last = text.substr(text.size() - n);
+        if ((static_cast<std::uint8_t>(last[0]) & 0xC0) == 0x80) continue;
+        std::size_t bad = 0;
+        const bool is_begun = static_cast<std::uint8_t>(last[0]) >= 0xC2 && static_cast<std::uint8_t>(last[0]) <= 0xF4;
+        return is_begun && utf8_length(last, bad) == 0 && bad == n ? text.substr(0, text.size() - n) : text;
+    }
+    return text;
+}
+
+std::string shown_text(std::string_view text, Encoding encoding) {
+    if (encoding == Encoding::automatic) {
+        const bool is_gbk = !is_utf8(without_cut_character(text, Encoding::utf8)) && may_be_gbk(text);
+        encoding = is_gbk ? Encoding::gbk : Encoding::utf8;
+    }
+    const auto whole = [&](Encoding of) {
+        const std::string_view used = without_cut_character(text, of);
+        return to_utf8({reinterpret_cast<const std::uint8_t*>(used.data()), used.size()}, of);
+    };
+    try {
+        return whole(encoding);
+    } catch (const std::runtime_error&) {    // this system can't convert GBK
+        return whole(Encoding::utf8);
+    }
+}
+
 std::string number_text(double value) {
     std::array<char, 32> room;
     const auto end = std::to_chars(room.data(), room.data() + room.size(), value).ptr;
@@ -172,9 +230,25 @@ double widened(float value) {
 }
 
 std::size_t control_size(std::string_view text, std::size_t at) noexcept {
-    const auto byte = [text](std::size_t i) { return i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0; };
+    const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(i < text.size() ? text[i] : '\0'); };
     if (byte(at) < 0x20 || byte(at) == 0x7F) return 1;
-    return byte(at) == 0xC2 && byte(at + 1) >= 0x80 && byte(at + 1) < 0xA0 ? 2 : 0;
+    const std::uint8_t first = byte(at), second = byte(at + 1), third = byte(at + 2);
+    if (first == 0xC2) return (second >= 0x80 && second < 0xA0) || second == 0xAD ? 2 : 0;    // C1, U+00AD
+    if (first == 0xCD) return second == 0x8F ? 2 : 0;                                         // U+034F
+    if (first == 0xD8) return second == 0x9C ? 2 : 0;                                         // U+061C
+    if (first == 0xE1)                                                                        // U+115F, 1160, 180E
+        return (second == 0x85 && (third == 0x9F || third == 0xA0)) || (second == 0xA0 && third == 0x8E) ? 3 : 0;
+    if (first == 0xE2 && second == 0x80)    // U+200B to 200F, 2028 to 202E
+        return (third >= 0x8B && third <= 0x8F) || (third >= 0xA8 && third <= 0xAE) ? 3 : 0;
+    if (first == 0xE2)    // U+2060 to 206F, 2800
+        return (second == 0x81 && third >= 0xA0 && third <= 0xAF) || (second == 0xA0 && third == 0x80) ? 3 : 0;
+    if (first == 0xE3) return second == 0x85 && third == 0xA4 ? 3 : 0;    // U+3164
+    if (first == 0xEF)                                                    // U+FEFF, FFA0, FFF9 to FFFB
+        return (second == 0xBB && third == 0xBF) || (second == 0xBE && third == 0xA0) ||
+                       (second == 0xBF && third >= 0xB9 && third <= 0xBB)
+                   ? 3
+                   : 0;
+    return first == 0xF3 && second == 0xA0 && (third == 0x80 || third == 0x81) && byte(at + 3) >= 0x80 ? 4 : 0;    // tags
 }
 
 std::string in_quotes(std::string_view text, char mark) {
@@ -187,10 +261,8 @@ std::string in_quotes(std::string_view text, char mark) {
             break;
         }
         if (const std::size_t size = control_size(valid, i); size > 0) {
+            out += with_escapes(std::string_view{valid}.substr(i, size));
             i += size - 1;
-            std::array<char, 8> code{};
-            std::snprintf(code.data(), code.size(), "\\u%04x", static_cast<std::uint8_t>(valid[i]));
-            out += code.data();
         } else if (valid[i] == mark || valid[i] == '\\') {
             out += {'\\', valid[i]};
         } else {

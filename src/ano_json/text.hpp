@@ -33,8 +33,8 @@ std::string number_text(double value);
 /// The double that prints as `value` does: 0.1 for 0.1f. It is `value` again as a float.
 double widened(float value);
 
-/// The bytes of the control character that begins at text[at]: 1 below U+0020 and for U+007F, 2 for U+0080 to U+009F, which
-/// terminals obey too; 0: none begins there.
+/// The bytes of the control character that begins at text[at], of which terminals obey U+0080 to U+009F too, or of the character that
+/// reorders text or has no width (U+202E, U+200B), or is drawn as a blank but is none (U+3164, U+2800); 0: none begins there.
 std::size_t control_size(std::string_view text, std::size_t at) noexcept;
 
 /// In quotation marks, for people to read: control characters are escaped, and of a long text the first 200 bytes are shown.

@@ -29,11 +29,11 @@ struct Draft {
 
     LinkKinds kinds;    // all that this program knows
     Settings settings;
-    std::vector<Origin> links, routes, aliases, gpio;    // one for each entry of the list in `settings`
-    Origin unknown;                                      // of settings.gateway.unknown
-    Origin tunnel;                                       // of settings.tunnel
-    Origin record;                                       // of settings.record
-    Origin control, log;                                 // of settings.control and settings.log
+    std::vector<Origin> links, routes, aliases, classes, gpio;    // one for each entry of the list in `settings`
+    Origin unknown;                                               // of settings.gateway.unknown
+    Origin tunnel;                                                // of settings.tunnel
+    Origin record;                                                // of settings.record
+    Origin control, log;                                          // of settings.control and settings.log
     ConfigErrors errors;
     ConfigErrors warnings;                         // what is allowed but is probably not meant
     std::map<std::string, std::string> said_in;    // key ("/gateway/id") → file, of keys that only one file may set
@@ -43,6 +43,7 @@ struct Draft {
     void add(RouteSettings route, Origin origin);
     void add(GpioSettings line, Origin origin);
     void add(AliasSettings alias, Origin origin);
+    void add(const ClassSettings& of_id, Origin origin);
 };
 
 /// A path that a link names, the key that holds it, and where that was written.
@@ -54,7 +55,7 @@ struct NamedPath {
 /// The paths of every link that was read without errors.
 std::vector<NamedPath> paths_of_links(const Draft& draft);
 
-/// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none. Links, routes, aliases,
+/// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none. Links, routes, aliases, classes,
 /// GPIO lines and flexible messages of several files are added up; any other key may be set in one file only.
 void read_config(std::string_view json, const std::string& file, Draft& draft);
 

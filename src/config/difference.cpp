@@ -167,7 +167,7 @@ Difference difference(const Settings& before, const Settings& after) {
     result.links = differences_of_links(old, wanted);
     append(result.gateway, differences_of(old.section("gateway"), wanted.section("gateway")));
     append(result.gateway, differences_of(old.section("record"), wanted.section("record")));
-    for (const char* list : {"routes", "gpio", "flexible"})
+    for (const char* list : {"routes", "classes", "gpio", "flexible"})
         append(result.gateway, differences_of_list(list, old.list(list), wanted.list(list)));
     if (are_reordered(old, wanted)) result.gateway.emplace_back("links: another order");
     append(result.needs_restart, differences_of(old.section("control"), wanted.section("control")));

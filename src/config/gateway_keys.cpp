@@ -1,5 +1,7 @@
-// The keys of the short sections: gateway, routes, alias, control, log.
+// The keys of the short sections: gateway, routes, alias, classes, control, log.
+#include <config/frame_words.hpp>
 #include <config/rule_keys.hpp>
+#include <config/values.hpp>
 
 namespace anogate {
 namespace {
@@ -8,6 +10,7 @@ using namespace key_rows;
 using G = GatewaySettings;
 using R = RouteSettings;
 using A = AliasSettings;
+using F = ClassSettings;
 
 constexpr std::uint64_t max_socket_path = 107, max_host = 253;
 
@@ -49,9 +52,43 @@ constexpr Key<G> gateway_rows[] = {
     duration<&G::forget_after>("forget_after", second, day, "an address not heard for so long is forgotten"),
 };
 
+Value get_class_id(const KeyFacts&, const ClassSettings& of_id) {
+    return of_id.id == 0 ? Value{} : Value{address_text(of_id.id)};
+}
+
+std::string put_class_id(const KeyFacts& key, Value value, ClassSettings& of_id) {
+    const auto& text = std::get<std::string>(value);
+    const auto ids = parse_frames(text);
+    if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
+        return must_be(key, in_quotes(text)) + (ids ? ", which is several" : meant_frames(text));
+    const std::uint8_t id = ids->front().first;
+    if (!may_have_class(id))
+        return in_quotes(text) + " can't have another class: each of these commands, parameters and answers must arrive";
+    of_id.id = id;
+    return {};
+}
+
+constexpr Key<F> class_rows[] = {
+    Key<F>{{.name = "id",
+            .form = Form::text,
+            .help = "the id of the frames, such as 0xF5, or the name of the message",
+            .min = 1,
+            .max = max_name,
+            .stands_for = "ID",
+            .required = true},
+           get_class_id,
+           put_class_id},
+    choice<&F::frame_class>("class", "control|urgent|telemetry|bulk",
+                            "control: sent first and before older frames of its sender, for setpoints; urgent: sent first; "
+                            "telemetry; bulk: sent last") |
+        needed,
+    boolean<&F::replaces>("replaces", "a newer frame replaces the one that waits (default: yes for control, otherwise no)"),
+    duration<&F::age>("age", 1, day, "frames that waited longer are dropped (default: the link's limit for the class)"),
+};
+
 constexpr Key<A> alias_rows[] = {
     text<&A::link>("link", 1, max_name, "the name of the link that the device is behind") | as("LINK") | needed,
-    address<&A::device>("device", first_id, last_id, "the id that the device has") | needed,
+    address<&A::device>("device", 0, 255, "the id that the device has; also 0x00 and 0xFF") | needed,
     address<&A::as>("as", first_id, last_id, "the id under which all others see it") | needed,
 };
 
@@ -117,6 +154,7 @@ constexpr Key<LogSettings> log_rows[] = {
 Keys<GatewaySettings> gateway_keys() noexcept { return gateway_rows; }
 Keys<RouteSettings> route_keys() noexcept { return route_rows; }
 Keys<AliasSettings> alias_keys() noexcept { return alias_rows; }
+Keys<ClassSettings> class_keys() noexcept { return class_rows; }
 Keys<ControlSettings> control_keys() noexcept { return control_rows; }
 Keys<LogSettings> log_keys() noexcept { return log_rows; }
 

@@ -66,13 +66,37 @@ std::string help_of(const KeyFacts& key, const std::optional<std::string>& usual
     return help;
 }
 
+std::string short_help(LinkKinds kinds, const std::string& default_file) {
+    static constexpr std::size_t column = 30;
+    const auto row = [](std::string left, std::string_view right) {
+        left.insert(0, "  ");
+        left.resize(std::max(left.size() + 2, column), ' ');
+        return left.append(right) + "\n";
+    };
+    std::string text =
+        "Joins the links of ANO V8 devices and ground stations.\n\n"
+        "  anogated [OPTIONS] LINK...  with LINK = KIND:ADDRESS[,KEY=VALUE...]\n"
+        "  anogated [--config FILE]    default: " +
+        default_file + "\n\nLinks:\n";
+    for (const LinkKind* kind : kinds)
+        text += row(std::string{kind->name} + ":" + std::string{kind->example},
+                    kind->help.substr(0, kind->help.find_first_of(";,.:")));
+    text += "\nOptions:\n" + row("--http ADDR:PORT", "the page, for a browser") +
+            row("--route ADDR=LINK", "pins an address (0xDC, 30-40) to a link") +
+            row("--check, --print-config", "checks the configuration; prints it as a file") +
+            row("--help all", "all options, kinds and keys (or: man anogated)") + row("-V, --version", "the version") +
+            "\nExample: anogated serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333\n";
+    return text;
+}
+
 std::string links_and_keys_help(LinkKinds kinds) {
     return "LINK = KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma after KIND: is the address:\n" + links(kinds) +
            "Configuration file (JSON, comments allowed); durations are written 500ms, 30s, 2m:\n" +
            section("gateway", gateway_keys()) + link_objects(kinds) + section("routes: a list of objects", route_keys()) +
-           section("alias: a list of objects", alias_keys()) + section("tunnel", tunnel_keys()) +
-           section("tunnel/wrap: a list of objects", wrap_keys()) + section("gpio: a list of objects", gpio_keys()) +
-           section("control", control_keys()) + section("record", record_keys()) + section("log", log_keys());
+           section("alias: a list of objects", alias_keys()) + section("classes: a list of objects", class_keys()) +
+           section("tunnel", tunnel_keys()) + section("tunnel/wrap: a list of objects", wrap_keys()) +
+           section("gpio: a list of objects", gpio_keys()) + section("control", control_keys()) +
+           section("record", record_keys()) + section("log", log_keys());
 }
 
 }    // namespace anogate

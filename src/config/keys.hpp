@@ -39,11 +39,12 @@ template <class Section>
 using Keys = std::span<const Key<Section>>;
 
 Keys<GatewaySettings> gateway_keys() noexcept;
-/// The keys that links of every kind have, except `rate` and `latency` (kinds that may be paced only), `pack` and `mtu`
-/// (datagrams only). keys_of() in link_kind.hpp returns all keys of one kind.
+/// The keys that links of every kind have, except `rate` and `latency` (kinds that may be paced only), `gap` and
+/// `frame_gap` (streams of bytes), `pack` and `mtu` (datagrams only). keys_of() in link_kind.hpp returns all keys of one kind.
 Keys<LinkSettings> common_link_keys() noexcept;
 Keys<RouteSettings> route_keys() noexcept;
 Keys<AliasSettings> alias_keys() noexcept;
+Keys<ClassSettings> class_keys() noexcept;
 /// Without "wrap", which is a list of objects with the wrap_keys().
 Keys<TunnelSettings> tunnel_keys() noexcept;
 Keys<WrapSettings> wrap_keys() noexcept;

@@ -23,32 +23,44 @@ std::string put_hello(const KeyFacts&, Value value, LinkSettings& link) {
     return {};
 }
 
-constexpr std::string_view paced = "paced", datagrams = "datagrams";    // values of KeyFacts::kinds
+// values of KeyFacts::kinds
+constexpr std::string_view paced = "paced", datagrams = "datagrams", one_by_one = "one by one", streams = "streams";
 
 constexpr Key<L> own_rows[] = {
     text<&L::name>("name", 1, max_name, "what the link is called (default: last part of the path, or kind-port)") | as("NAME"),
     address<&L::id>("id", 1, ano::address::last_port_id, "port id: frames to this address leave by this link (default: none)"),
-    choice<&L::profile>("profile", "none|vendor",
-                        "what the devices there stand; vendor, the maker's newest library: max_data_out=198, hello=on, "
-                        "value_type_7=u64, encoding=gbk, no frame without DATA, at most 8 questions not answered yet"),
-    integer<&L::max_data>("max_data", 0, 65535, "most bytes of DATA in a frame that comes in; longer ones are refused"),
-    integer<&L::max_data_out>("max_data_out", 0, 65535,
-                              "most bytes of DATA in a frame that leaves (default: max_data, with profile=vendor 198 at most)"),
+    choice<&L::profile>("profile", "none|vendor|old",
+                        "the kind of devices there; vendor, the maker's newest library: max_data_out=198, hello=on, "
+                        "value_type_7=u64, no frame without DATA, at most 8 questions not answered yet; old, "
+                        "devices that act on frames for any address: flood=no, broadcast=no, max_data_out=60, hello=on"),
+    integer<&L::max_data>(
+        "max_data", 0, 65535,
+        "most bytes of DATA in a frame that comes in; longer ones are refused, but images (0xB0) may have 20000 "
+        "where this is 4096 or more"),
+    integer<&L::max_data_out>(
+        "max_data_out", 0, 65535,
+        "most bytes of DATA in a frame that leaves (default: max_data, at most 198 with profile=vendor, 60 with old)"),
     Key<L>{{.name = "hello",
             .form = Form::interval,
             .help = "while nothing comes in, asks who is there (0xE0 0 from 0xFE): first after 1 s, then so often, on is 2s "
-                    "(default: off, with profile=vendor on); not on udp-listen",
+                    "(default: off, with a profile on); not on udp-listen",
             .min = second,
             .max = day},
            get_hello,
            put_hello},
     choice<&L::value_type_7>("value_type_7", "f32|u64",
-                             "for tools: what type 7 of a command's value means (default: f32, with profile=vendor u64)"),
-    choice<&L::encoding>("encoding", "utf8|gbk",
-                         "for tools: what text on this link is written in (default: utf8, with profile=vendor gbk)"),
+                             "what type 7 of a command's value means (default: u64 with profile=vendor, else found by the "
+                             "descriptions of the device)"),
+    choice<&L::encoding>(
+        "encoding", "utf8|gbk",
+        "in which encoding its devices have names and texts (default: utf8 where all texts of a device are, else gbk)"),
+    choice<&L::attitude>(
+        "attitude", "document|lx",
+        "for tools: the signs of Euler angles (0x03); lx, the maker's LX units: pitch and yaw are opposite to the "
+        "quaternion (0x04)"),
     integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data_out + 8"),
-    boolean<&L::flood>("flood", "takes frames to addresses that nobody has used"),
-    boolean<&L::broadcast>("broadcast", "takes frames to 0xFF"),
+    boolean<&L::flood>("flood", "takes frames to addresses that nobody has used (default: yes, with profile=old no)"),
+    boolean<&L::broadcast>("broadcast", "takes frames to 0xFF (default: yes, with profile=old no)"),
     text<&L::group>("group", 1, max_name,
                     "links of one group lead to the same place: one carries, copies are dropped (default: none)") |
         as("GROUP"),
@@ -58,6 +70,15 @@ constexpr Key<L> own_rows[] = {
     integer<&L::rate>("rate", 1, 1'000'000'000, "most bytes a second to leave, for a slow radio behind it (default: no limit)") |
         of(paced),
     duration<&L::latency>("latency", 1, second, "how far a paced link may be ahead of its line") | of(paced),
+    duration<&L::gap>("gap", 0, second,
+                      "pause after each frame sent, from its end on the wire, one frame a write: for devices that take one frame "
+                      "a read (default: none)") |
+        of(one_by_one),
+    duration<&L::frame_gap>(
+        "frame_gap", 1, 10 * second,
+        "for bridges that pause inside a frame: so long a pause does not end it (default: 50 ms, 100 ms between "
+        "datagrams)") |
+        of(streams),
     boolean<&L::pack>("pack", "several frames share a datagram when they wait anyway") | of(datagrams),
     integer<&L::mtu>("mtu", 64, 65507, "most bytes in a datagram of several frames") | of(datagrams),
     duration<&L::age, &AgeLimits::control>("age.control", 1, day, "sticks (0x40, 0x41) that waited longer are dropped"),
@@ -80,7 +101,10 @@ bool is_for_takers(std::string_view key) {
 
 bool may_have(const LinkKind& kind, const KeyFacts& common) {
     if (kind.replays && is_for_takers(common.name)) return false;
+    const bool is_stream = kind.carries == Carries::bytes || kind.carries == Carries::datagrams;
     if (common.kinds == paced) return kind.may_be_paced;
+    if (common.kinds == one_by_one) return kind.may_be_paced && is_stream && !kind.listens;
+    if (common.kinds == streams) return is_stream;
     return common.kinds != datagrams || kind.carries == Carries::datagrams;
 }
 

@@ -1,4 +1,7 @@
 #include <config/link_kind.hpp>
+#include <gateway/outbox.hpp>
+
+#include <algorithm>
 
 namespace anogate {
 
@@ -20,11 +23,20 @@ LinkSettings new_link(const LinkKind& kind) {
 
 Duration hello_interval(const LinkSettings& link) noexcept {
     if (link.kind->replays) return {};
-    const bool on = link.profile == Profile::vendor && !link.kind->listens && link.broadcast;
+    const bool is_possible = link.takes_broadcasts() ||
+                             link.profile == Profile::old;    // of broadcasts, an old device gets this one
+    const bool on = link.profile != Profile::none && !link.kind->listens && is_possible;
     return link.hello.value_or(on ? LinkSettings::usual_hello : Duration{});
 }
 
 LineRate line_rate_of(const LinkSettings& link) { return link.kind->line_rate ? link.kind->line_rate(link) : LineRate{}; }
+
+FlushSizes flush_sizes_of(const LinkSettings& link) noexcept {
+    if (!link.kind->has_uart || !link.kind->has_uart(link)) return {};
+    const bool is_stated = link.max_data_out || link.profile != Profile::none;
+    const std::size_t longest = std::min<std::size_t>(Outbox::max_flush, link.effective_max_data_out() + ano::overhead);
+    return {is_stated ? longest : std::min(Outbox::usual_flush, longest), longest};
+}
 
 std::optional<BoundPort> bound_port_of(const LinkSettings& link) {
     return link.kind->bound_port ? link.kind->bound_port(link) : std::nullopt;

@@ -90,6 +90,7 @@ struct LinkKind {
 
     std::string (*usual_name)(const LinkSettings&) = nullptr;    // for a link without a name
     LineRate (*line_rate)(const LinkSettings&) = nullptr;
+    bool (*has_uart)(const LinkSettings&) = nullptr;    // devices receive by a UART there: bytes outside of frames may be sent
     std::optional<BoundPort> (*bound_port)(const LinkSettings&) = nullptr;
     LinkPath (*path)(const LinkSettings&) = nullptr;
     Reach (*reach)(const LinkSettings&) = nullptr;
@@ -136,6 +137,12 @@ LinkSettings new_link(const LinkKind& kind);
 Duration hello_interval(const LinkSettings& link) noexcept;
 /// The rate of the line in bytes/s, as far as the settings tell; 0: not known.
 LineRate line_rate_of(const LinkSettings& link);
+/// Outbox::Options::flush_bytes and flush_again_bytes of its channels: as many as the longest frame that its devices wait for. Where no key
+/// states that, the second flush is for the devices that take most.
+struct FlushSizes {
+    std::size_t first = 0, again = 0;
+};
+FlushSizes flush_sizes_of(const LinkSettings& link) noexcept;
 std::optional<BoundPort> bound_port_of(const LinkSettings& link);
 /// After how much silence an incomplete frame is given up.
 Duration quiet_of(const LinkKind& kind) noexcept;

@@ -53,6 +53,8 @@ std::string print_config(const Settings& settings) {
     Json document{{"gateway", object_of(settings.gateway, gateway_keys())}, {"links", links}, {"routes", routes}};
     document["alias"] = Json::array();
     for (const AliasSettings& alias : settings.aliases) document["alias"].push_back(object_of(alias, alias_keys()));
+    document["classes"] = Json::array();
+    for (const ClassSettings& of_id : settings.classes) document["classes"].push_back(object_of(of_id, class_keys()));
     if (settings.tunnel) document["tunnel"] = object_of(*settings.tunnel);
     document["gpio"] = Json::array();
     for (const GpioSettings& line : settings.gpio) document["gpio"].push_back(object_of(line));

@@ -92,7 +92,7 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links",    "routes",  "alias",  "tunnel",
+        constexpr std::string_view names[] = {"gateway", "links",    "routes",  "alias",  "classes", "tunnel",
                                               "gpio",    "flexible", "control", "record", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, ano::pointer_step(name));
@@ -106,6 +106,8 @@ public:
                 each(value, pointer, [&](const json& entry, const std::string& where) { route(entry, where); });
             else if (name == "alias")
                 each(value, pointer, [&](const json& entry, const std::string& where) { alias(entry, where); });
+            else if (name == "classes")
+                each(value, pointer, [&](const json& entry, const std::string& where) { frame_class(entry, where); });
             else if (name == "tunnel") tunnel(value, pointer);
             else if (name == "gpio")
                 each(value, pointer, [&](const json& entry, const std::string& where) { gpio(entry, where); });
@@ -215,6 +217,13 @@ private:
         AliasSettings alias;
         section(value, pointer, alias_keys(), alias);
         if (draft_.errors.size() == before) draft_.add(std::move(alias), {pointer, true});
+    }
+
+    void frame_class(const json& value, const std::string& pointer) {
+        const std::size_t before = draft_.errors.size();
+        ClassSettings of_id;
+        section(value, pointer, class_keys(), of_id);
+        if (draft_.errors.size() == before) draft_.add(of_id, {pointer, true});
     }
 
     void tunnel(const json& value, const std::string& pointer) {

@@ -46,12 +46,17 @@ Json flexible() {
     Json field = closed_object();
     field["properties"] = {{"name", {{"type", "string"}}},
                            {"type", {{"enum", {"u8", "i8", "u16", "i16", "u32", "i32", "f32"}}}},
+                           {"count", {{"type", "integer"}, {"minimum", 1}, {"maximum", 65535}}},
                            {"scale", {{"type", "number"}}},
                            {"unit", {{"type", "string"}}}};
     field["required"] = Json::array({"name", "type"});
     Json object = closed_object();
     object["description"] = "the layout of a flexible message, for tools; anogated itself does not look inside";
-    object["properties"] = {{"id", address}, {"source", address}, {"fields", {{"type", "array"}, {"items", field}}}};
+    object["properties"] = {{"id", address},
+                            {"source", address},
+                            {"endian", {{"enum", {"little", "big"}}}},
+                            {"when", address},
+                            {"fields", {{"type", "array"}, {"items", field}}}};
     object["required"] = Json::array({"id", "fields"});
     return object;
 }
@@ -76,6 +81,7 @@ std::string config_schema(LinkKinds kinds) {
                             {"links", {{"type", "array"}, {"maxItems", 64}, {"items", {{"anyOf", links}}}}},
                             {"routes", {{"type", "array"}, {"items", object_of(route_keys())}}},
                             {"alias", {{"type", "array"}, {"items", object_of(alias_keys())}}},
+                            {"classes", {{"type", "array"}, {"items", object_of(class_keys())}}},
                             {"tunnel", tunnel()},
                             {"gpio", {{"type", "array"}, {"items", object_of(gpio_keys())}}},
                             {"flexible", {{"type", "array"}, {"items", flexible()}}},

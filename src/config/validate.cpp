@@ -87,6 +87,7 @@ public:
         gateway();
         for (std::size_t i = 0; i < draft_.settings.routes.size(); ++i) route(draft_.settings.routes[i], draft_.routes[i]);
         for (std::size_t i = 0; i < draft_.settings.aliases.size(); ++i) alias(i);
+        for (std::size_t i = 0; i < draft_.settings.classes.size(); ++i) frame_class(i);
         if (draft_.settings.tunnel) tunnel(*draft_.settings.tunnel);
         control(draft_.settings.control);
         if (draft_.settings.record) record(*draft_.settings.record);
@@ -137,7 +138,7 @@ private:
     void hello(std::size_t i) {
         const LinkSettings& link = links_[i];
         if (!link.hello || *link.hello == Duration{} || link.kind->listens) return;
-        if (!link.broadcast)
+        if (!link.takes_broadcasts() && link.profile != Profile::old)
             warning(draft_.links[i].key("hello"),
                     "'hello' is a frame to everybody (0xFF), which broadcast=no keeps off this link: it is never said");
     }
@@ -235,6 +236,14 @@ private:
             if (other.as == alias.as) error(origin, "as", as + " is given at " + draft_.aliases[k].where + " too");
             if (other.link == alias.link) aliases_of_a_link(alias, origin, other, " (" + draft_.aliases[k].where + ")");
         }
+    }
+
+    void frame_class(std::size_t i) {
+        const std::uint8_t id = draft_.settings.classes[i].id;
+        for (std::size_t k = 0; k < i; ++k)
+            if (draft_.settings.classes[k].id == id)
+                error(draft_.classes[i], "id",
+                      "'id' " + address_text(id) + " has a class at " + draft_.classes[k].where + " already");
     }
 
     void aliases_of_a_link(const AliasSettings& alias, const Origin& origin, const AliasSettings& other,
@@ -399,6 +408,11 @@ void Draft::add(GpioSettings line, Origin origin) {
 void Draft::add(AliasSettings alias, Origin origin) {
     settings.aliases.push_back(std::move(alias));
     aliases.push_back(std::move(origin));
+}
+
+void Draft::add(const ClassSettings& of_id, Origin origin) {
+    settings.classes.push_back(of_id);
+    classes.push_back(std::move(origin));
 }
 
 void validate(Draft& draft) {

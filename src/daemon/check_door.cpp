@@ -1,8 +1,8 @@
+#include <control/control_door.hpp>
 #include <daemon/check_door.hpp>
-#include <daemon/control_door.hpp>
-#include <daemon/state_folder.hpp>
 #include <http/tls.hpp>
 #include <http/token_file.hpp>
+#include <sys/state_folder.hpp>
 
 #include <cerrno>
 #include <filesystem>

@@ -1,5 +1,6 @@
 #include <daemon/check_paths.hpp>
-#include <link/own_folder.hpp>
+#include <link/port_identity.hpp>
+#include <sys/own_folder.hpp>
 
 #include <filesystem>
 
@@ -29,7 +30,7 @@ std::string fault_of_log(const std::string& path) {
 std::string fault_of_port(const std::string& device) {
     const fs::file_type there = type_of(device);
     if (there == fs::file_type::directory) return "is a folder: name the port in it";
-    return there == fs::file_type::regular ? "is an ordinary file, no serial port" : "";
+    return there == fs::file_type::regular ? "is an ordinary file, no serial port" : fault_of_by_id("/", device);
 }
 
 // The map file may also be added while the program runs.

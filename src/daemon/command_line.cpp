@@ -13,8 +13,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 namespace anogate {
@@ -42,7 +44,7 @@ void add_options(CLI::App& app, Keys<Section> keys, Arguments& arguments) {
 }
 
 void add_all(CLI::App& app, Arguments& arguments, const std::string& default_file) {
-    app.set_version_flag("--version", "anogated " ANOGATE_VERSION, "print the version");
+    app.set_version_flag("-V,--version", "anogated " ANOGATE_VERSION, "print the version");
     app.add_option("-c,--config", arguments.configs,
                    "JSON file; LINKs add to its links, options override its values (default: " + default_file +
                        ", when no LINK is given)")
@@ -74,7 +76,7 @@ std::string meant_option(const std::string& name, const std::vector<std::string_
     if (const Key<LinkSettings>* key = find_key_of_any(link_kinds(), bare))
         return ": it is a key of a LINK, written KIND:ADDRESS," + bare + "=" + placeholder(*key);
     const std::string nearest = ano::did_you_mean(name, known);
-    return nearest.empty() ? "; --help has them all" : nearest;
+    return nearest.empty() ? "; --help all has them all" : nearest;
 }
 
 /// One error for each unknown option.
@@ -104,11 +106,12 @@ ConfigErrors missing_values(const Arguments& arguments) {
 Exit failure(const ConfigErrors& errors) { return {exit_config, lines(errors), errors}; }
 
 /// std::nullopt: the program is to run.
-std::optional<Exit> parse(CLI::App& app, int argc, const char* const* argv) {
+std::optional<Exit> parse(CLI::App& app, int argc, const char* const* argv, const std::string& default_file) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::CallForHelp&) {
-        return Exit{0, app.help()};
+        const bool all = std::any_of(argv + 1, argv + argc, [](const char* word) { return std::string_view{word} == "all"; });
+        return Exit{0, all ? app.help() : short_help(link_kinds(), default_file)};
     } catch (const CLI::CallForVersion& version) {
         return Exit{0, std::string{version.what()} + "\n"};
     } catch (const CLI::ParseError& error) {
@@ -200,7 +203,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     Arguments arguments;
     CLI::App app{"Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network.", "anogated"};
     add_all(app, arguments, default_file);
-    if (auto exit = parse(app, argc, argv)) return *std::move(exit);
+    if (auto exit = parse(app, argc, argv, default_file)) return *std::move(exit);
     if (const ConfigErrors missing = missing_values(arguments); !missing.empty()) return failure(missing);
 
     Draft draft{link_kinds()};

@@ -1,29 +1,32 @@
 #include <config/config.hpp>
+#include <control/control_door.hpp>
+#include <control/flexible_control.hpp>
+#include <control/recording_routes.hpp>
+#include <control/reload_routes.hpp>
+#include <control/routes.hpp>
 #include <daemon/command_line.hpp>
-#include <daemon/control_door.hpp>
 #include <daemon/first_line.hpp>
-#include <daemon/gateway.hpp>
-#include <daemon/handover.hpp>
-#include <daemon/kept_parameters.hpp>
-#include <daemon/log.hpp>
-#include <daemon/log_line.hpp>
-#include <daemon/notify.hpp>
-#include <daemon/own_device.hpp>
 #include <daemon/program.hpp>
-#include <daemon/recording_routes.hpp>
-#include <daemon/recordings.hpp>
-#include <daemon/reload.hpp>
-#include <daemon/reload_routes.hpp>
-#include <daemon/rooms.hpp>
-#include <daemon/routes.hpp>
-#include <daemon/state_folder.hpp>
-#include <daemon/status.hpp>
-#include <daemon/ticker.hpp>
 #include <link/ip_socket.hpp>
+#include <log/log.hpp>
+#include <log/log_line.hpp>
+#include <recording/recordings.hpp>
+#include <runtime/gateway.hpp>
+#include <runtime/handover.hpp>
+#include <runtime/kept_parameters.hpp>
+#include <runtime/own_device.hpp>
+#include <runtime/reload.hpp>
+#include <status/status.hpp>
+#include <sys/notify.hpp>
+#include <sys/rooms.hpp>
+#include <sys/state_folder.hpp>
+#include <sys/ticker.hpp>
 
 #include <csignal>
 #include <initializer_list>
 #include <iostream>
+#include <optional>
+#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -63,12 +66,13 @@ std::string recordings_folder() {
 // The running program: the gateway, its control interface, and the signals.
 class Program {
 public:
-    Program(const CommandLine& line, const WrittenValues& written, const WrittenValues& kept, std::string source,
-            ReadAgain read_again, ConfigState::Runs runs)
+    Program(const CommandLine& line, const WrittenValues& written, const WrittenValues& kept,
+            std::optional<KeptFlexible> kept_flexible, std::string source, ReadAgain read_again, ConfigState::Runs runs)
         : gateway_{io_, written.applied(line.settings)},
           source_{std::move(source)},
           reload_{io_, gateway_, {line.settings, line.files}, std::move(read_again), kept_config_path(line.config_file), written},
           own_device_{gateway_, reload_, kept_parameters_path(line.config_file), kept},
+          flexible_{gateway_, kept_flexible_path(line.config_file), std::move(kept_flexible)},
           recordings_{gateway_, recordings_folder()},
           signals_{io_, SIGTERM, SIGINT, SIGHUP} {
         gateway_.set_config_state({line.config_file, runs});
@@ -81,7 +85,10 @@ public:
             control_.routes(), gateway_, [this] { return control_.network_door(); }, installed_page());
         add_reload_routes(control_.routes(), reload_);
         add_recording_routes(control_.routes(), recordings_);
-        control_.add_login_route();
+        flexible_.add_routes(control_.routes());
+        flexible_.before_change([this] { recordings_.catch_up(); });
+        control_.add_login_routes();
+        reload_.on_reloaded([this](const std::function<void(std::string)>& done) { control_.renew(done); });
         gateway_.go_on_from(take_handover());
         gateway_.before_closing([this] { hand_over(gateway_); });
         signals_.add(SIGUSR1);
@@ -145,6 +152,7 @@ private:
         hints_.stop();
         reload_.stop();
         if (!again) own_device_.stop();
+        if (!again) flexible_.stop();
         if (again) control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
@@ -160,6 +168,7 @@ private:
     std::string why_;       // the reason of the end
     Reload reload_;
     OwnDevice own_device_;
+    FlexibleControl flexible_;
     Recordings recordings_;
     ControlDoor control_{io_, gateway_.settings().control};
     asio::signal_set signals_;
@@ -178,7 +187,11 @@ std::string source_of(const CommandLine& line) {
 // If the file was not confirmed, and is unchanged since, a restart runs the configuration before it.
 ConfigState::Runs take_kept_config(CommandLine& line, int argc, char** argv) {
     const std::string path = kept_config_path(line.config_file);
-    const auto kept = kept_config(path);
+    std::string fault;
+    const auto kept = kept_config(path, fault);
+    if (!fault.empty())
+        say(Priority::warning,
+            "anogated: the configuration kept for a restart is not used: " + fault + "; " + line.config_file + " is what runs\n");
     if (!kept) return ConfigState::Runs::file;
     if (!have_same_texts(kept->unconfirmed, line.files)) {
         forget_config(path);
@@ -230,7 +243,9 @@ int run(int argc, char** argv) {
         log_warning("{} was not confirmed and is not used: what ran before it runs, until the file is changed or reloaded",
                     line.config_file);
     if (!written.empty()) set_log_level(written.applied(line.settings).log.level);
-    return Program{line, written, kept, source_of(line), read_again(argc, argv), runs}.run();
+    return Program{
+        line, written, kept, kept_flexible(kept_flexible_path(line.config_file)), source_of(line), read_again(argc, argv), runs}
+        .run();
 }
 
 }    // namespace

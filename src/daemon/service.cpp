@@ -1,5 +1,5 @@
 #include <daemon/service.hpp>
-#include <link/own_folder.hpp>
+#include <sys/own_folder.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 // log_folder: LogsDirectory= of the unit. /dev is visible to the service, and everybody may write to /dev/shm.
 constexpr char log_folder[] = "/var/log/anogate";
-constexpr const char* writable[] = {runtime_folder, log_folder, "/dev/shm"};
+constexpr const char* service_folders[] = {runtime_folder, log_folder, "/dev/shm"};
 constexpr char service_state_folder[] = "/var/lib/anogate";    // StateDirectory=
 
 /// /run/anogate-NAME for anogated@NAME.service, whose configuration is NAME.json.
@@ -53,7 +53,7 @@ struct ServiceFolders {
 void check_writable(const std::string& path, std::string_view key, const std::string& where, const std::string& better,
                     const ServiceFolders& service) {
     const fs::path there = looked_up(path);
-    if (path.empty() || is_below_one_of(there, writable) || is_below(there, service.runtime)) return;
+    if (path.empty() || is_below_one_of(there, service_folders) || is_below(there, service.runtime)) return;
     const bool unseen = is_below_one_of(there, private_folders);
     service.draft.errors.push_back(
         {where, in_quotes(key) + " " + in_quotes(path) + ": the service may not write there" +

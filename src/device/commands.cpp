@@ -12,10 +12,12 @@ namespace {
 constexpr std::uint8_t query_count = 0;
 constexpr std::uint8_t query_describe = 1;
 
-/// The number that stands for `type` in 0xC2; std::nullopt when there is none.
-std::optional<std::uint8_t> val_type_of(Type type, ValueType7 seven) noexcept {
+/// The number that stands for `type` in 0xC2; std::nullopt when there is none. f32 has two: 9 in the newest generation, the only one
+/// with numbers beyond 7, and 7 in those before.
+std::optional<std::uint8_t> val_type_of(Type type, const Profile& profile, bool is_newest) noexcept {
+    if (type == Type::f32) return is_newest ? 9 : 7;
     for (std::uint8_t number = 1; number <= 10; ++number)
-        if (command_value_type(number, seven) == type) return number;
+        if (command_value_type(number, profile.value_type_7) == type) return number;
     return std::nullopt;
 }
 
@@ -32,9 +34,16 @@ std::uint16_t Commands::add(Command row) {
     refuse_unless(row.types.size() <= max_command_values, "it has more than 8 values");
     refuse_unless(static_cast<bool>(row.run), "it has no function");
     for (const Type type : row.types)
-        refuse_unless(val_type_of(type, profile_.value_type_7).has_value(), "a value is of a type that 0xC2 has no number for");
+        refuse_unless(val_type_of(type, profile_, true).has_value(), "a value is of a type that 0xC2 has no number for");
     rows_.push_back(std::move(row));
     return static_cast<std::uint16_t>(rows_.size() - 1);
+}
+
+bool Commands::is_newest() const noexcept {
+    const auto is_wide = [](Type type) { return type == Type::u64 || type == Type::i64 || type == Type::f64; };
+    return !profile_.sends_i32() || std::any_of(rows_.begin(), rows_.end(), [&](const Command& row) {
+        return std::any_of(row.types.begin(), row.types.end(), is_wide);
+    });
 }
 
 Outcome Commands::take(const View<"command">& command, Reply& reply) {
@@ -85,7 +94,7 @@ Outcome Commands::tell_count(const View<"command_query">& question, Reply& reply
 Outcome Commands::describe(std::uint16_t n, Reply& reply) const {
     const Command& row = rows_[n];
     std::array<std::uint8_t, max_command_values> types{};    // 0: none
-    for (std::size_t i = 0; i < row.types.size(); ++i) types[i] = val_type_of(row.types[i], profile_.value_type_7).value_or(0);
+    for (std::size_t i = 0; i < row.types.size(); ++i) types[i] = val_type_of(row.types[i], profile_, is_newest()).value_or(0);
     Draft<"command_info"> answer;
     const bool all = answer.set<"cmd_id">(n) && answer.set<"cid0">(row.cid[0]) && answer.set<"cid1">(row.cid[1]) &&
                      answer.set<"cid2">(row.cid[2]) && answer.set<"val_type">(Bytes{types}) &&

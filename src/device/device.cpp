@@ -28,7 +28,8 @@ Device::Device(Info info, const Profile& profile) : info_{std::move(info)}, prof
 void Device::take(FrameView frame, TimePoint now, Link link) {
     run(now);
     const std::uint8_t from = frame.source();
-    if (frame.destination() != info_.id && frame.destination() != address::broadcast) ++counters_.not_ours;
+    const bool is_ours = profile_.any_address || frame.destination() == info_.id || frame.destination() == address::broadcast;
+    if (!is_ours) ++counters_.not_ours;
     else if (from == address::unassigned || from == address::broadcast || from == info_.id) ++counters_.from_nobody;
     else if (frame.data().size() > profile_.max_data) ++counters_.too_long;
     else if (crashed()) ++counters_.crashed;
@@ -93,15 +94,16 @@ Outcome Device::firmware_step(FrameView frame, TimePoint now, Reply& reply) {
     if (frame.destination() == address::broadcast) return Outcome::refused;
     if (const auto info = as<"firmware", "info">(frame)) return firmware_.take(*info, reply);
     if (const auto image = as<"firmware", "image">(frame)) return firmware_.take(*image, reply);
-    if (as<"firmware", "written">(frame)) return Outcome::unanswered;    // an answer of another device's loader
-    return with<"firmware">(frame, [&](const auto& code) { return firmware_.take(code, now, reply); });
+    const auto code = firmware_code_in(frame);
+    if (!code) return Outcome::malformed;
+    if (code->is_of_frame) return Outcome::unanswered;    // an answer of another device's loader
+    return firmware_.take(*code, now, reply);
 }
 
 void Device::end_firmware_step(TimePoint now) {
     const auto late = firmware_.run(now);
     if (!late) return;
-    Draft<"firmware"> answer;
-    if (!answer.set<"code">(late->code) || !send(answer, late->asker.address, late->asker.link)) ++counters_.answers_lost;
+    if (!send(late->answer, late->asker.address, late->asker.link)) ++counters_.answers_lost;
 }
 
 Outcome Device::parameter_command(FrameView frame, Reply& reply) {

@@ -6,24 +6,9 @@
 namespace ano::device {
 namespace {
 
-// Codes of 0xF0 0x00
-constexpr std::uint16_t info_refused = 0x0101;
-constexpr std::uint16_t info_accepted = 0x0102;
-constexpr std::uint16_t code_erase = 0x0110;
-constexpr std::uint16_t erase_failed = 0x0111;
-constexpr std::uint16_t erased = 0x0112;
-constexpr std::uint16_t frame_failed = 0x1001;
-constexpr std::uint16_t frame_written = 0x1002;
-constexpr std::uint16_t all_sent = 0x1010;
-constexpr std::uint16_t check_failed = 0x1011;
-constexpr std::uint16_t check_passed = 0x1012;
+using namespace firmware_code;
 
 constexpr std::size_t max_frames = std::size_t{UINT16_MAX} + 1;    // frame_num is u16
-
-Outcome tell(Reply& reply, std::uint16_t code) noexcept {
-    Draft<"firmware"> answer;
-    return answer.set<"code">(code) ? reply.send(answer) : Outcome::unknown;
-}
 
 ImageInfo info_of(const View<"firmware", "info">& view) noexcept {
     return {.size = view.get<"bin_len">(),
@@ -56,15 +41,16 @@ Outcome Firmware::take(const View<"firmware", "info">& view, Reply& reply) {
     const ImageInfo info = info_of(view);
     if (!is_ours(info)) return tell(reply, info_refused);
     image_ = info;
+    order_ = profile_.firmware_order;
     state_ = State::accepted;
     asker_ = reply.asker();
     return tell(reply, info_accepted);
 }
 
-Outcome Firmware::take(const View<"firmware">& code, TimePoint now, Reply& reply) {
+Outcome Firmware::take(const FirmwareCode& code, TimePoint now, Reply& reply) {
     if (flash_.max_size == 0) return Outcome::unknown;
-    switch (code.get<"code">()) {
-    case code_erase: return erase(now, reply);
+    switch (code.code) {
+    case firmware_code::erase: order_ = code.order; return erase(now, reply);
     case all_sent: return check(now, reply);
     default: return Outcome::unanswered;
     }
@@ -94,9 +80,13 @@ Outcome Firmware::take(const View<"firmware", "image">& frame, Reply& reply) {
     const std::uint16_t number = frame.get<"frame_num">();
     const bool in_turn = state_ == State::receiving && asker_ == reply.asker();
     const bool done = in_turn && store(number, frame.get<"data">());
-    Draft<"firmware", "written"> answer;
-    const bool fits = answer.set<"code">(done ? frame_written : frame_failed) && answer.set<"frame_num">(number);
-    return fits ? reply.send(answer) : Outcome::unknown;
+    const auto tell_of_frame = [&](auto answer) {
+        const bool fits = answer.template set<"code">(done ? frame_written : frame_failed) &&
+                          answer.template set<"frame_num">(number);
+        return fits ? reply.send(answer) : Outcome::unknown;
+    };
+    if (order_ == ByteOrder::big) return tell_of_frame(Draft<"firmware", "reading_written">{});
+    return tell_of_frame(Draft<"firmware", "written">{});
 }
 
 // The same frame again is no error: its "written" was lost. A different frame of the same number is one, since flash is written
@@ -140,7 +130,7 @@ std::optional<Firmware::Late> Firmware::run(TimePoint now) {
     if (!due_ || now < *due_) return std::nullopt;
     due_.reset();
     const std::uint16_t code = state_ == State::erasing ? end_erasing() : end_checking();
-    return Late{*asker_, code};
+    return Late{*asker_, firmware_step(code, order_)};
 }
 
 }    // namespace ano::device

@@ -2,6 +2,7 @@
 #include <device/parameters.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace ano::device {
@@ -112,7 +113,7 @@ Outcome Parameters::tell_value(std::uint16_t id, Reply& reply) {
     const Value value = row.get();
     if (value.index() != row.initial.index()) return Outcome::refused;    // `get` returned another type
     bytes_.clear();
-    if (profile_.old_layouts) append_value(bytes_, Type::i32, std::int64_t{as_i32(value)});
+    if (profile_.sends_i32()) append_value(bytes_, Type::i32, std::int64_t{as_i32(value, factor_of(row))});
     else append_value(bytes_, row.type, value);
     Draft<"parameter_value"> answer;
     const std::size_t max_size = max_sent - answer.data_size();
@@ -123,6 +124,7 @@ Outcome Parameters::tell_value(std::uint16_t id, Reply& reply) {
 
 Outcome Parameters::describe(std::uint16_t id, Reply& reply) {
     if (profile_.old_layouts) return describe_as_of_old(id, reply);
+    if (profile_.scaled_values) return describe_scaled(id, reply);
     const Parameter& row = rows_[id];
     Draft<"parameter_info"> answer;
     const bool all = answer.set<"par_id">(id) && answer.set<"par_type">(par_type_of(row.type)) &&
@@ -141,6 +143,30 @@ Outcome Parameters::describe_as_of_old(std::uint16_t id, Reply& reply) const {
     return all ? reply.send(answer) : Outcome::unknown;
 }
 
+// The range is that of the value, which is not multiplied.
+Outcome Parameters::describe_scaled(std::uint16_t id, Reply& reply) const {
+    const Parameter& row = rows_[id];
+    const bool is_text = row.type == Type::text;
+    Draft<"parameter_info", "scaled"> answer;
+    const auto limit = [&](const Value& value, double (*rounded)(double)) {
+        const auto* const real = std::get_if<double>(&value);
+        return as_i32(real != nullptr ? Value{rounded(*real)} : value);
+    };
+    const bool all = answer.set<"par_id">(id) && answer.set<"min">(is_text ? 0 : limit(*row.min, std::floor)) &&
+                     answer.set<"max">(is_text ? 0 : limit(*row.max, std::ceil)) &&
+                     answer.set<"mul">(factor_of(row) == 1 ? 0 : factor_of(row)) &&
+                     answer.set<"name">(std::string_view{row.name}) &&
+                     answer.set<"info">(what_fits(row.info, answer.data_size()));
+    return all ? reply.send(answer) : Outcome::unknown;
+}
+
+// By which the value is multiplied in 0xE1.
+std::int32_t Parameters::factor_of(const Parameter& row) const noexcept {
+    const bool is_real = row.type == Type::f32 || row.type == Type::f64;
+    if (!profile_.scaled_values || !is_real) return 1;
+    return row.type == Type::f64 || row.name.starts_with("CAL_") ? 1'000'000 : 1000;
+}
+
 Outcome Parameters::take(const View<"parameter_value">& written, Reply& reply) {
     const std::uint16_t id = written.get<"par_id">();
     if (!has(id)) return profile_.acknowledges_unknown && !crashed_ ? reply.acknowledge() : Outcome::unknown;
@@ -152,13 +178,13 @@ Outcome Parameters::take(const View<"parameter_value">& written, Reply& reply) {
 
 std::optional<Value> Parameters::value_written(const Parameter& row, const View<"parameter_value">& written,
                                                FrameView frame) const {
-    if (profile_.old_layouts && row.type == Type::text) return std::nullopt;
-    const Type type = profile_.old_layouts ? Type::i32 : row.type;
+    if (profile_.sends_i32() && row.type == Type::text) return std::nullopt;
+    const Type type = profile_.sends_i32() ? Type::i32 : row.type;
     const Bytes bytes = written.get<"value">();
     std::array<std::uint8_t, sizeof(std::uint64_t)> filled{};
     const auto value = [&](Bytes whole) {
-        if (!profile_.old_layouts) return read_value(type, whole);
-        return from_i32(row.type, from_value<std::int32_t>(read_value(type, whole)));
+        if (!profile_.sends_i32()) return read_value(type, whole);
+        return from_i32(row.type, from_value<std::int32_t>(read_value(type, whole)), factor_of(row));
     };
     if (is_whole_value(bytes.size(), type)) return value(bytes);
     if (!profile_.reads_behind_the_end || type == Type::text) return std::nullopt;

@@ -52,9 +52,10 @@ void append_value(std::vector<std::uint8_t>& out, Type type, const Value& value)
     });
 }
 
-std::int32_t as_i32(const Value& value) noexcept {
+std::int32_t as_i32(const Value& value, std::int32_t factor) noexcept {
     constexpr auto first = std::numeric_limits<std::int32_t>::min();
     constexpr auto last = std::numeric_limits<std::int32_t>::max();
+    if (factor != 1) return as_i32(Value{from_value<double>(value) * factor});
     if (const auto* number = std::get_if<std::int64_t>(&value))
         return static_cast<std::int32_t>(std::clamp<std::int64_t>(*number, first, last));
     if (const auto* number = std::get_if<std::uint64_t>(&value))
@@ -64,10 +65,10 @@ std::int32_t as_i32(const Value& value) noexcept {
     return static_cast<std::int32_t>(std::clamp<double>(std::round(*number), first, last));
 }
 
-Value from_i32(Type type, std::int32_t number) {
+Value from_i32(Type type, std::int32_t number, std::int32_t factor) {
     if (type == Type::text) return std::string{};
     return with_type(type, [&]<class T>(T) {
-        if constexpr (std::is_floating_point_v<T>) return to_value(static_cast<T>(number));
+        if constexpr (std::is_floating_point_v<T>) return to_value(static_cast<T>(static_cast<double>(number) / factor));
         else if (std::in_range<T>(number)) return to_value(static_cast<T>(number));
         else return to_value(number < 0 ? std::numeric_limits<T>::lowest() : std::numeric_limits<T>::max());
     });

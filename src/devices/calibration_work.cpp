@@ -1,11 +1,11 @@
 #include <ano/hex.hpp>
 #include <devices/calibration_work.hpp>
 #include <devices/device_json.hpp>
+#include <devices/unit_note.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -85,7 +85,7 @@ std::optional<ano::host::AnyValue> value_told(const Json& json) {
 
 // The values in a note; std::nullopt: it is damaged. Notes of older versions have no "bytes".
 std::optional<ano::host::CalibrationValues> values_in_note(const std::string& text, Sensor sensor) {
-    const Json note = Json::parse(text, nullptr, false);
+    const Json note = note_json(text);
     const bool has_bytes = note.is_object() && note.contains("bytes");
     const Json kept = note.is_object() ? note.value(has_bytes ? "bytes" : "parameters", Json{}) : Json{};
     if (!kept.is_object()) return std::nullopt;
@@ -99,12 +99,9 @@ std::optional<ano::host::CalibrationValues> values_in_note(const std::string& te
     return values;
 }
 
-// Whether the note belongs to the device `info`.
-bool is_of(const std::string& text, const std::optional<ano::host::DeviceInfo>& info) {
-    const Json note = Json::parse(text, nullptr, false);
-    const Json of = note.is_object() ? note.value("device", Json{}) : Json{};
-    const auto was = identity_in(of);
-    return info && was && was->name == info->name && was->dev_id == info->dev_id;
+// The name of the kept values of this very device; empty: there are none.
+std::string kept_note(const WorkPlace& place, Sensor sensor) {
+    return find_note(place, [sensor](std::string_view name) { return sensor_of_note(name) == sensor; });
 }
 
 class WriteBack final : public TaskWork {
@@ -119,21 +116,32 @@ public:
 
 private:
     void done(const Task& task, TimePoint now) override {
-        if (writes_) {
-            place().notes.forget(name_);
-            WorkEnd end = end_of(*task.end());
-            end.result = R"({"written_back": true})";
-            return finish(std::move(end));
-        }
+        if (writes_) return written_back(task);    // CalibrationWrite has read them back
         const std::string* text = place().notes.find(name_);
         const auto sensor = sensor_of_note(name_);
         if (text == nullptr || !sensor) return finish(work_fault(409, "nothing is kept any more"));
-        const auto values = values_in_note(*text, *sensor);
+        auto values = values_in_note(*text, *sensor);
         if (!values) return finish(work_fault(422, name_ + " is damaged: calibrate again, or remove it"));
-        if (!is_of(*text, place().device.info()))
-            return finish(work_fault(409, name_ + " is of another device: calibrate this one, or remove it"));
+        if (const std::string misfit = misfit_of_note(*text, place()); !misfit.empty())
+            return finish(work_fault(409, name_ + " is left alone: it is " + misfit));
         writes_ = true;
+        const auto& parameters = static_cast<const ano::host::Parameters&>(task);
+        for (auto& [name, value] : *values)    // the note has them as f32
+            if (const auto* info = parameters.find(name).parameter) value = ano::host::nearest_value(value, *info);
         next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
+    }
+
+    void written_back(const Task& task) {
+        const std::string* text = place().notes.find(name_);
+        const std::string kept = text != nullptr ? describe_note(name_, *text) : name_;
+        WorkEnd end = end_of(*task.end(), texts());
+        Json result{{"written_back", true}, {"kept", kept}};
+        if (text != nullptr) result["values"] = note_json(*text).value("parameters", Json{});
+        end.result = result.dump(-1, ' ', false, Json::error_handler_t::replace);
+        end.error = "wrote back the old calibration values, because their calibration never ended: " + kept +
+                    "; read back and equal, so " + name_ + " is removed";
+        place().notes.forget(name_);
+        finish(std::move(end));
     }
 
     std::string name_;
@@ -150,15 +158,12 @@ public:
         calibration_->ask_before_writing(place().refusal);
         next(std::move(task)).start(now);
     }
-    std::string half_done() const override {
-        return "the old values are kept as " + keep_name(place().device.address(), sensor_) +
-               " and are written back at the next start";
-    }
+    std::string half_done() const override { return kept_where("the old values", "at the next start"); }
     void hear(ano::FrameView frame, TimePoint now) override {
         if (calibration_ == nullptr || calibration_->end()) return;
         const Phase before = phase();
         calibration_->hear(frame, now);
-        if (phase() != before) place().net.wake(now);
+        if (phase() != before || calibration_->end()) place().net.wake(now);
     }
     std::optional<TimePoint> due() const override { return calibration_ != nullptr ? calibration_->due() : std::nullopt; }
     bool is_waiting() const override { return phase() == Phase::keep && kept_->is_done && kept_->fault.empty(); }
@@ -172,16 +177,24 @@ public:
         case Phase::read: return "reading the old values";
         case Phase::keep:
             return is_waiting() ? "the old values are kept; go on when the device may be turned" : "keeping the old values";
-        case Phase::clear: return "the device is told to forget them";
-        case Phase::turn: return sensor_ == Sensor::accelerometer ? "lay it on each of its six faces" : "turn it to all sides";
+        case Phase::clear: return after_restart("the device is told to forget them");
+        case Phase::turn:
+            return after_restart(sensor_ == Sensor::accelerometer ? "lay it on each of its six faces" : "turn it to all sides");
+        case Phase::confirm: return "checking that nothing was corrected meanwhile";
         case Phase::write: return "writing the new values";
+        case Phase::verify:
+            if (const auto face = calibration_->face_to_verify())
+                return (calibration_->is_further_face() ? "checking the new values: lay it still on "
+                                                        : "checking the new values: leave it still on ") +
+                       std::string{ano::host::name_of(*face)};
+            return "checking the new values: go on turning it";
         case Phase::restore: return "writing the old values back";
         case Phase::over: break;
         }
         return {};
     }
     std::string step() const override {
-        if (calibration_ == nullptr || phase() != Phase::turn) return {};
+        if (calibration_ == nullptr || phase() < Phase::turn || phase() > Phase::verify) return {};
         return (sensor_ == Sensor::accelerometer ? faces_json(calibration_->faces()) : sphere_json(calibration_->sphere()))
             .dump();
     }
@@ -193,6 +206,10 @@ private:
         std::string fault;
     };
 
+    std::string after_restart(std::string message) const {
+        if (calibration_->restarts() == 0) return message;
+        return "the device restarted (" + calibration_->last_restart() + "), so all samples are discarded: " + message;
+    }
     Phase phase() const { return calibration_ != nullptr ? calibration_->step() : Phase::read; }
     void look(TimePoint now) override {
         if (end() || calibration_ == nullptr) return;
@@ -214,46 +231,59 @@ private:
     }
     // The old values are those kept by an unfinished calibration, not what it left in the device.
     bool uses_kept() {
-        const std::string name = keep_name(place().device.address(), sensor_);
-        const std::string* text = place().notes.find(name);
-        const auto values = text != nullptr && is_of(*text, place().device.info()) ? values_in_note(*text, sensor_)
-                                                                                   : std::nullopt;
+        const std::string name = kept_note(place(), sensor_);
+        const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
         if (!values) return false;
+        note_ = name;
         calibration_->set_old_values(*values);
         kept_->is_done = true;
         return true;
     }
     void keep() {
         if (uses_kept()) return;
-        const auto& device = place().device;
-        const Json json{{"device", identity_json(device.address(), device.info())},
-                        {"parameters", values_json(calibration_->old_values())},
-                        {"bytes", bytes_json(calibration_->old_values())}};
-        place().notes.keep(keep_name(device.address(), sensor_), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
+        note_ = keep_name(place(), sensor_);
+        Json json = unit_json(place(), place().device.info());
+        json["parameters"] = values_json(calibration_->old_values());
+        json["bytes"] = bytes_json(calibration_->old_values());
+        place().notes.keep(note_, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
                            [kept = kept_, &net = place().net](std::string fault) {
                                kept->fault = std::move(fault);
                                kept->is_done = true;
                                net.wake(net.now());
                            });
     }
-    void forget() { place().notes.forget(keep_name(place().device.address(), sensor_)); }
+    void forget() {
+        if (!note_.empty()) place().notes.forget(note_);
+    }
+    // `when` the next run of the program writes them back, if it does.
+    std::string kept_where(const std::string& what, const std::string& when) const {
+        const std::string name = note_.empty() ? keep_name(place(), sensor_) : note_;
+        const std::string way = place().net.way_to_write_back(name);
+        return what + " are kept as " + name + (way.empty() ? " and are written back " + when : "; " + way);
+    }
     void done(const Task& task, TimePoint) override {
         forget();
-        WorkEnd end = end_of(*task.end());
+        WorkEnd end = end_of(*task.end(), texts());
         const auto residuals = calibration_->residuals().value_or(std::pair{0.0, 0.0});
-        end.result =
-            Json{{"before", residuals.first}, {"after", residuals.second}, {"values", values_json(calibration_->new_values())}}
-                .dump();
+        end.result = Json{{"before", residuals.first},
+                          {"after", residuals.second},
+                          {"verified", calibration_->verified().value_or(residuals.second)},
+                          {"restarts", calibration_->restarts()},
+                          {"values", values_json(calibration_->new_values())}}
+                         .dump();
         finish(std::move(end));
     }
     // Deletes the kept values if they are in the device again; otherwise they stay.
     void failed(const Task& task, TimePoint) override {
+        WorkEnd end = end_of(*task.end(), texts());
         if (calibration_->has_old_values()) forget();
-        finish(end_of(*task.end()));
+        else end.error += "; " + kept_where("they", "when it is heard on the ground");
+        finish(std::move(end));
     }
 
     Sensor sensor_;
     Calibration* calibration_ = nullptr;
+    std::string note_;    // the name of the kept values
     std::optional<TimePoint> waits_since_;
     std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
 };
@@ -268,9 +298,8 @@ std::unique_ptr<Work> write_old_values_back(const WorkPlace& place, const std::s
 
 void forget_written(const WorkPlace& place, const Json& values) {
     for (const Sensor sensor : {Sensor::accelerometer, Sensor::compass}) {
-        const std::string name = keep_name(place.device.address(), sensor);
-        const std::string* text = place.notes.find(name);
-        const auto kept = text != nullptr ? values_in_note(*text, sensor) : std::nullopt;
+        const std::string name = kept_note(place, sensor);
+        const auto kept = !name.empty() ? values_in_note(*place.notes.find(name), sensor) : std::nullopt;
         const auto is_written = [&](const auto& one) {
             const auto value = values.contains(one.first) ? value_in(values[one.first], ano::Type::f32) : std::nullopt;
             return value && ano::host::same_bytes(*value, one.second, ano::Type::f32);
@@ -279,28 +308,21 @@ void forget_written(const WorkPlace& place, const Json& values) {
     }
 }
 
-bool is_whole_backup(const std::string& text, Sensor sensor) {
-    if (!values_in_note(text, sensor)) return false;
-    const Json note = Json::parse(text, nullptr, false);
-    return identity_in(note.value("device", Json{})).has_value();
+bool is_whole_backup(const std::string& text, Sensor sensor) { return values_in_note(text, sensor) && info_in_note(text); }
+
+std::string keep_name(const WorkPlace& place, Sensor sensor) {
+    return unit_note_name("calibration", place, place.device.info(), name_of(sensor));
 }
 
-std::string keep_name(std::uint8_t address, Sensor sensor) {
-    return "calibration-" + ano::hex_byte(address) + "-" + std::string{name_of(sensor)} + ".json";
+std::string describe_note(std::string_view name, const std::string& text) {
+    const auto sensor = sensor_of_note(name);
+    return (sensor ? std::string{name_of(*sensor)} : std::string{name}) + " of " + describe_unit(text);
 }
 
 std::optional<Sensor> sensor_of_note(std::string_view name) {
-    if (!name.starts_with("calibration-")) return std::nullopt;
     for (const Sensor sensor : {Sensor::accelerometer, Sensor::compass})
-        if (name.ends_with("-" + std::string{name_of(sensor)} + ".json")) return sensor;
+        if (is_unit_note_name(name, "calibration", name_of(sensor))) return sensor;
     return std::nullopt;
-}
-
-std::optional<std::uint8_t> address_of_note(std::string_view name) {
-    const std::string_view digits = name.substr(std::min(name.find("0x"), name.size() - 2) + 2).substr(0, 2);
-    std::uint8_t address = 0;
-    const auto [end, ec] = std::from_chars(digits.data(), digits.data() + digits.size(), address, 16);
-    return digits.size() == 2 && ec == std::errc{} && end == digits.data() + 2 ? std::optional{address} : std::nullopt;
 }
 
 }    // namespace anogate

@@ -24,10 +24,11 @@ void forget_written(const WorkPlace& place, const nlohmann::ordered_json& values
 /// Whether `text` is complete, so that it can be written back: the device and all values.
 bool is_whole_backup(const std::string& text, ano::host::Sensor sensor);
 
-/// "calibration-0xDC-compass.json": what `anoctl param import` takes.
-std::string keep_name(std::uint8_t address, ano::host::Sensor sensor);
+/// "calibration-0xDC-1a2b3c4d-compass.json" (unit_note_name()), which `anoctl param import` takes.
+std::string keep_name(const WorkPlace& place, ano::host::Sensor sensor);
+/// "accelerometer of FC (0xDC), link 'fc', kept 2026-11-26 18:57:36 UTC".
+std::string describe_note(std::string_view name, const std::string& text);
 /// std::nullopt: `name` is not such a name.
 std::optional<ano::host::Sensor> sensor_of_note(std::string_view name);
-std::optional<std::uint8_t> address_of_note(std::string_view name);
 
 }    // namespace anogate

@@ -4,7 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <charconv>
 #include <cmath>
 #include <type_traits>
 #include <utility>
@@ -20,10 +19,10 @@ double tenths(double value) { return std::round(value * 10) / 10; }
 
 }    // namespace
 
-Json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceInfo>& info) {
+Json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceInfo>& info, const DeviceTexts& texts) {
     Json json{{"address", ano::hex_byte(address)}};
     if (!info) return json;
-    json["name"] = info->name;
+    json["name"] = texts.shown(info->name);
     json["dev_id"] = info->dev_id;
     json["hw"] = info->hw_ver;
     json["sw"] = info->sw_ver;
@@ -47,21 +46,26 @@ std::optional<ano::host::DeviceInfo> identity_in(const Json& json) {
 }
 
 Json device_json(const DeviceReport& report, ano::TimePoint now) {
-    Json json = identity_json(report.heard.address, report.info);
+    Json json = identity_json(report.heard.address, report.info, report.texts);
+    if (report.texts.encoding() == ano::Encoding::gbk) json["encoding"] = "gbk";
+    if (report.texts.contradicts()) json["hint"] = text_of_contradiction;
     if (!report.heard.link.empty()) json["link"] = report.heard.link;
     if (!report.heard.peer.empty()) json["peer"] = report.heard.peer;
     if (report.heard.heard_at) json["age"] = tenths(std::chrono::duration<double>(now - *report.heard.heard_at).count());
     if (report.rate) json["rate"] = tenths(*report.rate);
     if (report.parameters) json["parameters"] = *report.parameters;
     if (report.job) json["job"] = *report.job;
+    if (report.limits != 0) json["limits"] = report.limits;
+    if (report.red_lines > 0) json["red_lines"] = report.red_lines;
     for (const std::string& note : report.notes) {
-        if (note == loader_note(report.heard.address)) json["in_loader"] = true;
+        if (is_loader_note(note)) json["in_loader"] = true;
         else json["kept"].push_back(note);
     }
     return json;
 }
 
-Json value_json(const AnyValue& value, std::optional<ano::Type> type) {
+Json value_json(const AnyValue& value, std::optional<ano::Type> type, const DeviceTexts& texts) {
+    if (const auto* text = std::get_if<std::string>(&value)) return texts.shown(*text);
     if (const auto* number = std::get_if<double>(&value)) {
         if (std::isnan(*number)) return "nan";    // JSON has no numbers for these
         if (std::isinf(*number)) return *number > 0 ? "inf" : "-inf";
@@ -85,31 +89,32 @@ std::optional<AnyValue> value_in(const Json& json, std::optional<ano::Type> type
     return std::visit([](auto plain) { return AnyValue{plain}; }, *number);
 }
 
-Json parameter_json(const ano::host::ParameterInfo& info, const std::optional<AnyValue>& value, bool with_value) {
+std::string_view text_of_type_7(ano::ValueType7 seven) noexcept { return seven == ano::ValueType7::u64 ? "u64" : "f32"; }
+
+std::optional<ano::ValueType7> value_type_7_in(const Json& json) {
+    if (json == "f32") return ano::ValueType7::f32;
+    if (json == "u64") return ano::ValueType7::u64;
+    return std::nullopt;
+}
+
+Json parameter_json(const ano::host::ParameterInfo& info, const std::optional<AnyValue>& value, bool with_value,
+                    const DeviceTexts& texts) {
     Json json{{"id", info.id}};
     const bool came = !info.name.empty() || info.type;
     if (came) {
-        json["name"] = info.name;
+        json["name"] = texts.shown(info.name);
         json["type"] = info.type ? Json(name_of(*info.type)) : Json(nullptr);
     }
-    if (value) json["value"] = value_json(*value, info.type);
+    if (value) json["value"] = value_json(*value, info.type, texts);
     if (info.limits) {
         json["min"] = info.limits->min;
         json["max"] = info.limits->max;
     }
-    if (!info.info.empty()) json["text"] = info.info;
+    if (info.is_scaled()) json["mul"] = info.mul;
+    if (!info.info.empty()) json["text"] = texts.shown(info.info);
     if (info.limits) json["older"] = true;
     if (!came || (with_value && !value)) json["missing"] = true;
     return json;
-}
-
-ano::host::Found parameter_called(const ano::host::Parameters& all, std::string_view word) {
-    const ano::host::Found found = all.find(word);
-    if (found.parameter != nullptr || found.several) return found;
-    std::uint16_t id = 0;
-    const auto [end, ec] = std::from_chars(word.data(), word.data() + word.size(), id);
-    if (ec != std::errc{} || end != word.data() + word.size() || id >= all.descriptions().size()) return {};
-    return {&all.descriptions()[id], false};
 }
 
 }    // namespace anogate

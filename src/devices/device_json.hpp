@@ -2,7 +2,9 @@
 #pragma once
 #include <ano/schema.hpp>
 #include <ano/time.hpp>
+#include <ano/values.hpp>
 #include <devices/device_service.hpp>
+#include <devices/device_texts.hpp>
 #include <host/parameters.hpp>
 #include <host/value.hpp>
 
@@ -11,25 +13,31 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace anogate {
 
 /// The identity of a device: {"address": "0xDC", "name": …}; unknown parts are left out.
-nlohmann::ordered_json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceInfo>& info);
+nlohmann::ordered_json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceInfo>& info,
+                                     const DeviceTexts& texts);
 /// Reads it back; std::nullopt: there is no name.
 std::optional<ano::host::DeviceInfo> identity_in(const nlohmann::ordered_json& json);
+inline constexpr std::string_view text_of_contradiction =
+    "its texts are GBK and no UTF-8, but its link has encoding=utf8: take that key away, or set encoding=gbk";
 nlohmann::ordered_json device_json(const DeviceReport& report, ano::TimePoint now);
 
 /// A number that is not finite becomes a text, "inf", "-inf" or "nan", which JSON has no numbers for.
-nlohmann::ordered_json value_json(const ano::host::AnyValue& value, std::optional<ano::Type> type);
-/// std::nullopt: not a value. For a number type, a text is read as a number.
+nlohmann::ordered_json value_json(const ano::host::AnyValue& value, std::optional<ano::Type> type, const DeviceTexts& texts = {});
+/// std::nullopt: not a value. For a number type, a text is read as a number. A text is as the client has it, see DeviceTexts::wire().
 std::optional<ano::host::AnyValue> value_in(const nlohmann::ordered_json& json, std::optional<ano::Type> type);
+
+/// "f32" or "u64".
+std::string_view text_of_type_7(ano::ValueType7 seven) noexcept;
+/// std::nullopt: neither.
+std::optional<ano::ValueType7> value_type_7_in(const nlohmann::ordered_json& json);
 
 /// One parameter; with its value if that is known.
 nlohmann::ordered_json parameter_json(const ano::host::ParameterInfo& info, const std::optional<ano::host::AnyValue>& value,
-                                      bool with_value);
-
-/// The parameter with the name or number `word`.
-ano::host::Found parameter_called(const ano::host::Parameters& all, std::string_view word);
+                                      bool with_value, const DeviceTexts& texts);
 
 }    // namespace anogate

@@ -1,5 +1,9 @@
+#include <ano/address.hpp>
+#include <ano/hex.hpp>
 #include <ano_json/json_line.hpp>
+#include <ano_json/lower_case.hpp>
 #include <ano_json/nearest.hpp>
+#include <ano_json/strict_json.hpp>
 #include <ano_json/text.hpp>
 #include <devices/calibration_work.hpp>
 #include <devices/command_works.hpp>
@@ -9,6 +13,7 @@
 #include <devices/job_answers.hpp>
 #include <devices/parameter_works.hpp>
 #include <devices/scan_work.hpp>
+#include <devices/watch_routes.hpp>
 #include <devices/waypoint_works.hpp>
 #include <host/firmware_image.hpp>
 #include <http/large_body.hpp>
@@ -17,7 +22,8 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
+#include <chrono>
+#include <cmath>
 #include <initializer_list>
 #include <span>
 #include <utility>
@@ -45,7 +51,14 @@ Json devices_list(DeviceService& service) {
     const ano::TimePoint now = service.net().now();
     Json devices = Json::array();
     for (const DeviceReport& report : service.devices(now)) devices.push_back(device_json(report, now));
-    return {{"devices", std::move(devices)}};
+    Json all{{"devices", std::move(devices)}};
+    for (const LostVehicle& vehicle : service.lost(now)) {
+        Json& one = all["lost"].emplace_back(Json{{"address", ano::hex_byte(vehicle.address)}});
+        if (const auto info = service.info(vehicle.address)) one["name"] = service.texts(vehicle.address).shown(info->name);
+        one["age"] = std::round(std::chrono::duration<double>(now - vehicle.heard_at).count() * 10) / 10;
+        one["sflag"] = vehicle.flag;
+    }
+    return all;
 }
 
 /// A client's request to one device.
@@ -57,20 +70,25 @@ struct Wish {
     std::string shared_as{};
 };
 
+// "192.168.1.5", "logger at 192.168.1.5"; at the Unix socket, where programs say who they are, "anoctl param, process 7".
 std::string client_of(const Request& request) {
-    const std::string name{request.query_value("client").value_or(request.header("User-Agent"))};
+    const bool is_local = !request.door.is_network;
+    const std::string name{request.query_value("client").value_or(is_local ? request.header("User-Agent") : std::string_view{})};
     constexpr std::size_t max_bytes = 64;
     std::string clean;
     for (std::size_t i = 0; i < name.size() && clean.size() < max_bytes; ++i)
-        if (ano::control_size(name, i) == 0) clean += name[i];
-    return clean;
+        if (const std::size_t size = ano::control_size(name, i); size > 0) i += size - 1;
+        else clean += name[i];
+    if (is_local) return clean;
+    return clean.empty() ? request.door.peer : request.door.peer.empty() ? clean : clean + " at " + request.door.peer;
 }
 
 Response begin(DeviceService& service, const Request& request, Wish wish) {
     DeviceNet& net = service.net();
     if (wish.deed != Deed::read && net.may_have_waited(request.came_at))
         return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
-    if (!service.has_room_for_a_client()) return http::try_again("too many clients wait for jobs: ask again when one has ended");
+    const Requester requester = requester_of(request);
+    if (!service.has_room_for(requester)) return http::try_again("too many clients wait for jobs: ask again when one has ended");
     const ano::TimePoint now = net.now();
     const auto address = service.address_of(request.parameter("device"), now);
     if (const auto* unknown = std::get_if<NotBegun>(&address)) return answer_of(*unknown);
@@ -78,6 +96,7 @@ Response begin(DeviceService& service, const Request& request, Wish wish) {
         wish.kind,          wish.deed,           std::get<std::uint8_t>(address), request.query_value("force").has_value(),
         client_of(request), std::move(wish.work)};
     order.shared_as = std::move(wish.shared_as);
+    order.requester = requester;
     const auto begun = service.begin(std::move(order), now);
     if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
     const auto& job = std::get<std::shared_ptr<Job>>(begun);
@@ -89,6 +108,7 @@ Response scan_answer(DeviceService& service, const Request& request) {
     if (net.may_have_waited(request.came_at))
         return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
     JobOrder order{JobKind::scan, Deed::read, std::nullopt, false, client_of(request), scan};
+    order.requester = requester_of(request);
     order.result = [&service] { return devices_list(service).dump(-1, ' ', false, Json::error_handler_t::replace); };
     const auto begun = service.begin(std::move(order), net.now());
     if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
@@ -97,10 +117,11 @@ Response scan_answer(DeviceService& service, const Request& request) {
 
 /// The body as a JSON object, or the error.
 std::variant<Json, std::string> object_in(const Request& request) {
-    Json json = request.body.empty() ? Json::object() : Json::parse(request.body, nullptr, false);
-    if (json.is_discarded()) return std::string{"the body is no JSON"};
+    auto body = request.body.empty() ? std::variant<Json, std::string>{Json::object()} : ano::json_body(request.body);
+    if (auto* wrong = std::get_if<std::string>(&body)) return std::move(*wrong);
+    Json& json = std::get<Json>(body);
     if (!json.is_object()) return std::string{"the body must be an object"};
-    return json;
+    return std::move(json);
 }
 
 /// The error for a key that is not in `known`: a mistyped "rollback" must not be ignored.
@@ -121,15 +142,17 @@ Response put_parameter(DeviceService& service, const Request& request) {
     const auto body = object_in(request);
     if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
     const Json& json = std::get<Json>(body);
-    if (const std::string wrong = stranger_in(json, {"value", "longer"}); !wrong.empty()) return http::error(400, wrong);
-    const auto longer = flag_in(json, "longer");
+    if (const std::string wrong = stranger_in(json, {"value", "longer", "force"}); !wrong.empty()) return http::error(400, wrong);
+    const auto longer = flag_in(json, "longer"), force = flag_in(json, "force");
     if (!json.contains("value") || json["value"].is_structured() || json["value"].is_null())
         return http::error(400, "'value' must be a number or a text");
     if (!longer) return http::error(400, "'longer' must be true or false");
+    if (!force) return http::error(400, "'force' must be true or false");
     return begin(service, request,
                  {JobKind::write, Deed::write,
-                  [name = std::string{request.parameter("parameter")}, value = json["value"], longer](const WorkPlace& place) {
-                      return write_parameter(place, name, value, *longer);
+                  [name = std::string{request.parameter("parameter")}, value = json["value"],
+                   limits = ano::host::WriteLimits{.longer = *longer, .beyond_range = *force}](const WorkPlace& place) {
+                      return write_parameter(place, name, value, limits);
                   }});
 }
 
@@ -141,10 +164,14 @@ Response apply(DeviceService& service, const Request& request) {
     const bool is_long = json.contains("parameters") && json["parameters"].is_object();
     ApplyOrder order;
     if (is_long) {
-        if (const std::string wrong = stranger_in(json, {"parameters", "rollback", "dry_run", "longer"}); !wrong.empty())
+        if (const std::string wrong = stranger_in(
+                json, {"parameters", "rollback", "dry_run", "longer", "force", "goes_on", "also_the_same"});
+            !wrong.empty())
             return http::error(400, wrong);
-        for (const auto& [key, flag] :
-             {std::pair{"rollback", &order.rollback}, std::pair{"dry_run", &order.dry_run}, std::pair{"longer", &order.longer}}) {
+        for (const auto& [key, flag] : {std::pair{"rollback", &order.rollback}, std::pair{"dry_run", &order.dry_run},
+                                        std::pair{"longer", &order.longer}, std::pair{"force", &order.force},
+                                        std::pair{"goes_on", &order.goes_on}, std::pair{"also_the_same", &order.also_the_same}}) {
+            if (!json.contains(key)) continue;
             const auto said = flag_in(json, key);
             if (!said) return http::error(400, "'" + std::string{key} + "' must be true or false");
             *flag = *said;
@@ -189,27 +216,38 @@ void add_job_routes(http::Routes& routes, DeviceService& service) {
                 with_job(service, [&service](const Request& request, const std::shared_ptr<Job>& job) {
                     return job_answer(service, job, request, 200);
                 })});
-    routes.add({"DELETE", "/jobs/{job}", Access::control, "cancels the job, and says how it ended",
-                with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
-                    service.cancel(*job, service.net().now());
-                    return job_at_its_end(job);
-                })});
-    routes.add({"POST", "/jobs/{job}/next", Access::control, "the job that waits goes on",
-                with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
-                    if (const auto refused = service.go_on(*job, service.net().now())) return answer_of(*refused);
-                    return json_response(job_json(*job));    // it is running, so there is no result
-                })});
+    routes.add_without_body({"DELETE", "/jobs/{job}", Access::control, "cancels the job, and says how it ended",
+                             with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
+                                 service.cancel(*job, service.net().now());
+                                 return job_at_its_end(job);
+                             })});
+    routes.add_without_body({"POST", "/jobs/{job}/next", Access::control, "the job that waits goes on",
+                             with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
+                                 if (const auto refused = service.go_on(*job, service.net().now())) return answer_of(*refused);
+                                 return json_response(job_json(*job));    // it is running, so there is no result
+                             })});
+}
+
+Response get_parameters(DeviceService& service, const Request& request) {
+    ParameterOrder order{request.query_value("values").value_or("1") != "0", request.query_value("known").has_value(), {}};
+    for (const auto& [key, value] : request.query)
+        if (key == "name") {
+            if (!order.words) order.words.emplace();
+            order.words->push_back(value);
+        }
+    const bool is_shared = !order.words && !order.known;
+    const char* const shared_as = order.values ? "all with values" : "all without values";
+    return begin(service, request,
+                 {JobKind::parameters, Deed::read, [order](const WorkPlace& place) { return read_parameters(place, order); },
+                  false, is_shared ? shared_as : ""});
 }
 
 void add_parameter_routes(http::Routes& routes, DeviceService& service) {
-    routes.add({"GET", "/devices/{device}/parameters", Access::view,
-                "the parameters of a device and their values (values=0: without)", [&service](const Request& request) {
-                    const bool values = request.query_value("values").value_or("1") != "0";
-                    return begin(service, request,
-                                 {JobKind::parameters, Deed::read,
-                                  [values](const WorkPlace& place) { return read_parameters(place, values); }, false,
-                                  values ? "all with values" : "all without values"});
-                }});
+    routes.add(
+        {"GET", "/devices/{device}/parameters", Access::view,
+         "the parameters of a device and their values (values=0: without, with known as they were read last; name=P, more than "
+         "once: only these)",
+         [&service](const Request& request) { return get_parameters(service, request); }, 0, true});
     routes.add({"GET", "/devices/{device}/parameters/{parameter}", Access::view, "one parameter, by its name or number",
                 [&service](const Request& request) {
                     return begin(service, request,
@@ -217,7 +255,8 @@ void add_parameter_routes(http::Routes& routes, DeviceService& service) {
                                   [name = std::string{request.parameter("parameter")}](const WorkPlace& place) {
                                       return read_parameter(place, name);
                                   }});
-                }});
+                },
+                0, true});
     routes.add({"PUT", "/devices/{device}/parameters/{parameter}", Access::control,
                 "writes a parameter, {\"value\": v}, and says what the device stored",
                 [&service](const Request& request) { return put_parameter(service, request); }});
@@ -243,19 +282,55 @@ Response act(DeviceService& service, const Request& request) {
                   }});
 }
 
-Response call(DeviceService& service, const Request& request) {
-    const auto body = object_in(request);
+/// What all calls have.
+struct CallBody {
+    Json json, values;
+    CommandOrder order;
+};
+std::variant<CallBody, Response> call_body_in(const Request& request, std::initializer_list<std::string_view> keys) {
+    auto body = object_in(request);
     if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
-    const Json& json = std::get<Json>(body);
-    if (const std::string wrong = stranger_in(json, {"values", "repeat"}); !wrong.empty()) return http::error(400, wrong);
-    const auto repeat = flag_in(json, "repeat");
-    const Json values = json.value("values", Json::array());
-    if (!values.is_array()) return http::error(400, "'values' must be an array");
+    CallBody call{std::get<Json>(std::move(body)), {}, {}};
+    if (const std::string wrong = stranger_in(call.json, keys); !wrong.empty()) return http::error(400, wrong);
+    const auto repeat = flag_in(call.json, "repeat");
+    call.values = call.json.value("values", Json::array());
+    if (!call.values.is_array()) return http::error(400, "'values' must be an array");
     if (!repeat) return http::error(400, "'repeat' must be true or false");
+    call.order.repeat = *repeat;
+    call.order.seven = value_type_7_in(call.json.value("type7", Json{}));
+    if (call.json.contains("type7") && !call.order.seven) return http::error(400, "'type7' must be f32 or u64");
+    return call;
+}
+
+Response call(DeviceService& service, const Request& request) {
+    auto body = call_body_in(request, {"values", "repeat", "name", "type7"});
+    if (auto* wrong = std::get_if<Response>(&body)) return std::move(*wrong);
+    auto& [json, values, order] = std::get<CallBody>(body);
+    if (json.contains("name") && !json["name"].is_string()) return http::error(400, "'name' must be a text");
+    order.command = request.parameter("command");
+    if (json.contains("name")) order.called = json["name"].get<std::string>();
+    return begin(service, request, {JobKind::command, Deed::write, [order = order, values = values](const WorkPlace& place) {
+                                        return call_command(place, order, values);
+                                    }});
+}
+
+std::optional<Cid> cid_in(const Json& json) {
+    const auto is_byte = [](const Json& one) { return one.is_number_unsigned() && one.get<std::uint64_t>() <= 0xFF; };
+    if (!json.is_array() || json.size() != 3 || !std::all_of(json.begin(), json.end(), is_byte)) return std::nullopt;
+    return Cid{json[0].get<std::uint8_t>(), json[1].get<std::uint8_t>(), json[2].get<std::uint8_t>()};
+}
+
+Response call_the_cid(DeviceService& service, const Request& request) {
+    auto body = call_body_in(request, {"cid", "values", "repeat", "type7"});
+    if (auto* wrong = std::get_if<Response>(&body)) return std::move(*wrong);
+    const auto& [json, values, order] = std::get<CallBody>(body);
+    const auto cid = cid_in(json.value("cid", Json{}));
+    if (!cid) return http::error(400, "'cid' must be an array of three bytes, as in [16, 0, 5]");
+    if (constexpr std::size_t max_values = 8; values.size() > max_values)
+        return http::error(422, "a command has at most 8 values");
     return begin(service, request,
-                 {JobKind::command, Deed::write,
-                  [name = std::string{request.parameter("command")}, values, repeat](const WorkPlace& place) {
-                      return call_command(place, name, values, *repeat);
+                 {JobKind::command, Deed::write, [cid = *cid, values = values, order = order](const WorkPlace& place) {
+                      return call_by_cid(place, cid, order, values);
                   }});
 }
 
@@ -263,13 +338,25 @@ void add_command_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"POST", "/devices/{device}/actions", Access::control,
                 "{\"action\": \"save\"} or \"restore_defaults\" (not in the air, but for ?force)",
                 [&service](const Request& request) { return act(service, request); }});
-    routes.add({"GET", "/devices/{device}/commands", Access::view, "the commands of a device, as it describes them",
+    routes.add({"GET", "/devices/{device}/commands", Access::view,
+                "the commands of a device, as it describes them; with ?known as it did when they were read last",
                 [&service](const Request& request) {
-                    return begin(service, request, {JobKind::commands, Deed::read, read_commands});
-                }});
-    routes.add({"POST", "/devices/{device}/commands/{command}", Access::control,
-                "calls a command, {\"values\": [...]}, once; with \"repeat\": true again while no answer comes",
-                [&service](const Request& request) { return call(service, request); }});
+                    const bool known = request.query_value("known").has_value();
+                    return begin(service, request, {JobKind::commands, Deed::read, [known](const WorkPlace& place) {
+                                                        return read_commands(place, known);
+                                                    }});
+                },
+                0, true});
+    routes.add(
+        {"POST", "/devices/{device}/commands/by-cid", Access::control,
+         "calls a command by its three bytes, {\"cid\": [16, 0, 5], \"values\": [{\"u16\": 150}]}; the device is asked nothing "
+         "first",
+         [&service](const Request& request) { return call_the_cid(service, request); }});
+    routes.add(
+        {"POST", "/devices/{device}/commands/{command}", Access::control,
+         "calls a command, {\"values\": [...]}, once; with \"repeat\": true again while no answer comes; with \"name\" only if "
+         "it is called so; \"type7\": \"f32\" or \"u64\" states once what value type 7 means for a device that does not show it",
+         [&service](const Request& request) { return call(service, request); }});
 }
 
 std::variant<WaypointForm, Response> form_of(const Request& request) {
@@ -303,7 +390,7 @@ Response put_waypoints(DeviceService& service, const Request& request) {
 void add_waypoint_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"GET", "/devices/{device}/waypoints", Access::view,
                 "the waypoints of a device (format=geojson, or qgc: a plan of QGroundControl)",
-                [&service](const Request& request) { return get_waypoints(service, request); }});
+                [&service](const Request& request) { return get_waypoints(service, request); }, 0, true});
     routes.add({"PUT", "/devices/{device}/waypoints", Access::control, "writes waypoints, in the same forms, each read back",
                 [&service](const Request& request) { return put_waypoints(service, request); }});
 }
@@ -316,7 +403,16 @@ ano::host::FirmwareBytes bytes_of(const Request& request) {
     return std::vector<std::uint8_t>{request.body.begin(), request.body.end()};
 }
 
+bool has_plain_bytes(const Request& request) {
+    std::string_view type = request.header("Content-Type");
+    type = type.substr(0, type.find(';'));
+    while (type.ends_with(' ') || type.ends_with('\t')) type.remove_suffix(1);
+    return ano::lower_case(type) == "application/octet-stream";
+}
+
 Response flash(DeviceService& service, const Request& request) {
+    if (!has_plain_bytes(request))    // a form would be flashed with its borders
+        return http::error(415, "firmware is sent as Content-Type: application/octet-stream (curl --data-binary @FILE, not -F)");
     const std::string_view name = request.query_value("crc").value_or(ano::usual_crc16.name);
     const auto crc = ano::find_crc16(name);
     if (!crc) return http::error(400, "no CRC is called " + ano::in_quotes(name));
@@ -342,8 +438,9 @@ Response calibration(DeviceService& service, const Request& request) {
 
 void add_long_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"POST", "/devices/{device}/firmware", Access::control,
-                "upgrades the firmware, a .bin or .bia as the body: a job (force: though it flies, or the file is for other "
-                "hardware; crc=NAME)",
+                "upgrades the firmware, a .bin or .bia as a body of application/octet-stream: a job (force: though it flies, or "
+                "the file is for "
+                "other hardware or looks like no firmware; crc=NAME)",
                 [&service](const Request& request) { return flash(service, request); }, max_firmware});
     routes.add({"POST", "/devices/{device}/calibration", Access::control,
                 "calibrates the \"accelerometer\" or the \"compass\", {\"what\": ...}: a job that waits once",
@@ -355,8 +452,9 @@ void add_long_routes(http::Routes& routes, DeviceService& service) {
 void add_device_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"GET", "/devices", Access::view, "the devices that were heard, and what they say of themselves",
                 [&service](const Request&) { return json_response(devices_list(service)); }});
-    routes.add({"POST", "/devices/scan", Access::control, "asks everybody who is there, and lists who was heard",
-                [&service](const Request& request) { return scan_answer(service, request); }});
+    routes.add_without_body({"POST", "/devices/scan", Access::control, "asks everybody who is there, and lists who was heard",
+                             [&service](const Request& request) { return scan_answer(service, request); }});
+    add_watch_routes(routes, service);
     add_parameter_routes(routes, service);
     add_command_routes(routes, service);
     add_waypoint_routes(routes, service);

@@ -1,10 +1,18 @@
+#include <ano/conversation.hpp>
 #include <ano/hex.hpp>
 #include <ano/typed.hpp>
 #include <ano_json/frame_json.hpp>
+#include <ano_json/strict_json.hpp>
 #include <ano_json/text.hpp>
 #include <devices/calibration_work.hpp>
+#include <devices/device_json.hpp>
 #include <devices/device_service.hpp>
+#include <devices/kept_descriptions.hpp>
+#include <devices/unit_note.hpp>
+#include <host/parameter_info.hpp>
 #include <http/response.hpp>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -19,6 +27,9 @@ using ano::TimePoint;
 using ano::host::Deed;
 using ano::host::Refusal;
 
+constexpr unsigned not_heard = 404;    // the status of a refusal
+constexpr Duration until_it_answers = std::chrono::seconds{2};
+constexpr Duration between_looks = std::chrono::milliseconds{5};    // whether a queued frame has left
 constexpr Duration rate_over = std::chrono::seconds{2};
 constexpr Duration until_heard = std::chrono::seconds{2};    // interval of looking whether a device is present
 
@@ -39,7 +50,7 @@ std::string why(Refusal refusal, std::uint8_t address, std::optional<std::uint8_
     const std::string device = ano::hex_byte(address);
     switch (refusal) {
     case Refusal::no_device: return device + " is no address of a device";
-    case Refusal::not_known: return device + " was not heard";
+    case Refusal::not_known: return device + " was not heard, and does not answer";
     case Refusal::in_conflict: return words_of_conflict(address, links);
     case Refusal::on_several_channels:
         return device + " is heard by several links that are no group: a frame to it would go by all of them";
@@ -51,18 +62,20 @@ std::string why(Refusal refusal, std::uint8_t address, std::optional<std::uint8_
 
 unsigned status_of(Refusal refusal) {
     if (refusal == Refusal::no_device) return 400;
-    return refusal == Refusal::not_known ? 404 : 409;
+    return refusal == Refusal::not_known ? not_heard : 409;
 }
 
-// A frame that changes the device, or makes it do something.
-bool is_act(ano::FrameView frame) {
-    const auto query = ano::as<"parameter_command">(frame);
-    return (query && query->get<"cmd">() == 0x10) || frame.id() == ano::id_of<"parameter_value"> ||
-           frame.id() == ano::id_of<"command"> || frame.id() == ano::id_of<"waypoint"> || frame.id() == ano::id_of<"firmware">;
+// Whether the frame with this id, which changes the device, may be of the job.
+bool acts_by(const Job& job, std::uint8_t id) {
+    return job.is_writing() && (job.order.kind == JobKind::command) == (id == ano::id_of<"command">);
 }
 
-// During an upgrade a device answers nothing else.
-bool has_it_alone(JobKind kind) { return kind == JobKind::firmware; }
+// During an upgrade a device answers nothing else. A command does not wait for other work, except on the ground: a calibration would
+// measure what it does.
+bool may_run_beside(const JobOrder& order, JobKind other) {
+    if (other == JobKind::firmware) return false;
+    return order.deed == Deed::read || (order.kind == JobKind::command && other != JobKind::calibration);
+}
 
 }    // namespace
 
@@ -81,12 +94,15 @@ void DeviceService::use(TimePoint now) {
 
 bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
     guard_.hear(frame, now);
+    if (frame.id() == ano::id_of<"firmware">) forget_descriptions(frame);
     try {
         auto& known = known_[frame.source()];
         if (!known) known = std::make_unique<Known>();
         count(*known, now);
+        if (frame.id() != ano::id_of<"check">) known->sends_more_than_checks = true;
         using ano::host::Taken;
         bool is_news = false, is_answer = false;
+        sent_by_others(frame, now);
         if (const auto said = ano::as<"device_info">(frame)) {
             is_answer = frame.destination() == own_;    // of a scan, which asks all devices
             known->info = {said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
@@ -95,15 +111,22 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
         const auto is_taken_by = [&](const auto& one) {
             if (!one || !one->device) return false;
             const Taken taken = one->device->take(frame, now);
+            if (taken == Taken::ended) learn_texts(*one, frame);
             is_news = is_news || taken == Taken::ended;
             is_answer = is_answer || taken == Taken::ended || taken == Taken::doubled || taken == Taken::late;
             return taken == Taken::ended;
         };
         // An answer belongs to one question only; one sent to the device's own address goes first.
         const bool is_over = is_taken_by(known);
+        learn_texts(*known, frame);
+        confirm_info(*known, frame, now);
         for (std::uint32_t ports = asked_ports_; ports != 0 && !is_over; ports &= ports - 1)
             if (const auto port = static_cast<std::uint8_t>(std::countr_zero(ports)); answers_at_port(frame.source(), port))
                 is_taken_by(known_[port]);
+        if (!is_news && frame.destination() == own_ && frame.id() == ano::id_of<"check"> &&
+            ano::address::is_port_id(frame.source()))
+            if (const auto waiting = only_one_waiting(); waiting && net_.came_from(*waiting) && is_taken_by(known_[*waiting]))
+                known->acknowledged_as_port = true;
         for (std::size_t i = 0; at_work_ > 0 && i < jobs_.size(); ++i) {
             const auto& job = jobs_[i];
             if (!job->work) continue;
@@ -115,6 +138,56 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
     } catch (const std::bad_alloc&) {    // ignores the frame
         return false;
     }
+}
+
+void DeviceService::hear_elsewhere(ano::FrameView frame, const std::string& place) {
+    if (frame.destination() != own_ || !ano::host::Expectation::may_be_met_by(frame.id())) return;
+    for (const auto& job : jobs_)
+        if (!job->is_over() && job->order.address == frame.source() && job->conflict.empty())
+            job->conflict = "answers in the name of " + ano::hex_byte(frame.source()) + " came by " + place +
+                            ", where it is not at home, and were ignored";
+}
+
+// Some devices acknowledge as the port by which the request came.
+std::optional<std::uint8_t> DeviceService::only_one_waiting() const {
+    std::optional<std::uint8_t> found;
+    for (const auto& known : known_) {
+        if (!known || !known->device || !known->device->awaits_acknowledgement()) continue;
+        if (found) return std::nullopt;
+        found = known->device->address();
+    }
+    return found;
+}
+
+void DeviceService::sent_by_others(ano::FrameView frame, TimePoint now) {
+    if (ano::host::is_question_for_info(frame)) info_is_asked(frame.destination(), now);
+}
+
+// A port or the broadcast address: any device may answer.
+void DeviceService::info_is_asked(std::uint8_t address, TimePoint now) {
+    const bool is_any = ano::address::is_port_id(address) || address == ano::address::broadcast;
+    for (unsigned a = 0; a < known_.size(); ++a)
+        if (known_[a] && known_[a]->device && (is_any || a == address)) known_[a]->device->expect_info(now);
+}
+
+void DeviceService::learn_texts(Known& known, ano::FrameView frame) noexcept {
+    if (known.device && known.presence != known.device->presence()) {
+        known.presence = known.device->presence();
+        known.texts.forget();
+        if (known.info) known.texts.learn(known.info->name);
+    }
+    known.texts.learn(frame);
+}
+
+const DeviceTexts& DeviceService::texts(std::uint8_t address) {
+    auto& known = known_[address];
+    if (!known) known = std::make_unique<Known>();
+    const DeviceManners manners = net_.manners(address);
+    known->texts.configure(manners.encoding, manners.expects_gbk);
+    if (!known->texts.contradicts()) known->told_encoding = false;
+    else if (!std::exchange(known->told_encoding, true))
+        net_.report(ano::hex_byte(address) + ": " + std::string{text_of_contradiction}, true);
+    return known->texts;
 }
 
 bool DeviceService::answers_at_port(std::uint8_t source, std::uint8_t port) {
@@ -134,9 +207,37 @@ void DeviceService::count(Known& known, TimePoint now) {
 ano::host::Device& DeviceService::device(std::uint8_t address) {
     auto& known = known_[address];
     if (!known) known = std::make_unique<Known>();
-    if (!known->device) known->device = std::make_unique<ano::host::Device>(address, own_);
+    if (!known->device) {
+        known->device = std::make_unique<ano::host::Device>(address, own_);
+        known->device->on_maybe_deaf([this](ano::FrameView next) { return net_.flush_parser(next); });
+    }
     if (ano::address::is_port_id(address)) asked_ports_ |= std::uint32_t{1} << address;
     return *known->device;
+}
+
+WorkPlace DeviceService::place_of(std::uint8_t address) {
+    return {device(address), cache_, commands_, net_, notes_, texts(address)};
+}
+
+void DeviceService::keep_descriptions() {
+    using Key = ano::host::DescriptionKey;
+    using All = std::vector<ano::host::ParameterInfo>;
+    const auto recall = [this](const Key& key) -> std::optional<All> {
+        const WorkPlace place = place_of(key.address);
+        const std::string text = net_.cached(descriptions_name(place));
+        auto all = text.empty() ? std::nullopt : descriptions_in(text, place, key.count);
+        if (!all) return std::nullopt;
+        for (const ano::host::ParameterInfo& info : *all) {    // its encoding is found out as when they were read
+            known_[key.address]->texts.learn(info.name);
+            known_[key.address]->texts.learn(info.info);
+        }
+        return all;
+    };
+    const auto keep = [this](const Key& key, const All& all) {
+        const WorkPlace place = place_of(key.address);
+        net_.cache(descriptions_name(place), descriptions_text(place, all));
+    };
+    cache_.use({recall, keep});
 }
 
 WorkPlace DeviceService::place(const Job& job) {
@@ -146,10 +247,11 @@ WorkPlace DeviceService::place(const Job& job) {
             const auto why = refusal(order, net_.now());
             return why ? why->error : std::string{};
         };
-        return {device(*job.order.address), cache_, net_, notes_, refused};
+        return {device(*job.order.address),     cache_, commands_, net_, notes_, texts(*job.order.address), refused,
+                !job.order.requester.controls()};
     }
     if (!everybody_) everybody_ = std::make_unique<ano::host::Device>(ano::address::broadcast, own_);
-    return {*everybody_, cache_, net_, notes_};
+    return {*everybody_, cache_, commands_, net_, notes_, texts_of_nobody_};
 }
 
 std::shared_ptr<Job> DeviceService::holder(std::uint8_t address) const {
@@ -166,6 +268,7 @@ std::shared_ptr<Job> DeviceService::shared(const JobOrder& order) const {
     const unsigned from = known_[*order.address] ? known_[*order.address]->acted_before : 0;
     const auto found = std::find_if(jobs_.begin(), jobs_.end(), [&](const auto& job) {
         return !job->is_over() && job->order.address == order.address && job->order.shared_as == order.shared_as &&
+               job->order.requester.access >= order.requester.access &&    // else it yields to others
                job->id >= from && job->refused.empty() && !job->is_cancelled;
     });
     return found != jobs_.end() ? *found : nullptr;
@@ -184,8 +287,16 @@ std::optional<NotBegun> DeviceService::refusal(const JobOrder& order, TimePoint 
     return told;
 }
 
-std::size_t DeviceService::running() const {
-    return static_cast<std::size_t>(std::count_if(jobs_.begin(), jobs_.end(), [](const auto& job) { return !job->is_over(); }));
+bool DeviceService::may_run_one_more(const Requester& requester) const {
+    std::vector<Requester> running;
+    for (const auto& job : jobs_)
+        if (!job->is_over()) running.push_back(job->order.requester);
+    return has_place_for(requester, running_places, running);
+}
+
+std::shared_ptr<void> DeviceService::waiting_client(const Requester& requester) {
+    const auto at = waiting_clients_->insert(waiting_clients_->end(), requester);
+    return {&*at, [all = waiting_clients_, at](const void*) { all->erase(at); }};
 }
 
 std::size_t DeviceService::upgrades() const {
@@ -207,14 +318,17 @@ bool DeviceService::make_room(TimePoint now) {
 std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order, TimePoint now) {
     if (stopped_) return not_begun(503, "the gateway ends");
     use(now);
-    if (auto refused = refusal(order, now)) return *std::move(refused);
+    auto refused = refusal(order, now);
+    const bool is_unheard = refused && refused->status == not_heard;
+    if (refused && !is_unheard) return *std::move(refused);
     if (order.address)
-        if (auto has_it = holder(*order.address); has_it && (order.deed != Deed::read || has_it_alone(has_it->order.kind)))
-            return NotBegun{409, words_of(*has_it) + " has " + ano::hex_byte(*order.address), "busy", has_it};
+        if (auto has_it = holder(*order.address); has_it && !may_run_beside(order, has_it->order.kind))
+            return NotBegun{409, ano::hex_byte(*order.address) + " is used by " + words_of(*has_it), "busy", has_it};
     if (auto same = shared(order)) return same;
     if (order.kind == JobKind::firmware && upgrades() >= max_upgrades)
         return not_begun(503, "other devices are upgraded just now: ask again when one has ended");
-    if (running() >= max_running || !make_room(now)) return not_begun(503, "too many jobs run: ask again when one has ended");
+    if (!may_run_one_more(order.requester) || !make_room(now))
+        return not_begun(503, "too many jobs run: ask again when one has ended");
     auto job = std::make_shared<Job>();
     job->id = next_id_++;
     job->order = std::move(order);
@@ -223,9 +337,55 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
         job->begins_at = std::max(now, *listens_since_ + ano::host::AirGuard::busy_for);
         job->message = "listening whether it flies, or another host writes to it";
     }
+    if (is_unheard) {
+        ask_whether_it_is_there(*job->order.address, now);
+        job->heard_by = now + until_it_answers;
+    }
     jobs_.push_back(job);
     net_.wake(now);
     return job;
+}
+
+void DeviceService::ask_whether_it_is_there(std::uint8_t address, TimePoint now) { ask_who_it_is(address, now, nobody_); }
+
+void DeviceService::link_was_down(std::uint8_t address) {
+    const auto& known = known_[address];
+    if (!known) return;
+    known->in_doubt = true;
+    if (known->device) known->device->link_was_down();
+}
+
+// After a sign that it may be another device.
+void DeviceService::confirm_info(Known& known, ano::FrameView frame, TimePoint now) {
+    const std::uint32_t doubts = known.device ? known.device->doubts() : known.doubts;
+    const bool is_in_doubt = std::exchange(known.in_doubt, false) || doubts != known.doubts;
+    known.doubts = doubts;
+    if (!is_in_doubt || !known.info || frame.id() == ano::id_of<"device_info">) return;
+    known.in_doubt = holder(frame.source()) != nullptr;    // a job counts its own silence: later
+    if (known.in_doubt) return;
+    ask_who_it_is(frame.source(), now, curious_);
+    net_.wake(now);
+}
+
+void DeviceService::ask_who_it_is(std::uint8_t address, TimePoint now, Nobody& asker) {
+    ano::host::Device& asked = device(address);
+    auto& until = known_[address]->asked_until;
+    if (now < until) return;
+    until = now + until_it_answers;
+    constexpr unsigned sends = 4;
+    ano::host::Request question = ano::host::question::device_info(0);
+    question.patience = {.sends = sends, .wait = until_it_answers / sends};
+    static_cast<void>(asked.ask(question, asker));
+}
+
+// False, and the job has ended, when its device was not heard in time; false as well as long as there is time.
+bool DeviceService::is_heard(Job& job, TimePoint now) {
+    if (!job.heard_by) return true;
+    const auto refused = refusal(job.order, now);
+    if (refused && refused->status == not_heard && now < *job.heard_by) return false;
+    if (!refused) job.heard_by.reset();
+    else finish(job, {refused->status, {}, refused->error, refused->what, {}, false}, now);
+    return !refused;
 }
 
 bool DeviceService::cancel(Job& job, TimePoint now) {
@@ -281,6 +441,7 @@ void DeviceService::cut_off(Job& job, TimePoint now) {
 // A client may begin the next job from within the answer to an ended one, so this repeats until nothing changes.
 void DeviceService::run(TimePoint now) {
     if (stopped_ || std::exchange(runs_, true)) return;
+    run_feeds(now);
     if (write_back_at_ && now >= *write_back_at_) write_back(now);
     const auto all = jobs_;
     for (const auto& job : all)
@@ -294,7 +455,7 @@ void DeviceService::run(TimePoint now) {
 
 void DeviceService::advance(const std::shared_ptr<Job>& job, TimePoint now) {
     if (!job->work) {
-        if (now < job->begins_at) return;
+        if (!is_heard(*job, now) || now < job->begins_at) return;
         if (const auto refused = refusal(job->order, now); refused && job->order.deed == Deed::ground)
             return finish(*job, {refused->status, {}, refused->error, refused->what, {}, false}, now);
         job->work = job->order.work(place(*job));
@@ -302,6 +463,7 @@ void DeviceService::advance(const std::shared_ptr<Job>& job, TimePoint now) {
         job->message.clear();
         job->work->start(now);
     }
+    if (job->order.kind == JobKind::scan) info_is_asked(ano::address::broadcast, now);
     job->work->run(now);
     if (job->work->end()) finish(*job, *job->work->end(), now);
 }
@@ -309,29 +471,119 @@ void DeviceService::advance(const std::shared_ptr<Job>& job, TimePoint now) {
 void DeviceService::send_all(TimePoint now) {
     for (unsigned a = 0; a < known_.size(); ++a) {
         if (!known_[a] || !known_[a]->device) continue;
-        while (const auto frame = known_[a]->device->next_frame(now)) {
+        const auto address = static_cast<std::uint8_t>(a);
+        for (;;) {
+            if (!known_[a]->device->has_command() && is_queued(address, now)) {
+                known_[a]->device->wait_to_leave(now);
+                break;
+            }
+            const auto frame = known_[a]->device->next_frame(now);
+            if (!frame) break;
             const std::uint8_t id = frame->id();
-            const bool acts = is_act(*frame);
-            const auto address = static_cast<std::uint8_t>(a);
+            const bool acts = ano::intent_of(*frame) == ano::Intent::acts;
+            if (ano::host::is_question_for_info(*frame)) info_is_asked(address, now);
             if (const std::string never = net_.send(*frame); !never.empty()) fail(address, id, acts, never, now);
-            else if (acts) acted(address);
+            else if (acts) acted(address, id);
         }
     }
 }
 
-void DeviceService::acted(std::uint8_t address) {
+// A frame to the device waits to leave.
+bool DeviceService::is_queued(std::uint8_t address, TimePoint now) {
+    const ano::host::Device& device = *known_[address]->device;
+    return device.on_their_way() > 0 && now - device.last_sent() < ano::host::Device::max_queued && net_.is_waiting(address);
+}
+
+void DeviceService::acted(std::uint8_t address, std::uint8_t id) {
     known_[address]->acted_before = next_id_;
-    if (const auto job = holder(address)) job->has_acted = true;
+    for (const auto& job : jobs_)
+        if (!job->is_over() && job->order.address == address && acts_by(*job, id)) job->has_acted = true;
 }
 
 bool DeviceService::remember(std::string name, std::string text) {
-    if (!is_whole_note(name, text)) return false;
+    if (!damage_of_note(name, text).empty()) return false;
     if (sensor_of_note(name)) {
         write_back_at_ = net_.now();
         net_.wake(*write_back_at_);
     }
     notes_.remember(std::move(name), std::move(text));
     return true;
+}
+
+void DeviceService::keep_limits(std::uint8_t address, AlarmLimits::List list, std::function<void(std::string fault)> done) {
+    limits_.set(address, std::move(list));
+    const auto& kept = limits_.of(address);
+    alarms_.set(address, kept, net_.now());
+    await_feeds();
+    net_.keep(limits_file(address), kept.empty() ? std::string{} : AlarmLimits::json(kept).dump() + "\n", std::move(done));
+}
+
+std::string DeviceService::remember_limits(std::uint8_t address, const std::string& text) {
+    auto json = ano::json_body(text, "it");
+    if (auto* wrong = std::get_if<std::string>(&json)) return std::move(*wrong);
+    auto list = AlarmLimits::parse(std::get<nlohmann::ordered_json>(json));
+    if (const auto* wrong = std::get_if<std::string>(&list)) return *wrong;
+    limits_.set(address, std::get<AlarmLimits::List>(std::move(list)));
+    alarms_.set(address, limits_.of(address), net_.now());
+    return {};
+}
+
+void DeviceService::hear_log(ano::FrameView frame, std::string_view link, std::uint64_t time_ns, DeviceLog::Origin origin) {
+    if (!log_.hear(frame, link, time_ns, origin) || log_clients_.empty() || log_due_) return;
+    log_due_ = net_.now() + between_log_lines;
+    await_feeds();
+}
+
+void DeviceService::hear_value(std::uint8_t source, const ano::Reading& reading, TimePoint now) {
+    alarms_.hear(source, reading, now);
+    await_feeds();
+}
+
+void DeviceService::hear_mode(ano::FrameView frame, TimePoint now) noexcept {
+    if (const auto mode = ano::as<"mode">(frame)) modes_[frame.source()] = {now, mode->get<"sflag">(), true};
+}
+
+std::vector<LostVehicle> DeviceService::lost(TimePoint now) {
+    constexpr std::uint8_t locked = 0;
+    std::vector<LostVehicle> all;
+    const std::vector<HeardAddress> present = heard(now);
+    for (unsigned a = 1; a < ano::address::broadcast; ++a) {
+        const auto address = static_cast<std::uint8_t>(a);
+        const LastMode& mode = modes_[address];
+        if (!mode.is_known || ano::address::is_host(address)) continue;
+        const auto one = std::find_if(present.begin(), present.end(),
+                                      [&](const HeardAddress& h) { return h.address == address; });
+        TimePoint at = mode.at;
+        if (one != present.end() && one->heard_at) at = std::max(at, *one->heard_at);
+        if (known_[address] && known_[address]->heard_at) at = std::max(at, *known_[address]->heard_at);
+        if (now - at < lost_after || (mode.flag == locked && now - at >= tells_locked)) continue;
+        all.push_back({address, at, mode.flag});
+    }
+    return all;
+}
+
+void DeviceService::forget_values(std::uint8_t address) {
+    modes_[address] = {};
+    alarms_.forget(address, net_.now());
+    await_feeds();
+}
+
+void DeviceService::run_feeds(TimePoint now) {
+    if (alarms_.due() && now >= *alarms_.due()) alarms_.look(now);
+    if (!log_due_ || now < *log_due_) return;
+    log_due_.reset();
+    log_clients_.wake();
+}
+
+void DeviceService::await_feeds() {
+    if (alarms_.due()) net_.wake(*alarms_.due());
+    if (log_due_) net_.wake(*log_due_);
+}
+
+void DeviceService::write_back_soon(TimePoint now) {
+    if (write_back_at_ || stopped_) return;
+    write_back_at_ = now + until_heard;
+    net_.wake(*write_back_at_);
 }
 
 // By ordinary jobs, so a device that flies or is busy gets its values later. Each note has its own time, so that one that can't be written
@@ -343,27 +595,53 @@ void DeviceService::write_back(TimePoint now) {
         const auto address = address_of_note(name);
         if (!address || !sensor_of_note(name)) continue;
         TimePoint& due = write_back_due_[name];
+        bool may_write = true;
         if (now >= due) {
             const bool may_be_there = net_.whereabouts(*address, now).is_known && !holder(*address);
             due = now + (may_be_there ? between_write_backs : until_heard);
+            if (const std::string misfit = misfit_of_place(text, net_.unit_place(*address, now), may_be_there); !misfit.empty()) {
+                report_note(name, name + " is left alone: it is " + misfit, true);
+                due = now + between_write_backs;
+                may_write = false;
+            }
             const auto work = [name = name](const WorkPlace& place) { return write_old_values_back(place, name); };
-            if (may_be_there) (void)begin({JobKind::calibration, Deed::ground, *address, false, "the gateway", work}, now);
+            if (may_be_there && may_write) {
+                const auto begun = begin({JobKind::calibration, Deed::ground, *address, false, "the gateway", work}, now);
+                if (const auto* job = std::get_if<std::shared_ptr<Job>>(&begun))
+                    (*job)->on_end.push_back([this, name = name](const Job& ended) {
+                        const bool is_done = ended.state == JobState::done;
+                        report_note(name, is_done ? ended.message : name + " is not written back: " + ended.message, !is_done);
+                    });
+            }
         }
         write_back_at_ = std::min(write_back_at_.value_or(due), due);
     }
 }
 
-// A refusal of one frame applies to all of its kind; a frame that changes the device belongs to the one job that may do so. The job is not
-// ended at once: its work restores what it can and reports what it could not.
+// The same of one note once: it is tried every minute.
+void DeviceService::report_note(const std::string& name, const std::string& text, bool is_warning) {
+    if (std::exchange(said_of_note_[name], text) != text) net_.report(text, is_warning);
+}
+
+// A refusal of one frame applies to all of its kind; a frame that changes the device belongs to the commands, or to the one other job that
+// may do so. The job is not ended at once: its work restores what it can and reports what it could not.
 void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, TimePoint now) {
     const auto all = jobs_;
     for (const auto& job : all) {
         if (job->is_over() || job->order.address != address) continue;
-        if (!job->work || !(acts ? job->is_writing() : asks_by(job->order.kind, id)) || !job->refused.empty()) continue;
+        if (!job->work || !(acts ? acts_by(*job, id) : asks_by(job->order.kind, id)) || !job->refused.empty()) continue;
         job->refused = why;
         job->work->cancel(now);
         if (job->work->end()) finish(*job, *job->work->end(), now);
     }
+}
+
+void DeviceService::refuse(std::uint8_t address, const std::string& why, TimePoint now) {
+    const auto job = holder(address);
+    if (!job || job->order.kind != JobKind::action) return;
+    job->has_acted = false;
+    fail(address, 0, true, why, now);
+    net_.wake(now);
 }
 
 void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
@@ -376,21 +654,22 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
                "refused", end.evidence,          false};
     }
     job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;
-    job.message = end.error;
+    if (end.status >= 300 && !job.conflict.empty()) end.error += "; " + job.conflict;
+    job.message = end.error.empty() ? job.conflict : end.error;
     if (end.status < 300) job.progress.done = job.progress.total;
     if (end.status < 300 && job.order.result) end.result = job.order.result();
     if (!end.result.empty() && !end.is_exact) end.result = exact_json(end.result);
     if (!end.result.empty()) job.result = std::make_shared<const std::string>(std::move(end.result.append("\n")));
     end.result.clear();
     // A device that answered this is not in its loader any more, which has neither parameters nor commands.
-    if (end.status < 300 && job.order.address && job.order.kind != JobKind::firmware &&
-        notes_.find(loader_note(*job.order.address)) != nullptr)
-        notes_.forget(loader_note(*job.order.address));
+    if (end.status < 300 && job.order.address && job.order.kind != JobKind::firmware)
+        forget_loader_notes(notes_, *job.order.address, net_.unit_place(*job.order.address, now));
     job.end = std::move(end);
     job.ended_at = now;
     if (std::exchange(job.work, nullptr)) --at_work_;
     job.order.work = nullptr;
     job.order.result = nullptr;
+    if (job.order.kind == JobKind::calibration && !notes_.all().empty()) write_back_soon(now);
     used_at_ = now;
     if (tells_end_) tells_end_(job);
     for (const auto& told : std::exchange(job.on_end, {})) told(job);
@@ -440,22 +719,51 @@ void DeviceService::await(TimePoint now) {
     };
     for (const auto& job : jobs_) {
         if (job->is_over()) continue;
-        if (!job->work) no_later(job->begins_at);
+        if (!job->work) no_later(std::max(job->begins_at, job->heard_by.value_or(job->begins_at)));
         else if (job->work->end()) no_later(now);
         else {
             no_later(job->work->due());
             no_later(now + between_progress);
         }
     }
-    for (const auto& known : known_)
-        if (known && known->device) no_later(known->device->due());
+    for (unsigned a = 0; a < known_.size(); ++a) {
+        if (!known_[a] || !known_[a]->device) continue;
+        const bool queued = is_queued(static_cast<std::uint8_t>(a), now);
+        no_later(queued ? now + between_looks : known_[a]->device->due());
+    }
     if (write_back_at_) net_.wake(*write_back_at_);
+    await_feeds();
     if (at) return net_.wake(std::max(*at, now));
     if (!listens_since_) return;
     if (now - used_at_ < idle_after) return net_.wake(used_at_ + idle_after);
+    if (const auto until = known_until(now)) return net_.wake(*until);
     listens_since_.reset();
     guard_ = {};    // devices may land unheard meanwhile: listens again before ground work
     net_.listen(false);
+}
+
+// Until when a device whose descriptions are known counts as present; std::nullopt: none does.
+std::optional<TimePoint> DeviceService::known_until(TimePoint now) const {
+    std::optional<TimePoint> until;
+    for (const auto& known : known_) {
+        if (!known || !known->device || !known->device->is_present(now)) continue;
+        const std::uint8_t address = known->device->address();
+        if (!cache_.has(address) && !commands_.has(address)) continue;
+        const TimePoint away_at = *known->device->heard_at() + ano::host::Device::away_after;
+        until = std::max(until.value_or(away_at), away_at);
+    }
+    return until;
+}
+
+// With new firmware it has other parameters and commands. Which device is behind a port is not known here.
+void DeviceService::forget_descriptions(ano::FrameView upgrade) {
+    const auto forget = [this](std::uint8_t address) {
+        cache_.forget(address);
+        commands_.forget(address);
+    };
+    forget(upgrade.source());
+    forget(upgrade.destination());
+    for (std::uint8_t port = 1; port <= ano::address::last_port_id; ++port) forget(port);
 }
 
 std::optional<ano::host::DeviceInfo> DeviceService::info(std::uint8_t address) const {
@@ -469,7 +777,7 @@ std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view 
     std::optional<std::uint8_t> named;
     for (const HeardAddress& one : heard(now)) {
         const auto said = info(one.address);
-        if (!said || said->name != word) continue;
+        if (!said || !texts(one.address).is(said->name, word)) continue;
         if (named) return not_begun(409, "several devices are called " + ano::in_quotes(word) + ": say which by its address");
         named = one.address;
     }
@@ -487,15 +795,30 @@ std::vector<HeardAddress> DeviceService::heard(TimePoint now) {
         if (ano::address::is_host(address) || address == own_ || std::any_of(all.begin(), all.end(), is_it)) continue;
         all.push_back({address, {}, {}, known_[a]->heard_at});
     }
+    std::erase_if(all, [this](const HeardAddress& one) {
+        const auto& known = known_[one.address];
+        return known && known->acknowledged_as_port && !known->sends_more_than_checks;
+    });
     return all;
+}
+
+// A note that another device is in its loader is none of this one.
+std::vector<std::string> DeviceService::notes_to_show(std::uint8_t address, TimePoint now) {
+    std::vector<std::string> names = notes_.names(address);
+    std::erase_if(names, [&](const std::string& name) {
+        return is_type_7_note(name) ||
+               (is_loader_note(name) && !misfit_of_place(*notes_.find(name), net_.unit_place(address, now), true).empty());
+    });
+    return names;
 }
 
 std::vector<DeviceReport> DeviceService::devices(TimePoint now) {
     if (!stopped_) use(now);
     std::vector<DeviceReport> all;
     for (HeardAddress& one : heard(now)) {
-        DeviceReport report{std::move(one), {}, {}, {}, {}, {}};
+        DeviceReport report{std::move(one), {}, {}, {}, {}, {}, {}, {}, {}};
         const std::uint8_t address = report.heard.address;
+        report.texts = texts(address);
         if (const auto& known = known_[address]) {
             report.info = known->info;
             if (known->heard_at && now - *known->heard_at < 2 * rate_over) report.rate = known->rate;
@@ -504,7 +827,9 @@ std::vector<DeviceReport> DeviceService::devices(TimePoint now) {
             if (known->device) report.parameters = known->device->parameter_count();
         }
         if (const auto job = holder(address)) report.job = job->id;
-        report.notes = notes_.names(address);
+        report.notes = notes_to_show(address, now);
+        report.limits = limits_.version(address);
+        report.red_lines = log_.red(address);
         all.push_back(std::move(report));
     }
     return all;

@@ -8,8 +8,14 @@
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
+#include <devices/alarm_feed.hpp>
+#include <devices/alarm_limits.hpp>
+#include <devices/device_log.hpp>
 #include <devices/device_net.hpp>
+#include <devices/device_texts.hpp>
+#include <devices/fair_places.hpp>
 #include <devices/job.hpp>
+#include <devices/line_stream.hpp>
 #include <devices/notes.hpp>
 #include <host/air_guard.hpp>
 #include <host/description_cache.hpp>
@@ -18,6 +24,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -44,36 +51,63 @@ struct DeviceReport {
     std::optional<std::uint16_t> parameters;
     std::optional<unsigned> job;       // the one that is using it
     std::vector<std::string> notes;    // names of notes about unfinished work
+    DeviceTexts texts;
+    std::uint32_t limits = 0;       // AlarmLimits::version()
+    std::uint64_t red_lines = 0;    // of its log
 };
 
-/// Listens from the first request on until there was none for `idle_after`. Work that is not allowed in flight waits until the service has
+/// A vehicle that is silent, and its last state (`mode`).
+struct LostVehicle {
+    std::uint8_t address = 0;
+    ano::TimePoint heard_at{};
+    std::uint8_t flag = 0;    // `sflag`: locked, unlocked, airborne
+};
+
+/// Listens from the first request on until there was none for `idle_after`, and longer while a device is present whose descriptions
+/// are known: whether it was away since is known only to who listens. Work that is not allowed in flight waits until the service has
 /// listened for AirGuard::busy_for. Writes of other hosts before it listened are not known.
 class DeviceService {
 public:
-    static constexpr std::size_t max_jobs = 64;    // running and ended ones
-    static constexpr std::size_t max_running = 32;
-    static constexpr std::size_t max_upgrades = 2;    // at the same time
-    static constexpr long max_waiting = 16;    // clients waiting for jobs: half of the server's places stay for other requests
+    static constexpr std::size_t max_jobs = 64;                         // running and ended ones
+    static constexpr FairPlaces running_places{32};                     // of jobs that run
+    static constexpr std::size_t max_upgrades = 2;                      // at the same time
+    static constexpr FairPlaces waiting_places{20};                     // of clients that wait for jobs
     static constexpr std::size_t max_results = std::size_t{8} << 20;    // bytes of ended jobs; the oldest are dropped first
     static constexpr ano::Duration kept_for = std::chrono::minutes{10};
     static constexpr ano::Duration between_write_backs = std::chrono::minutes{1};    // interval of tries while values are kept
+    static constexpr ano::Duration between_log_lines = std::chrono::milliseconds{20};    // for those who follow the log
+    static constexpr ano::Duration lost_after = std::chrono::seconds{2};                 // of silence
+    static constexpr ano::Duration tells_locked = std::chrono::minutes{1};
     static constexpr ano::Duration idle_after = std::chrono::minutes{1};
     /// Minimum time between two reports of progress.
     static constexpr ano::Duration between_progress = std::chrono::milliseconds{100};
 
     /// `net` must outlive the service; `own`: the address of this host.
-    explicit DeviceService(DeviceNet& net, std::uint8_t own = ano::address::host) : net_{net}, own_{own} {}
+    explicit DeviceService(DeviceNet& net, std::uint8_t own = ano::address::host) : net_{net}, own_{own} {
+        curious_.yield_to_others(true);
+    }
+    /// Descriptions of parameters are kept by DeviceNet::cache(), for the next run.
+    void keep_descriptions();
     ~DeviceService();
     DeviceService(const DeviceService&) = delete;
     DeviceService& operator=(const DeviceService&) = delete;
 
     /// To be called for each passing frame that is not from this host. Sends nothing. True: it answers this host, even if late or repeated.
     bool hear(ano::FrameView frame, ano::TimePoint now);
+    /// The same for a frame that came by `place` though its source is at home elsewhere: it is not believed, and running jobs that ask that
+    /// device report it.
+    void hear_elsewhere(ano::FrameView frame, const std::string& place);
+    /// The device did not carry out the action that a job asked for, and said why beside the protocol.
+    void refuse(std::uint8_t address, const std::string& why, ano::TimePoint now);
+    /// The link to the device at `address` is down, or another one now: what was read of it may be of another device.
+    void link_was_down(std::uint8_t address);
+    /// To be called for each frame that this host sends without the service: an answer to it is not unasked.
+    void sent_by_others(ano::FrameView frame, ano::TimePoint now);
     void run(ano::TimePoint now);
     /// The gateway is stopping: sends nothing any more; every job ends and reports what is half done.
     void stop(ano::TimePoint now);
 
-    /// A new job, or a running one that reads the same.
+    /// A new job, or a running one that reads the same. A device that was not heard yet is asked for its device info first, for 2 s.
     std::variant<std::shared_ptr<Job>, NotBegun> begin(JobOrder order, ano::TimePoint now);
     /// The job ends soon. False: it was over already.
     bool cancel(Job& job, ano::TimePoint now);
@@ -82,9 +116,9 @@ public:
     /// POST /jobs/J/next. Returns why it can't go on: it is not waiting, or is not allowed now. std::nullopt: it goes on.
     std::optional<NotBegun> go_on(Job& job, ano::TimePoint now);
 
-    /// To be held by each client that waits for a job.
-    std::shared_ptr<void> waiting_client() const { return waiting_clients_; }
-    bool has_room_for_a_client() const noexcept { return waiting_clients_.use_count() <= max_waiting; }
+    /// To be held by each client that waits for a job, also by one for which has_room_for() is false.
+    std::shared_ptr<void> waiting_client(const Requester& requester);
+    bool has_room_for(const Requester& requester) const { return has_place_for(requester, waiting_places, *waiting_clients_); }
 
     std::shared_ptr<Job> job(unsigned id) const;
     /// In the order of their beginning.
@@ -93,6 +127,8 @@ public:
     /// The device that `word` means: an address, a name of an address, or the name that a device reports.
     std::variant<std::uint8_t, NotBegun> address_of(std::string_view word, ano::TimePoint now);
     std::vector<DeviceReport> devices(ano::TimePoint now);
+    /// How its texts are to be read.
+    const DeviceTexts& texts(std::uint8_t address);
     /// std::nullopt: nothing is known about it.
     std::optional<ano::host::DeviceInfo> info(std::uint8_t address) const;
 
@@ -102,6 +138,29 @@ public:
 
     /// `call` is called for each job that has ended, before its waiting clients.
     void on_end(std::function<void(const Job&)> call) { tells_end_ = std::move(call); }
+
+    /// To be called for each log frame that passes where its source is at home, whether or not the service listens; as DeviceLog::hear().
+    void hear_log(ano::FrameView frame, std::string_view link, std::uint64_t time_ns,
+                  DeviceLog::Origin origin = DeviceLog::Origin::known);
+    const DeviceLog& log() const noexcept { return log_; }
+    /// Those who follow the log; woken at most every `between_log_lines`.
+    LineClients& log_clients() noexcept { return log_clients_; }
+
+    /// To be called for each passing frame of a message that alarms().watch().wants(), whether or not the service listens.
+    void hear_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now);
+    /// To be called for each frame `mode` that passes where its source is at home, whether or not the service listens.
+    void hear_mode(ano::FrameView frame, ano::TimePoint now) noexcept;
+    /// The vehicles that are not heard any more, for those who did not see how they were lost. One that was locked is told for
+    /// `tells_locked`, any other one until it is heard again or forget_values().
+    std::vector<LostVehicle> lost(ano::TimePoint now);
+    /// The device was switched off: none of its values is in alarm until it comes again, and it is not lost.
+    void forget_values(std::uint8_t address);
+    AlarmFeed& alarms() noexcept { return alarms_; }
+    const AlarmLimits& limits() const noexcept { return limits_; }
+    /// Uses and stores the limits, then calls `done` with the error or "": why they are lost with the next restart.
+    void keep_limits(std::uint8_t address, AlarmLimits::List list, std::function<void(std::string fault)> done);
+    /// The content of a file that an earlier run kept. Returns what is wrong with it; empty: nothing.
+    std::string remember_limits(std::uint8_t address, const std::string& text);
 
     DeviceNet& net() noexcept { return net_; }
     std::uint8_t own() const noexcept { return own_; }
@@ -113,23 +172,42 @@ private:
         std::uint32_t frames = 0;                     // since `counted_since`
         ano::TimePoint counted_since{};
         std::optional<double> rate;
+        bool sends_more_than_checks = false;
+        bool acknowledged_as_port = false;    // for the device there: not one of its own, unless it sends more
         std::optional<ano::TimePoint> heard_at{};
-        unsigned acted_before = 0;    // jobs with a lower id began before the last frame that changed the device
+        ano::TimePoint asked_until{};    // whether it is there
+        DeviceTexts texts;
+        bool told_encoding = false;    // that the texts contradict the key of the link
+        std::uint32_t presence = 0;    // of the device that `texts` is of
+        std::uint32_t doubts = 0;      // of the device that `info` is of
+        bool in_doubt = false;         // the link was down since `info`
+        unsigned acted_before = 0;     // jobs with a lower id began before the last frame that changed the device
+    };
+
+    struct Nobody final : ano::host::Asker {
+        void ended(const ano::host::Ended& /*ended*/, ano::TimePoint /*now*/) override {}
     };
 
     void use(ano::TimePoint now);
     std::vector<HeardAddress> heard(ano::TimePoint now);
     ano::host::Device& device(std::uint8_t address);
+    static void learn_texts(Known& known, ano::FrameView frame) noexcept;
     WorkPlace place(const Job& job);
     std::optional<NotBegun> refusal(const JobOrder& order, ano::TimePoint now);
     std::shared_ptr<Job> holder(std::uint8_t address) const;
     std::shared_ptr<Job> shared(const JobOrder& order) const;
     void write_back(ano::TimePoint now);
-    void acted(std::uint8_t address);
+    WorkPlace place_of(std::uint8_t address);
+    std::vector<std::string> notes_to_show(std::uint8_t address, ano::TimePoint now);
+    void report_note(const std::string& name, const std::string& text, bool is_warning);
+    void write_back_soon(ano::TimePoint now);
+    void info_is_asked(std::uint8_t address, ano::TimePoint now);
+    bool is_queued(std::uint8_t address, ano::TimePoint now);
+    void acted(std::uint8_t address, std::uint8_t id);
     void cut_off(Job& job, ano::TimePoint now);
     void forget_results();
     bool make_room(ano::TimePoint now);
-    std::size_t running() const;
+    bool may_run_one_more(const Requester& requester) const;
     std::size_t upgrades() const;
     void advance(const std::shared_ptr<Job>& job, ano::TimePoint now);
     void send_all(ano::TimePoint now);
@@ -138,25 +216,50 @@ private:
     void look(Job& job, ano::TimePoint now);
     void changed(Job& job);
     void await(ano::TimePoint now);
+    void run_feeds(ano::TimePoint now);
+    void await_feeds();
+    std::optional<ano::TimePoint> known_until(ano::TimePoint now) const;
+    void forget_descriptions(ano::FrameView upgrade);
+    void ask_whether_it_is_there(std::uint8_t address, ano::TimePoint now);
+    void ask_who_it_is(std::uint8_t address, ano::TimePoint now, Nobody& asker);
+    void confirm_info(Known& known, ano::FrameView frame, ano::TimePoint now);
+    bool is_heard(Job& job, ano::TimePoint now);
+    std::optional<std::uint8_t> only_one_waiting() const;
     bool answers_at_port(std::uint8_t source, std::uint8_t port);
     void count(Known& known, ano::TimePoint now);
 
     DeviceNet& net_;
+    Nobody nobody_;     // asks whether a device is there: what counts is that it is heard
+    Nobody curious_;    // asks whether it is still the same, behind all others
     Notes notes_{net_};
+    DeviceLog log_;
+    LineClients log_clients_;
+    std::optional<ano::TimePoint> log_due_;    // when to wake them
+    AlarmLimits limits_;
+    AlarmFeed alarms_;
+    struct LastMode {
+        ano::TimePoint at{};
+        std::uint8_t flag = 0;
+        bool is_known = false;
+    };
+    std::array<LastMode, 256> modes_{};
     std::uint8_t own_;
     std::array<std::unique_ptr<Known>, 256> known_;
     std::uint32_t asked_ports_ = 0;    // a bit for each port id that has a device in known_
     ano::host::DescriptionCache cache_;
+    ano::host::CommandCache commands_;
     ano::host::AirGuard guard_;
     std::unique_ptr<ano::host::Device> everybody_;    // for scans
+    DeviceTexts texts_of_nobody_;
     std::vector<std::shared_ptr<Job>> jobs_;
     std::size_t at_work_ = 0;    // jobs that have begun and not ended
     unsigned next_id_ = 1;
     std::optional<ano::TimePoint> listens_since_;
     ano::TimePoint used_at_{};
-    std::shared_ptr<int> waiting_clients_ = std::make_shared<int>();    // its use count - 1 is the number of waiting clients
-    std::map<std::string, ano::TimePoint> write_back_due_;              // by note: when to try
-    std::optional<ano::TimePoint> write_back_at_;                       // std::nullopt: nothing to write back
+    std::shared_ptr<std::list<Requester>> waiting_clients_ = std::make_shared<std::list<Requester>>();
+    std::map<std::string, ano::TimePoint> write_back_due_;    // by note: when to try
+    std::map<std::string, std::string> said_of_note_;         // by note: the last report
+    std::optional<ano::TimePoint> write_back_at_;             // std::nullopt: nothing to write back
     std::function<void(const Job&)> tells_end_;
     bool runs_ = false;
     bool stopped_ = false;

@@ -19,6 +19,8 @@ using ano::TimePoint;
 using ano::host::Firmware;
 using ano::host::Task;
 
+constexpr std::chrono::seconds worth_telling{3};    // of silence
+
 constexpr std::size_t usual_frame = 195;    // bytes of the image in a frame; DATA has three more
 
 // "12.3 KB/s, 40 s left"
@@ -41,7 +43,10 @@ public:
             return finish(work_fault(422, "the image has more than 65536 frames of " + std::to_string(frame_len_) + " bytes"));
         const auto read = read_;
         place().net.aside(
-            [read, file = std::move(order_.file), crc = order_.crc] { read->file = ano::host::read_firmware(file, crc); },
+            [read, file = std::move(order_.file), crc = order_.crc] {
+                read->file = ano::host::read_firmware(file, crc);
+                if (read->file.image && !read->file.image->has_header) read->doubt = ano::host::looks_unlike_firmware(file);
+            },
             [read, &net = place().net](std::string fault) {
                 read->fault = std::move(fault);
                 read->is_done = true;
@@ -54,6 +59,7 @@ private:
     struct Read {
         bool is_done = false;
         std::string fault;
+        std::string doubt;    // why it is probably no firmware
         ano::host::FirmwareFile file;
     };
 
@@ -65,6 +71,7 @@ private:
         if (end() || !read_->is_done) return;
         if (!read_->fault.empty()) return finish(work_fault(503, "the file could not be checked: " + read_->fault));
         if (!read_->file.image) return finish(work_fault(422, read_->file.wrong));
+        if (!read_->doubt.empty() && !order_.force) return finish(work_fault(422, read_->doubt + " (force sends it as it is)"));
         size_ = read_->file.image->bytes.size();
         began_ = now;
         recall();
@@ -75,36 +82,32 @@ private:
     }
     // A device in its loader may not report its identity: takes it from the note.
     void recall() {
-        const std::string* text = place().notes.find(loader_note(place().device.address()));
-        if (text == nullptr || order_.known_as) return;
-        const Json note = Json::parse(*text, nullptr, false);
-        if (note.is_object()) order_.known_as = identity_in(note.value("device", Json{}));
+        if (!order_.known_as) order_.known_as = kept_identity(place());
     }
     // Keeps the identity while the device still answers.
-    void note() {
-        const std::uint8_t address = place().device.address();
-        const auto& info = place().device.info() ? place().device.info() : order_.known_as;
-        const Json json{{"device", identity_json(address, info)}};
-        place().notes.keep(loader_note(address), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
-                           [](const std::string&) {});
-    }
+    void note() { keep_loader_note(place(), place().device.info() ? place().device.info() : order_.known_as); }
     // Updates the message once a second.
     void say(TimePoint now) {
         if (end() || (firmware_->step() == step_ && now - said_at_ < std::chrono::seconds{1})) return;
         said_at_ = now;
         step_ = words_ = firmware_->step();
         const double speed = firmware_->bytes_a_second(now);
-        if (speed > 0) words_ += ", " + speed_in_words(speed, firmware_->time_left(now));
+        const auto silent = std::chrono::floor<std::chrono::seconds>(firmware_->silent_for(now));
+        if (silent >= worth_telling) words_ += ", no answer for " + std::to_string(silent.count()) + " s";
+        else if (speed > 0) words_ += ", " + speed_in_words(speed, firmware_->time_left(now));
+        if (!firmware_->remark().empty()) words_ += "; " + firmware_->remark();
     }
     void done(const Task& task, TimePoint now) override {
-        place().notes.forget(loader_note(place().device.address()));
-        WorkEnd end = end_of(*task.end());
+        const std::uint8_t address = place().device.address();
+        forget_loader_notes(place().notes, address, place().net.unit_place(address, now));
+        WorkEnd end = end_of(*task.end(), texts());
         const double seconds = std::chrono::duration<double>(now - began_).count();
-        end.result = Json{{"bytes", size_},
-                          {"frames", (size_ + frame_len_ - 1) / frame_len_},
-                          {"repeats", firmware_->repeats()},
-                          {"seconds", std::round(seconds * 10) / 10}}
-                         .dump();
+        Json result{{"bytes", size_},
+                    {"frames", (size_ + firmware_->frame_len() - 1) / firmware_->frame_len()},
+                    {"repeats", firmware_->repeats()},
+                    {"seconds", std::round(seconds * 10) / 10}};
+        if (!end.error.empty()) result["note"] = end.error;
+        end.result = result.dump();
         finish(std::move(end));
     }
 

@@ -42,6 +42,8 @@ Json evidence_json(const ano::host::Evidence& of) {
     if (of.round_trip)
         evidence["rtt_ms"] = static_cast<double>(std::chrono::duration_cast<std::chrono::microseconds>(*of.round_trip).count()) /
                              1000;
+    if (of.by_port) evidence["acknowledged_by"] = ano::hex_byte(*of.by_port);
+    if (!of.unfit.empty()) evidence["unfit"] = ano::hex(of.unfit);
     return evidence;
 }
 
@@ -56,6 +58,23 @@ std::string with_result_of(const Job& job, const Json& json) {
     return line.append(between).append(result.substr(0, result.size() - 1)).append("}\n");
 }
 
+// What a job of each kind does, for people; in the order of JobKind.
+constexpr std::string_view actions[] = {
+    "reading parameters",
+    "writing a parameter",
+    "writing parameters",
+    "saving or restoring parameters",
+    "reading commands",
+    "calling a command",
+    "reading waypoints",
+    "writing waypoints",
+    "firmware upgrade",
+    "calibration",
+    "scan",
+};
+
+std::string_view action_of(JobKind kind) noexcept { return actions[static_cast<std::size_t>(kind)]; }
+
 const KindRow& row_of(JobKind kind) noexcept { return kinds[static_cast<std::size_t>(kind)]; }
 
 }    // namespace
@@ -67,8 +86,8 @@ std::string_view name_of(JobState state) noexcept { return states[static_cast<st
 bool asks_by(JobKind kind, std::uint8_t id) noexcept { return row_of(kind).asks_by == id; }
 
 std::string words_of(const Job& job) {
-    std::string words = "job " + std::to_string(job.id) + " (" + std::string{name_of(job.order.kind)};
-    if (!job.order.client.empty()) words += " of " + job.order.client;
+    std::string words = "job " + std::to_string(job.id) + " (" + std::string{action_of(job.order.kind)};
+    if (!job.order.client.empty()) words += ", by " + job.order.client;
     return words + ")";
 }
 
@@ -91,6 +110,7 @@ nlohmann::ordered_json job_json(const Job& job) {
         json["unit"] = unit_of(job.order.kind);
     }
     json["message"] = job.message;
+    if (!job.conflict.empty()) json["conflict"] = job.conflict;
     if (!job.step.empty()) json["step"] = Json::parse(job.step, nullptr, false);
     if (!job.end || job.end->status < 300) return json;
     json["error"] = job.end->error;

@@ -3,6 +3,7 @@
 #include <ano/time.hpp>
 #include <devices/work.hpp>
 #include <host/air_guard.hpp>
+#include <http/places.hpp>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -32,6 +33,14 @@ enum class JobKind : std::uint8_t {
 
 enum class JobState : std::uint8_t { running, waiting, done, failed, cancelled };
 
+/// For whom a job is, by which places and turns are assigned: first by right, then by client.
+struct Requester {
+    http::Access access = http::Access::control;
+    http::Party party{};
+    bool operator==(const Requester&) const = default;
+    constexpr bool controls() const noexcept { return access == http::Access::control; }
+};
+
 /// What to do with which device, and for which client.
 struct JobOrder {
     JobKind kind{};
@@ -42,6 +51,7 @@ struct JobOrder {
     std::function<std::unique_ptr<Work>(const WorkPlace& place)> work;
     std::function<std::string()> result{};    // JSON; for works without a result of their own
     std::string shared_as{};                  // of a reading job: equal requests share its result; empty: not shared
+    Requester requester{};
 };
 
 struct Job {
@@ -53,10 +63,12 @@ struct Job {
     std::shared_ptr<const std::string> result{};        // one line; nullptr: there is none
     mutable std::weak_ptr<const std::string> line{};    // of job_line(), shared while in use
     std::string message;
-    bool has_acted = false;       // a frame that changes the device was sent
-    bool is_cancelled = false;    // cancelled, but it may take a while to end
-    std::string refused;          // why its frames can't be sent: it is ending
-    std::string step;             // JSON
+    std::optional<ano::TimePoint> heard_by{};    // its device must be heard until then; std::nullopt: it is
+    bool has_acted = false;                      // a frame that changes the device was sent
+    bool is_cancelled = false;                   // cancelled, but it may take a while to end
+    std::string refused;                         // why its frames can't be sent: it is ending
+    std::string conflict;                        // answers in the name of its device came from elsewhere, as a clause
+    std::string step;                            // JSON
     ano::host::Progress progress{};
     ano::TimePoint begins_at{};    // earliest time; until then the service listens whether it is allowed
     ano::TimePoint ended_at{};
@@ -86,7 +98,7 @@ std::shared_ptr<const std::string> job_line(const Job& job);
 std::shared_ptr<const std::string> end_line(const Job& job);
 /// `text` (JSON) in the form that every program reads without loss (json_line.hpp).
 std::string exact_json(const std::string& text);
-/// "job 7 (firmware, of anoctl)"
+/// "job 7 (firmware upgrade, by 192.168.1.5)"
 std::string words_of(const Job& job);
 
 }    // namespace anogate

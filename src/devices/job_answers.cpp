@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view lines = "application/x-ndjson";
+constexpr std::string_view type_of_lines = "application/x-ndjson";
 
 http::Response line_answer(unsigned status, std::string line) {
     http::Response response;
@@ -28,13 +28,17 @@ http::Response line_answer(unsigned status, std::shared_ptr<const std::string> l
     return response;
 }
 
-http::Response end_answer(const Job& job) { return line_answer(job.end->status, end_line(job)); }
+http::Response end_answer(const Job& job) {
+    http::Response response = line_answer(job.end->status, end_line(job));
+    if (!job.conflict.empty()) response.headers.push_back({"Anogate-Conflict", job.conflict});
+    return response;
+}
 
 /// A client that waits for a job; it may want the job cancelled when it disconnects.
 class WaitingClient {
 public:
-    WaitingClient(DeviceService& service, std::shared_ptr<Job> job, bool ends_with_him)
-        : service_{service}, job_{std::move(job)}, ends_with_him_{ends_with_him}, place_{service.waiting_client()} {
+    WaitingClient(DeviceService& service, std::shared_ptr<Job> job, bool ends_with_him, const Requester& requester)
+        : service_{service}, job_{std::move(job)}, ends_with_him_{ends_with_him}, place_{service.waiting_client(requester)} {
         if (ends_with_him_) ++job_->needed_by;
     }
     ~WaitingClient() {
@@ -52,7 +56,8 @@ private:
 
 std::shared_ptr<WaitingClient> waiting_client(DeviceService& service, const std::shared_ptr<Job>& job,
                                               const http::Request& request) {
-    return std::make_shared<WaitingClient>(service, job, request.query_value("while_connected").has_value());
+    return std::make_shared<WaitingClient>(service, job, request.query_value("while_connected").has_value(),
+                                           requester_of(request));
 }
 
 // A line for each change; changes while the client took nothing are combined into one.
@@ -136,12 +141,14 @@ private:
 
 http::Response lines_of(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client) {
     http::Response response;
-    response.type = lines;
+    response.type = type_of_lines;
     response.producer = std::make_unique<JobLines>(std::move(job), std::move(client));
     return response;
 }
 
-bool accepts_lines(const http::Request& request) { return request.header("Accept").find(lines) != std::string_view::npos; }
+bool accepts_lines(const http::Request& request) {
+    return request.header("Accept").find(type_of_lines) != std::string_view::npos;
+}
 
 using Tell = http::Response (*)(const Job& job);
 
@@ -158,6 +165,8 @@ http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<Waiti
 
 }    // namespace
 
+Requester requester_of(const http::Request& request) { return {request.access, http::party_of(request.user, request.door)}; }
+
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
     auto client = waiting_client(service, job, request);
     if (!request.query_value("while_connected")) job->goes_on = true;
@@ -169,7 +178,8 @@ http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& jo
                           unsigned status) {
     const bool wants_messages = http::is_web_socket(request);
     if (!wants_messages && !accepts_lines(request)) return line_answer(status, job_line(*job));
-    if (!service.has_room_for_a_client()) return http::try_again("too many clients wait for jobs: ask again when one has ended");
+    if (!service.has_room_for(requester_of(request)))
+        return http::try_again("too many clients wait for jobs: ask again when one has ended");
     if (!wants_messages) return lines_of(job, waiting_client(service, job, request));
     http::Response response;
     response.web_socket = std::make_unique<JobMessages>(job, waiting_client(service, job, request));

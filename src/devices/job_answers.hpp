@@ -8,6 +8,9 @@
 
 namespace anogate {
 
+/// The client of a request: its right, and its party.
+Requester requester_of(const http::Request& request);
+
 /// Answers when the job has ended, or by lines if the request accepts them.
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request);
 /// Answers by lines if the request accepts them, by messages for a WebSocket, otherwise with the present state.

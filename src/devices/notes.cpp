@@ -1,10 +1,20 @@
 #include <ano/hex.hpp>
 #include <devices/calibration_work.hpp>
+#include <devices/device_json.hpp>
 #include <devices/notes.hpp>
+#include <devices/unit_note.hpp>
+#include <devices/work.hpp>
+
+#include <nlohmann/json.hpp>
 
 #include <utility>
 
 namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}    // namespace
 
 const std::string* Notes::find(const std::string& name) const {
     const auto found = all_->find(name);
@@ -33,17 +43,59 @@ void Notes::forget(const std::string& name) {
     net_.keep(name, {}, [](const std::string&) {});
 }
 
-std::string loader_note(std::uint8_t address) { return "firmware-" + ano::hex_byte(address) + ".json"; }
+bool is_loader_note(std::string_view name) { return is_unit_note_name(name, "firmware"); }
 
-bool is_note(std::string_view name) {
-    const auto address = address_of_note(name);
-    const auto sensor = sensor_of_note(name);
-    return address && name == (sensor ? keep_name(*address, *sensor) : loader_note(*address));
+void keep_loader_note(const WorkPlace& place, const std::optional<ano::host::DeviceInfo>& info) {
+    place.notes.keep(unit_note_name("firmware", place, info),
+                     unit_json(place, info).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
+                     [](const std::string&) {});
 }
 
-bool is_whole_note(std::string_view name, const std::string& text) {
+std::optional<ano::host::DeviceInfo> kept_identity(const WorkPlace& place) {
+    const std::string name = find_note(place, is_loader_note, WithoutInfo::fits);
+    return name.empty() ? std::nullopt : info_in_note(*place.notes.find(name));
+}
+
+void forget_loader_notes(Notes& notes, std::uint8_t address, const UnitPlace& here) {
+    for (const std::string& name : notes.names(address))
+        if (is_loader_note(name) && misfit_of_place(*notes.find(name), here, true).empty()) notes.forget(name);
+}
+
+bool is_type_7_note(std::string_view name) { return is_unit_note_name(name, "type7"); }
+
+void keep_type_7(const WorkPlace& place, ano::ValueType7 seven) {
+    Json note = unit_json(place, place.device.info());
+    note["type7"] = text_of_type_7(seven);
+    place.notes.keep(unit_note_name("type7", place, place.device.info()),
+                     note.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", [](const std::string&) {});
+}
+
+std::optional<ano::ValueType7> kept_type_7(const WorkPlace& place) {
+    const std::string name = find_note(place, is_type_7_note);
+    return name.empty() ? std::nullopt : value_type_7_in(note_json(*place.notes.find(name)).value("type7", Json{}));
+}
+
+bool is_note(std::string_view name) { return sensor_of_note(name) || is_loader_note(name) || is_type_7_note(name); }
+
+std::string loss_of_note(std::string_view name) {
+    const auto address = address_of_note(name);
+    const std::string who = "the device " + (address ? ano::hex_byte(*address) : std::string{});
+    if (is_loader_note(name))
+        return who +
+               " may be in its loader, because a flash of it was under way; if it does not start, flash it again (with --force "
+               "if it does not report what it is), then remove the file";
+    if (is_type_7_note(name))
+        return "what value type 7 means for " + who + " is not known any more; state it again (--type7), then remove the file";
+    return "the old values of a calibration are not written back; calibrate again, or remove it";
+}
+
+std::string damage_of_note(std::string_view name, const std::string& text) {
     const auto sensor = sensor_of_note(name);
-    return !sensor || is_whole_backup(text, *sensor);
+    if (sensor && !is_whole_backup(text, *sensor)) return "is damaged: " + loss_of_note(name);
+    if (is_loader_note(name) && !names_its_device(name, text)) return "is damaged and ignored: " + loss_of_note(name);
+    if (is_type_7_note(name) && (!names_its_device(name, text) || !value_type_7_in(note_json(text).value("type7", Json{}))))
+        return "is damaged and ignored: " + loss_of_note(name);
+    return {};
 }
 
 }    // namespace anogate

@@ -1,16 +1,21 @@
-// What must survive a crash: values to be written back to devices, and which devices are in their loader.
+// What must survive a crash: values to be written back to devices, which devices are in their loader, and what users stated of them.
 #pragma once
+#include <ano/values.hpp>
 #include <devices/device_net.hpp>
+#include <host/device.hpp>
 
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace anogate {
+
+struct WorkPlace;
 
 /// A note is JSON under a name, stored by DeviceNet::keep(). This class holds a copy of all notes.
 class Notes {
@@ -34,11 +39,27 @@ private:
     std::shared_ptr<std::map<std::string, std::string>> all_ = std::make_shared<std::map<std::string, std::string>>();
 };
 
-/// "firmware-0xDC.json": the device is in its loader with an incomplete image or none; the note has its earlier identity.
-std::string loader_note(std::uint8_t address);
+/// "firmware-0xDC-1a2b3c4d.json" (unit_note_name()): the device is in its loader with an incomplete image or none; the note has its earlier
+/// identity.
+bool is_loader_note(std::string_view name);
+void keep_loader_note(const WorkPlace& place, const std::optional<ano::host::DeviceInfo>& info);
+/// Its earlier identity; std::nullopt: there is no such note of it.
+std::optional<ano::host::DeviceInfo> kept_identity(const WorkPlace& place);
+/// Deletes the notes that a device with this address is in its loader there: it is not any more, whatever it is called now.
+void forget_loader_notes(Notes& notes, std::uint8_t address, const UnitPlace& here);
+
+/// "type7-0xDC-1a2b3c4d.json" (unit_note_name()): what value type 7 means for the device, as a user stated it.
+bool is_type_7_note(std::string_view name);
+void keep_type_7(const WorkPlace& place, ano::ValueType7 seven);
+/// std::nullopt: nothing was stated of this device.
+std::optional<ano::ValueType7> kept_type_7(const WorkPlace& place);
+
 /// Whether `name` is exactly the name of such a note or one of a calibration, and so can be shown.
 bool is_note(std::string_view name);
-/// Whether the note is complete: one of a calibration needs all values and their device.
-bool is_whole_note(std::string_view name, const std::string& text);
+/// What it means for the user that the note `name` can't be used, in a clause.
+std::string loss_of_note(std::string_view name);
+/// Why the note is not used, and what that means, in a clause that follows its path; empty: it is whole. One of a calibration needs all values,
+/// every one the device.
+std::string damage_of_note(std::string_view name, const std::string& text);
 
 }    // namespace anogate

@@ -9,6 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -22,6 +25,12 @@ using ano::host::ParameterApply;
 using ano::host::Parameters;
 using ano::host::ParameterWrite;
 using ano::host::Task;
+
+// A file has something else in their place.
+bool has_controls(std::string_view text) {
+    return std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }) ||
+           text.find('\xC2') != std::string_view::npos;    // those beyond ASCII begin so
+}
 
 WorkEnd with_result(WorkEnd end, const Json& result) {
     end.result = result.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -38,125 +47,163 @@ protected:
         parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
         parameters_->read(values, now);
     }
-    void read(std::vector<std::string> names, TimePoint now) {
+    /// The values of those that a client calls by these names or numbers.
+    void read_called(const std::vector<std::string>& words, TimePoint now) {
         parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
-        parameters_->read_named(std::move(names), now);
+        parameters_->read_where([this, words](const ano::host::ParameterInfo& one) { return is_called(one, words); }, now,
+                                words.size());
+    }
+    bool is_called(const ano::host::ParameterInfo& one, const std::vector<std::string>& words) const {
+        const std::string shown = texts().shown(one.name), id = std::to_string(one.id);
+        return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+            return word == shown || word == id || DeviceTexts::is_once_exported(one.name, word);
+        });
+    }
+    /// The descriptions as read before, if the device was not away since; nullptr: they are not known.
+    const std::vector<ano::host::ParameterInfo>* known(TimePoint now) {
+        const auto key = key_of(place().device, place().device.parameter_count(), now);
+        return key ? place().cache.find(*key) : nullptr;
     }
     const Parameters& parameters() const { return *parameters_; }
-    /// nullptr, and the work has ended, if there is no such parameter.
+    /// The parameter of `all` that a client calls `name`.
+    ano::host::Found named(const std::vector<ano::host::ParameterInfo>& all, std::string_view name) {
+        if (std::exchange(shown_of_, all.data()) != all.data() || shown_.size() != all.size()) {
+            shown_.clear();
+            for (const ano::host::ParameterInfo& one : all) shown_.push_back(texts().shown(one.name));
+        }
+        ano::host::Found found;
+        for (std::size_t id = 0; id < all.size(); ++id) {
+            if (name.empty() || all[id].name.empty()) continue;
+            if (shown_[id] != name && !DeviceTexts::is_once_exported(all[id].name, name)) continue;
+            if (found.parameter != nullptr) return {nullptr, true};
+            found.parameter = &all[id];
+        }
+        if (found.parameter == nullptr) found.parameter = numbered(all, name);
+        return found;
+    }
+    /// "NAME#3", as in a file where the name alone does not say which one is meant: the parameter 3, if that is its name.
+    const ano::host::ParameterInfo* numbered(const std::vector<ano::host::ParameterInfo>& all, std::string_view word) const {
+        const std::size_t end = word.rfind('#');
+        if (end == std::string_view::npos) return nullptr;
+        std::uint16_t id = 0;
+        const auto [rest, fault] = std::from_chars(word.data() + end + 1, word.data() + word.size(), id);
+        if (fault != std::errc{} || rest != word.data() + word.size() || id >= all.size()) return nullptr;
+        return shown_[id] == word.substr(0, end) || has_controls(shown_[id]) ? &all[id] : nullptr;
+    }
+    /// nullptr, and the work has ended, if there is no parameter with this name or number.
     const ano::host::ParameterInfo* parameter(const std::string& word) {
-        const ano::host::Found found = parameter_called(*parameters_, word);
-        if (found.several) finish(ambiguous(word));
+        const auto& all = parameters_->descriptions();
+        ano::host::Found found = named(all, word);
+        if (found.parameter == nullptr && !found.several)
+            for (const ano::host::ParameterInfo& one : all)
+                if (std::to_string(one.id) == word) found.parameter = &one;
+        if (found.several) finish(ambiguous(word, all));
         else if (found.parameter == nullptr) finish(work_fault(404, "no parameter is called " + ano::in_quotes(word)));
         return found.parameter;
     }
 
-    WorkEnd ambiguous(const std::string& name) const {
+    WorkEnd ambiguous(const std::string& name, const std::vector<ano::host::ParameterInfo>& all) const {
         std::string ids;
-        for (const ano::host::ParameterInfo& one : parameters_->descriptions())
-            if (one.name == name) ids += (ids.empty() ? "" : ", ") + std::to_string(one.id);
+        for (const ano::host::ParameterInfo& one : all)
+            if (texts().is(one.name, name)) ids += (ids.empty() ? "" : ", ") + std::to_string(one.id);
         return {
             409, {}, "several parameters are called " + ano::in_quotes(name) + ": say which by its number, " + ids, "ambiguous"};
     }
 
 private:
     Parameters* parameters_ = nullptr;
+    std::vector<std::string> shown_;                        // the names for clients
+    const ano::host::ParameterInfo* shown_of_ = nullptr;    // the descriptions that they are of
 };
 
 class ReadAll final : public ParameterWork {
 public:
-    ReadAll(const WorkPlace& place, bool values) : ParameterWork{place}, values_{values} {}
-    ReadAll(const WorkPlace& place, std::vector<std::string> names)
-        : ParameterWork{place}, values_{true}, names_{std::move(names)} {}
+    ReadAll(const WorkPlace& place, ParameterOrder order) : ParameterWork{place}, order_{std::move(order)} {}
     void start(TimePoint now) override {
-        if (names_) read(*names_, now);
-        else read(values_ ? Parameters::Values::all : Parameters::Values::none, now);
+        if (order_.words) return read_called(*order_.words, now);
+        const auto* const before = order_.known && !order_.values ? known(now) : nullptr;
+        if (before == nullptr) return read(order_.values ? Parameters::Values::all : Parameters::Values::none, now);
+        known_ = *before;
+        end_ = WorkEnd{};
     }
     std::string message() const override { return "reading parameters"; }
-    std::optional<TimePoint> due() const override { return text_ ? std::optional{TimePoint{}} : std::nullopt; }
+    std::optional<TimePoint> due() const override { return end_ ? std::optional{TimePoint{}} : std::nullopt; }
 
 private:
-    void done(const Task& task, TimePoint) override { tell(end_of(*task.end())); }
+    void done(const Task& task, TimePoint) override { end_ = end_of(*task.end(), texts()); }
     // Returns the parameters that came even if some did not.
     void failed(const Task& task, TimePoint) override {
-        WorkEnd end = end_of(*task.end());
-        if (task.end()->ending != Ending::incomplete) return finish(std::move(end));
-        end.status = 200;
-        tell(std::move(end));
+        end_ = end_of(*task.end(), texts());
+        if (task.end()->ending != Ending::incomplete) return finish(std::move(*end_));
+        end_->status = 200;
     }
+    void look(TimePoint) override {
+        if (end_ && !end()) tell();
+    }
+    const std::vector<ano::host::ParameterInfo>& rows() const { return known_ ? *known_ : parameters().descriptions(); }
+    std::optional<ano::host::AnyValue> value(std::uint16_t id) const { return known_ ? std::nullopt : parameters().value(id); }
     // Adds a few rows at a time: it is called again until the work has ended.
-    void tell(WorkEnd end) {
-        const auto& all = parameters().descriptions();
+    void tell() {
+        const auto& all = rows();
         const auto& device = place().device;
         if (!text_) {
-            text_.emplace(Json{{"device", identity_json(device.address(), device.info())}}, "parameters");
+            Json head{{"device", identity_json(device.address(), device.info(), texts())}};
+            if (known_) head["known"] = true;
+            text_.emplace(head, "parameters");
             end_of_rows_ = rows_that_came();
         }
         for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < end_of_rows_; ++n, ++told_) {
             ano::host::ParameterInfo row = all[told_];
             row.id = static_cast<std::uint16_t>(told_);
-            if (is_wanted(row.name)) text_->add(parameter_json(row, parameters().value(row.id), values_));
+            if (is_wanted(row)) text_->add(parameter_json(row, value(row.id), order_.values, texts()));
         }
         if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
         if (told_ < end_of_rows_) return;
         Json tail = Json::object();
         if (end_of_rows_ < all.size()) tail["missing_from"] = end_of_rows_;
-        if (!end.error.empty()) tail["incomplete"] = end.error;
-        finish(text_->ended(std::move(end), tail));
+        if (!end_->error.empty()) tail["incomplete"] = end_->error;
+        finish(text_->ended(std::move(*end_), tail));
     }
-    bool is_wanted(const std::string& name) const {
-        return !names_ || std::find(names_->begin(), names_->end(), name) != names_->end();
-    }
+    bool is_wanted(const ano::host::ParameterInfo& row) const { return !order_.words || is_called(row, *order_.words); }
     // Ends with the last parameter that came: a device may claim thousands that never do.
     std::size_t rows_that_came() const {
-        const auto& all = parameters().descriptions();
+        const auto& all = rows();
         const auto came = [&](std::size_t i) {
-            return all[i].type || !all[i].name.empty() || !parameters().bytes(static_cast<std::uint16_t>(i)).empty();
+            return known_ || all[i].type || !all[i].name.empty() || !parameters().bytes(static_cast<std::uint16_t>(i)).empty();
         };
         std::size_t end = all.size();
         while (end > 0 && !came(end - 1)) --end;
         return end;
     }
 
+    ParameterOrder order_;
+    std::optional<std::vector<ano::host::ParameterInfo>> known_;    // read before
+    std::optional<WorkEnd> end_;
     std::optional<RowsText> text_;
     std::size_t told_ = 0, end_of_rows_ = 0;
-    bool values_ = false;
-    std::optional<std::vector<std::string>> names_;    // of the wanted parameters; std::nullopt: all
 };
 
 class ReadOne final : public ParameterWork {
 public:
     ReadOne(const WorkPlace& place, std::string name) : ParameterWork{place}, name_{std::move(name)} {}
-    void start(TimePoint now) override { read(Parameters::Values::none, now); }
+    void start(TimePoint now) override { read_called({name_}, now); }
     std::string message() const override { return "reading " + name_; }
 
 private:
-    void done(const Task& task, TimePoint now) override {
+    void done(const Task& task, TimePoint) override {
         const ano::host::ParameterInfo* const info = parameter(name_);
         if (info == nullptr) return;
-        if (!std::exchange(is_described_, true)) {
-            auto one = std::make_unique<Parameters>(place().device, &place().cache);
-            one_ = one.get();
-            id_ = info->id;
-            next(std::move(one)).read_numbered({id_}, now);
-            return;
-        }
-        if (id_ >= one_->descriptions().size())
-            return finish(work_fault(502, "the device changed while it was asked: it no longer has " + name_));
-        finish(with_result(end_of(*task.end()), parameter_json(one_->descriptions()[id_], one_->value(id_), true)));
+        finish(with_result(end_of(*task.end(), texts()), parameter_json(*info, parameters().value(info->id), true, texts())));
     }
 
     std::string name_;
-    bool is_described_ = false;
-    std::uint16_t id_ = 0;
-    Parameters* one_ = nullptr;
 };
 
 class WriteOne final : public ParameterWork {
 public:
-    WriteOne(const WorkPlace& place, std::string name, const Json& value, bool longer)
-        : ParameterWork{place}, name_{std::move(name)}, json_{value.dump()}, longer_{longer} {}
-    void start(TimePoint now) override { read(Parameters::Values::none, now); }
+    WriteOne(const WorkPlace& place, std::string name, const Json& value, ano::host::WriteLimits limits)
+        : ParameterWork{place}, name_{std::move(name)}, json_{value.dump()}, limits_{limits} {}
+    void start(TimePoint now) override { read_called({name_}, now); }
     std::string message() const override { return "writing " + name_; }
 
 private:
@@ -164,26 +211,30 @@ private:
         if (write_ != nullptr) return tell(*task.end());
         const ano::host::ParameterInfo* const info = parameter(name_);
         if (info == nullptr) return;
-        const auto value = value_in(Json::parse(json_), info->type);
-        if (!value) return finish(work_fault(422, "the value must be a number or a text"));
-        auto limits = place().net.manners(place().device.address()).text;
-        limits.longer = longer_;
-        write_ = &next(std::make_unique<ParameterWrite>(place().device, *info, *value, limits));
+        const auto given = value_in(Json::parse(json_), info->type);
+        if (!given) return finish(work_fault(422, "the value must be a number or a text"));
+        const auto value = texts().wire(*given);
+        if (!value) return finish(work_fault(422, name_ + ": the text " + texts().misfit()));
+        limits_.max_bytes = place().net.manners(place().device.address()).text.max_bytes;
+        auto write = std::make_unique<ParameterWrite>(place().device, *info, *value, limits_);
+        write->set_before(parameters().bytes(info->id), parameters().presence());
+        write_ = &next(std::move(write));
         write_->start(now);
     }
     void tell(const ano::host::End& end) {
         const ano::host::ParameterInfo& info = write_->info();
-        Json result{{"id", info.id}, {"name", info.name}, {"type", name_of(*info.type)}};
-        if (const auto before = write_->before()) result["was"] = value_json(*before, info.type);
-        result["written"] = value_json(write_->written(), info.type);
-        result["stored"] = value_json(*write_->stored(), info.type);
+        Json result{{"id", info.id}, {"name", texts().shown(info.name)}, {"type", name_of(*info.type)}};
+        if (const auto before = write_->before()) result["was"] = value_json(*before, info.type, texts());
+        result["written"] = value_json(write_->written(), info.type, texts());
+        result["stored"] = value_json(*write_->stored(), info.type, texts());
         result["clamped"] = write_->is_clamped();
         result["acknowledged"] = write_->was_acknowledged();
-        finish(with_result(end_of(end), result));
+        if (end.evidence.by_port) result["note"] = end.what;
+        finish(with_result(end_of(end, texts()), result));
     }
 
     std::string name_, json_;
-    bool longer_;
+    ano::host::WriteLimits limits_;
     ParameterWrite* write_ = nullptr;
 };
 
@@ -195,7 +246,12 @@ class Apply final : public ParameterWork {
 public:
     Apply(const WorkPlace& place, const Json& values, ApplyOrder order)
         : ParameterWork{place}, json_{values.dump()}, order_{order} {}
-    void start(TimePoint now) override { read(Parameters::Values::none, now); }
+    // The types must be known before; whether the device is still the same is found out with the values.
+    void start(TimePoint now) override {
+        const auto* const before = known(now);
+        if (before != nullptr && has_all(*before)) return apply(*before, now);
+        read(Parameters::Values::none, now);
+    }
     std::string message() const override {
         if (apply_ != nullptr && apply_->is_undoing()) return "undoing what was written";
         return order_.dry_run ? "comparing parameters" : "writing parameters";
@@ -205,30 +261,57 @@ private:
     void done(const Task& task, TimePoint now) override {
         if (apply_ != nullptr) {
             forget_kept();
-            return finish(with_result(end_of(*task.end()), rows()));
+            WorkEnd end = end_of(*task.end(), texts());
+            Json result = rows();
+            if (!end.error.empty()) result["note"] = end.error;
+            return finish(with_result(std::move(end), result));
         }
+        apply(parameters().descriptions(), now);
+    }
+    bool has_all(const std::vector<ano::host::ParameterInfo>& descriptions) {
+        const Json given = Json::parse(json_);
+        for (const auto& [name, json] : given.items())
+            if (named(descriptions, name).parameter == nullptr) return false;
+        return true;
+    }
+    void apply(const std::vector<ano::host::ParameterInfo>& descriptions, TimePoint now) {
         std::vector<std::pair<std::string, ano::host::AnyValue>> values;
+        std::vector<std::optional<std::uint16_t>> ids;
         const Json given = Json::parse(json_);
         for (const auto& [name, json] : given.items()) {
-            const auto found = parameters().find(name);
-            if (found.several) return finish(ambiguous(name));
+            const auto found = named(descriptions, name);
+            if (found.several) return finish(ambiguous(name, descriptions));
             const auto* info = found.parameter;
-            types_.push_back(info != nullptr ? info->type : std::nullopt);
-            const auto value = value_in(json, types_.back());
+            given_.push_back({name, info != nullptr ? info->type : std::nullopt, info != nullptr, {}});
+            const auto value = value_in(json, given_.back().type);
             if (!value) return finish(work_fault(422, ano::in_quotes(name) + " must be a number or a text"));
-            values.emplace_back(name, *value);
+            const auto wire = texts().wire(*value);
+            if (!wire && !order_.dry_run) return finish(work_fault(422, name + ": the text " + texts().misfit()));
+            if (!wire) given_.back().unwritable = json.get<std::string>();
+            const bool is_unclear = info != nullptr &&
+                                    (info->name.empty() ||
+                                     std::any_of(descriptions.begin(), descriptions.end(),
+                                                 [&](const auto& one) { return &one != info && one.name == info->name; }));
+            ids.push_back(is_unclear ? std::optional{static_cast<std::uint16_t>(info - descriptions.data())} : std::nullopt);
+            values.emplace_back(info != nullptr ? info->name : texts().bytes(name).value_or(name), wire.value_or(*value));
         }
         ano::host::ApplyOptions options{.rollback = order_.rollback,
                                         .dry_run = order_.dry_run,
-                                        .goes_on = !order_.rollback,
+                                        .also_the_same = order_.also_the_same,
+                                        .goes_on = order_.goes_on && !order_.rollback,
                                         .text = place().net.manners(place().device.address()).text};
+        if (std::any_of(ids.begin(), ids.end(), [](const auto& id) { return id.has_value(); })) options.ids = std::move(ids);
         options.text.longer = order_.longer;
+        options.text.beyond_range = order_.force;
+        options.same_text = [texts = texts()](const std::string& one, const std::string& other) {
+            return texts.shown(one) == texts.shown(other);
+        };
         apply_ = &next(std::make_unique<ParameterApply>(place().device, &place().cache, values, options));
         apply_->start(now);
     }
     // Reports what is half done as well.
     void failed(const Task& task, TimePoint) override {
-        WorkEnd end = end_of(*task.end());
+        WorkEnd end = end_of(*task.end(), texts());
         if (apply_ == nullptr) return finish(std::move(end));
         forget_kept();
         finish(with_result(std::move(end), rows()));
@@ -238,23 +321,33 @@ private:
         using State = ParameterApply::State;
         if (order_.dry_run) return;
         Json has = Json::parse(json_);
-        for (const ParameterApply::Row& row : apply_->rows())
-            if (row.state != State::same && row.state != State::written && row.state != State::clamped) has.erase(row.name);
+        for (std::size_t i = 0; i < given_.size(); ++i)
+            if (const State state = apply_->rows()[i].state; state != State::same && state != State::written)
+                has.erase(given_[i].name);
         forget_written(place(), has);
     }
     Json rows() const {
         Json rows = Json::array();
         std::size_t i = 0;
         for (const ParameterApply::Row& row : apply_->rows()) {
-            const auto type = types_[i++];
+            const Given& given = given_[i++];
+            const auto type = given.type;
             const auto state = static_cast<std::size_t>(row.state);
-            Json json{{"name", row.name}};
-            if (row.before) json["was"] = value_json(*row.before, type);
-            json["written"] = value_json(row.wanted, type);
-            if (row.stored && !order_.dry_run) json["stored"] = value_json(*row.stored, type);
+            Json json{{"name", given.is_known ? texts().shown(row.name) : given.name}};
+            if (row.before) json["was"] = value_json(*row.before, type, texts());
+            json["written"] = given.unwritable ? Json(*given.unwritable) : value_json(row.wanted, type, texts());
+            if (row.stored && !order_.dry_run) json["stored"] = value_json(*row.stored, type, texts());
             json["clamped"] = row.state == ParameterApply::State::clamped;
             json["state"] = order_.dry_run && state < std::size(dry_states) ? dry_states[state] : apply_states[state];
-            if (!row.what.empty()) json["what"] = row.what;
+            if (!row.what.empty())
+                json["what"] = given.is_known ? texts().shown(row.what) : "no parameter is called " + given.name;
+            if (given.unwritable) {
+                json["state"] = dry_states[0];
+                json["encodable"] = false;
+                json["what"] = "the text " + texts().misfit();
+            }
+            using State = ParameterApply::State;
+            if ((row.state == State::written || row.state == State::clamped) && !row.acknowledged) json["acknowledged"] = false;
             rows.push_back(std::move(json));
         }
         return {{"dry_run", order_.dry_run}, {"parameters", std::move(rows)}};
@@ -262,7 +355,13 @@ private:
 
     std::string json_;
     ApplyOrder order_;
-    std::vector<std::optional<ano::Type>> types_;    // of the values
+    struct Given {
+        std::string name;    // as the client has it
+        std::optional<ano::Type> type;
+        bool is_known;
+        std::optional<std::string> unwritable;    // of a dry run: a text that the encoding of the device lacks
+    };
+    std::vector<Given> given_;    // in the order of the rows
     ParameterApply* apply_ = nullptr;
 };
 
@@ -275,7 +374,9 @@ public:
 
 private:
     void done(const Task& task, TimePoint) override {
-        finish(with_result(end_of(*task.end()), {{"action", name_}, {"done", true}}));
+        Json result{{"action", name_}, {"done", true}};
+        if (task.end()->evidence.by_port) result["note"] = task.end()->what;
+        finish(with_result(end_of(*task.end(), texts()), result));
     }
 
     ano::host::Action action_;
@@ -284,18 +385,17 @@ private:
 
 }    // namespace
 
-std::unique_ptr<Work> read_parameters(const WorkPlace& place, bool values) { return std::make_unique<ReadAll>(place, values); }
-
-std::unique_ptr<Work> read_parameters(const WorkPlace& place, std::vector<std::string> names) {
-    return std::make_unique<ReadAll>(place, std::move(names));
+std::unique_ptr<Work> read_parameters(const WorkPlace& place, ParameterOrder order) {
+    return std::make_unique<ReadAll>(place, std::move(order));
 }
 
 std::unique_ptr<Work> read_parameter(const WorkPlace& place, std::string name) {
     return std::make_unique<ReadOne>(place, std::move(name));
 }
 
-std::unique_ptr<Work> write_parameter(const WorkPlace& place, std::string name, const Json& value, bool longer) {
-    return std::make_unique<WriteOne>(place, std::move(name), value, longer);
+std::unique_ptr<Work> write_parameter(const WorkPlace& place, std::string name, const Json& value,
+                                      ano::host::WriteLimits limits) {
+    return std::make_unique<WriteOne>(place, std::move(name), value, limits);
 }
 
 std::unique_ptr<Work> apply_parameters(const WorkPlace& place, const Json& values, ApplyOrder order) {

@@ -6,24 +6,31 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace anogate {
 
-/// All parameters, with or without their values.
-std::unique_ptr<Work> read_parameters(const WorkPlace& place, bool values);
-/// The parameters with these names and their values; unknown names are ignored.
-std::unique_ptr<Work> read_parameters(const WorkPlace& place, std::vector<std::string> names);
+struct ParameterOrder {
+    bool values = true;                                 // with their values
+    bool known = false;                                 // without values: as read before, if the device was not away since
+    std::optional<std::vector<std::string>> words{};    // names or numbers of those that are wanted; unknown ones are ignored
+};
+std::unique_ptr<Work> read_parameters(const WorkPlace& place, ParameterOrder order);
 /// The parameter with this name or number.
 std::unique_ptr<Work> read_parameter(const WorkPlace& place, std::string name);
-/// `longer`: a text may be longer than the one it replaces.
-std::unique_ptr<Work> write_parameter(const WorkPlace& place, std::string name, const nlohmann::ordered_json& value, bool longer);
+/// The bytes of a text are limited as the link has it.
+std::unique_ptr<Work> write_parameter(const WorkPlace& place, std::string name, const nlohmann::ordered_json& value,
+                                      ano::host::WriteLimits limits);
 
 struct ApplyOrder {
     bool rollback = false;
     bool dry_run = false;
     bool longer = false;
+    bool force = false;            // also beyond the range that the device states
+    bool goes_on = true;           // behind one that the device refuses, unless `rollback`
+    bool also_the_same = false;    // writes also those that do not differ
 };
 /// `values`: a JSON object of names and values.
 std::unique_ptr<Work> apply_parameters(const WorkPlace& place, const nlohmann::ordered_json& values, ApplyOrder order);

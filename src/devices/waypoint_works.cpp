@@ -24,7 +24,7 @@ public:
 
 private:
     void done(const Task& task, TimePoint) override {
-        WorkEnd end = end_of(*task.end());
+        WorkEnd end = end_of(*task.end(), texts());
         end.result = waypoints_json(get_->waypoints(), form_).dump();
         finish(std::move(end));
     }
@@ -46,7 +46,7 @@ public:
 
 private:
     void done(const Task& task, TimePoint) override {
-        WorkEnd end = end_of(*task.end());
+        WorkEnd end = end_of(*task.end(), texts());
         Json result{{"written", put_->stored().size()}};
         if (!end.error.empty()) result["note"] = end.error;
         end.result = result.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -29,9 +29,9 @@ static_assert(std::size(meanings) == ano::host::ending_names.size());
 
 }    // namespace
 
-WorkEnd end_of(const ano::host::End& end) {
+WorkEnd end_of(const ano::host::End& end, const DeviceTexts& texts) {
     const Meaning& meaning = meanings[static_cast<std::size_t>(end.ending)];
-    return {meaning.status, {}, end.what, meaning.what, end.evidence, end.ending == Ending::cancelled};
+    return {meaning.status, {}, texts.shown(end.what), meaning.what, end.evidence, end.ending == Ending::cancelled};
 }
 
 WorkEnd work_fault(unsigned status, std::string error) {

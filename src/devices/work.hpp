@@ -3,7 +3,9 @@
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <devices/device_net.hpp>
+#include <devices/device_texts.hpp>
 #include <devices/notes.hpp>
+#include <host/commands.hpp>
 #include <host/description_cache.hpp>
 #include <host/task.hpp>
 
@@ -27,8 +29,8 @@ struct WorkEnd {
     bool is_exact = false;    // `result` is in the form of exact_json()
 };
 
-/// Converts `end`; a task that is done gives status 200 without a result.
-WorkEnd end_of(const ano::host::End& end);
+/// Converts `end`; a task that is done gives status 200 without a result. `texts`: of the device.
+WorkEnd end_of(const ano::host::End& end, const DeviceTexts& texts);
 /// With the `what` of the status.
 WorkEnd work_fault(unsigned status, std::string error);
 
@@ -36,10 +38,14 @@ WorkEnd work_fault(unsigned status, std::string error);
 struct WorkPlace {
     ano::host::Device& device;
     ano::host::DescriptionCache& cache;
+    ano::host::CommandCache& commands;
     DeviceNet& net;
     Notes& notes;
+    const DeviceTexts& texts;
     /// Why the device may not be changed now, as text; empty: it may.
     std::function<std::string()> refusal{};
+    /// Its tasks yield to those of clients that may control.
+    bool yields = false;
 };
 
 /// Driven by its job: start() once, then run() whenever a request to the device may have ended, until end() is set. No function is called
@@ -89,10 +95,12 @@ public:
 protected:
     WorkPlace& place() noexcept { return place_; }
     const WorkPlace& place() const noexcept { return place_; }
+    const DeviceTexts& texts() const noexcept { return place_.texts; }
     /// `task` becomes the current task; the caller starts it.
     template <class T>
     T& next(std::unique_ptr<T> task) {
         T& now_running = *task;
+        now_running.yield_to_others(place_.yields);
         former_ = std::move(task_);
         task_ = std::move(task);
         return now_running;
@@ -100,7 +108,7 @@ protected:
     const ano::host::Task* task() const noexcept { return task_.get(); }
     /// Called when the task has ended: done() on success, otherwise failed(), which by default ends the work in the same way.
     virtual void done(const ano::host::Task& task, ano::TimePoint now) = 0;
-    virtual void failed(const ano::host::Task& task, ano::TimePoint /*now*/) { finish(end_of(*task.end())); }
+    virtual void failed(const ano::host::Task& task, ano::TimePoint /*now*/) { finish(end_of(*task.end(), texts())); }
     /// Called after every run().
     virtual void look(ano::TimePoint /*now*/) {}
 

@@ -1,3 +1,4 @@
+#include <ano/address.hpp>
 #include <ano/control.hpp>
 #include <gateway/alias.hpp>
 
@@ -26,7 +27,7 @@ std::span<std::uint8_t> copy(ano::FrameView frame, std::uint8_t* to) noexcept {
 Aliases::Aliases(const std::vector<AliasRule>& rules, std::size_t max_data)
     : max_size_{ano::overhead + max_data}, in_{new std::uint8_t[max_size_]}, out_{new std::uint8_t[max_size_]} {
     for (const AliasRule& rule : rules) {
-        assert(rule.device != 0 && rule.as != 0 && rule.device != 0xFF && rule.as != 0xFF);
+        assert(!ano::address::is_nobody(rule.as));
         as_[rule.device] = rule.as;
         device_[rule.as] = rule.device;
     }
@@ -45,10 +46,11 @@ ano::FrameView Aliases::inbound(ano::FrameView frame, ano::TimePoint now) noexce
 
 std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, ano::TimePoint now) noexcept {
     const std::uint8_t alias = frame.destination();
-    if (device_[alias] == 0) return as_[alias] == 0 ? std::optional{frame} : std::nullopt;
+    const bool is_for_all = alias == ano::address::broadcast;    // also where a device has this id
+    if (!device_[alias]) return as_[alias] == 0 || is_for_all ? std::optional{frame} : std::nullopt;
     if (frame.bytes().size() > max_size_) return frame;
     const auto bytes = copy(frame, out_.get());
-    bytes[2] = device_[alias];
+    bytes[2] = *device_[alias];
     if (frame.id() == check_id) restore_checks(bytes, alias, alias, now);
     return finish(bytes, frame, frame.source(), alias, now);
 }

@@ -16,6 +16,11 @@ Forwarder::Forwarder(const GatewaySettings& settings, std::uint64_t station) : r
 
 Forwarder::~Forwarder() = default;
 
+void Forwarder::set_classes(const std::vector<ClassSettings>& classes) {
+    policies_ = policies;
+    for (const ClassSettings& of_id : classes) policies_[of_id.id] = policy_of(of_id);
+}
+
 // Every frame takes these steps: as calls they would take a tenth of the time of a frame of a stream, so those that only receive()
 // uses are inline.
 void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
@@ -23,70 +28,57 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     LinkEntry& link = entry(from.link);
     if (!link.settings.route.teaches) [[unlikely]]
         return replay(from, brought);
-    const QueuePolicy policy = policy_of(brought.id());
+    const QueuePolicy policy = this->policy(brought);
     const std::uint64_t key = frame_key(brought);
+    if (from.echo.is_listening(now_) && is_echo(from, brought, key)) [[unlikely]]
+        return drop(from, brought, &ReceiveCounters::looped);
     ano::FrameView frame = link.aliases ? link.aliases->inbound(brought, now_) : brought;
-    if (!loop_guard_.rings().is_ring(from.id, now_) && router_.heard_again(from.id, frame.source(), now_)) note_claimants();
-    Said said = said_at(from, frame, is_same(frame, brought) ? key : frame_key(frame));
-    said.waited = releasing_;
-    said.hurried = hurrying_;
-    std::uint32_t copies = 1;
-    if (goes_round(from, frame, brought, said, copies) || is_duplicate(from, brought, key, policy)) return;
-    compare(from, frame, said.key);
+    if (!loop_guard_.is_loop(from.id, now_) && router_.heard_again(from.id, frame.source(), now_)) note_claimants();
+    LoopGuard::Arrival arrival = this->arrival(from, frame, is_same(frame, brought) ? key : frame_key(frame));
+    const LoopGuard::Judgement judgement = loop_guard_.judge(arrival, now_);
+    if (judgement.looped) [[unlikely]]
+        return end_loop(from, frame, judgement.ask);
+    if (is_duplicate(from, brought, key, policy)) return;
+    if (!judgement.undecided) compare(from, frame, arrival.key);
+    if (AttitudeWatch::concerns(frame.id())) [[unlikely]]
+        link.traffic.attitudes.hear(frame, now_);
     if (link.present_as) {    // after the guards: a copy must not end a question
         const ano::FrameView before = frame;
         frame = link.present_as->inbound(frame, now_);
-        if (!is_same(frame, before)) said.key = frame_key(frame);
+        if (!is_same(frame, before)) arrival.key = frame_key(frame);
     }
     if (!admit(from, frame)) return;
     if (carried_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
     if (is_probe(frame)) return take_probe(from, frame);
-    pass_on(from, frame, policy, said, copies);
+    pass_on(from, frame, policy, arrival, judgement);
 }
 
 [[gnu::always_inline]] inline void Forwarder::begin(Channel& from, ano::FrameView frame, TimePoint now) {
     now_ = now;
-    if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
     note_arrival(from);
-    if (!hear_arrivals_.empty() && !releasing_) [[unlikely]]
+    if (!hear_arrivals_.empty()) [[unlikely]]
         for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
 }
 
-Said Forwarder::said_at(const Channel& from, ano::FrameView frame, std::uint64_t key) const {
-    Said said = said_by(frame, key);
-    said.speaks = router_.speaks(frame.source(), from.id);
-    said.arrived = arrived_at_;
-    return said;
+// Not one whose source is its destination: a host and a device may have one address, and the device gives back what the host wrote.
+bool Forwarder::is_echo(Channel& from, ano::FrameView brought, std::uint64_t key) const {
+    if (brought.source() == brought.destination() || ano::intent_of(brought) == ano::Intent::informs) return false;
+    return from.echo.is_echo(key, router_.heard_at(brought.source(), from.id).has_value(), now_);
 }
 
-// True: a copy that came back by another way, or it waits until that is known. It waits as `brought`, without its alias.
-// `copies`: how often it is to be sent, including the withheld ones.
-[[gnu::always_inline]] inline bool Forwarder::goes_round(Channel& from, ano::FrameView frame, ano::FrameView brought,
-                                                         const Said& said, std::uint32_t& copies) {
-    if (!held_.empty() && !releasing_ && keeps_order(frame))    // frames of a host keep their order
-        if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
-    from.routed.looped += loop_guard_.take_lost(from.id, now_);
-    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
-    copies = judgement.copies;
-    if (judgement.probe) send_probe(from.id);
-    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ &&
-        hold(from, brought, now_ + judgement.wait, {judgement.repeats, now_ + LoopGuard::come_together}))
-        return true;
-    if (judgement.fate == LoopGuard::Fate::ends) {
-        if (judgement.elsewhere) compare(from, frame, said.key);
-        end_loop(from, frame);
-        return true;
-    }
-    return judgement.fate == LoopGuard::Fate::withheld;
+LoopGuard::Arrival Forwarder::arrival(const Channel& from, ano::FrameView frame, std::uint64_t key) const {
+    const bool at_home = !ano::address::is_host(frame.source()) && router_.holds(frame.source(), from.id);
+    const bool acts = ano::intent_of(frame) == ano::Intent::acts && policy(frame).replaces == ano::Replaces::nothing;
+    return {key, from.id, arrived_at_, at_home, acts};
 }
 
-// The address of a host is learned all the same, so that answers reach it here too; but not from a known ring.
-void Forwarder::end_loop(Channel& from, ano::FrameView frame) {
+// Drops a copy that came back by a known loop, of which no address is learned.
+void Forwarder::end_loop(Channel& from, ano::FrameView frame, ChannelSet ask) {
     drop(from, frame, &ReceiveCounters::looped);
-    if (ano::address::is_host(frame.source()) && !loop_guard_.rings().is_ring(from.id, now_)) learn(from, frame);
+    send_probes(from.id, ask);
 }
 
 // Whether another link of the group brought the frame already: compared as `brought`, before any rewriting.
@@ -98,10 +90,10 @@ void Forwarder::end_loop(Channel& from, ano::FrameView frame) {
     return true;
 }
 
-// A source on two links is a conflict, even when its copies are dropped.
+// The same frames of a source by two links are a conflict. Of a frame to its own source, a host and a device may be the two.
 void Forwarder::compare(const Channel& from, ano::FrameView frame, std::uint64_t key) {
     const std::uint8_t source = frame.source();
-    if (ano::address::is_host(source)) return;
+    if (ano::address::is_host(source) || ano::address::is_nobody(source) || source == frame.destination()) return;
     const auto other = same_device_.heard(source, from.link, key, now_);
     if (!other) return;
     const std::uint8_t group = entry(from.link).settings.route.group;
@@ -126,16 +118,27 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
     return false;
 }
 
-[[gnu::always_inline]] inline void Forwarder::pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const Said& said,
-                                                      std::uint32_t copies) {
+[[gnu::always_inline]] inline void Forwarder::pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy,
+                                                      const LoopGuard::Arrival& arrival, const LoopGuard::Judgement& judgement) {
     bool is_ours = false;
     if (!hear_fates_.empty()) [[unlikely]]
         for (Observer* observer : hear_fates_) is_ours = observer->passes(from, frame) || is_ours;
-    Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
+    const ano::Intent intent = ano::intent_of(frame);
+    if (intent == ano::Intent::asks && ano::is_of_a_host(frame)) router_.note_host(from.id);
+    const bool teaches = !judgement.undecided || ano::address::is_host(frame.source());
+    Route route = teaches ? router_.route(from.id, frame.source(), frame.destination(), now_, intent)
+                          : router_.spread(from.id, frame.source(), frame.destination(), now_, intent);
+    if (from.answers.is_for_another(frame, now_)) [[unlikely]]
+        note_device(from, frame);
+    if (ano::address::is_nobody(frame.source())) [[unlikely]]
+        entry(from.link).traffic.nobody = {frame.source(), now_};
     if (tunnel_ && from.link == tunnel_link_ && is_tunnel_frame(frame)) keep_from_tunnel(route);
-    if (!route.guarded.empty()) loop_guard_.remember(said, from.id, route.guarded, now_);
-    for (; copies > 0; --copies)
-        for (const ChannelId to : route.channels) offer(from.id, to, frame, policy, arrived_at_);
+    if (!route.guarded.empty()) loop_guard_.remember(arrival, route.guarded, now_);
+    if (judgement.suspect) [[unlikely]]
+        send_probes(from.id, judgement.ask | route.channels);
+    to_one_place_ = route.guarded.empty();
+    for (const ChannelId to : route.channels) offer(from.id, to, frame, policy, arrived_at_);
+    to_one_place_ = false;
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
     note_taker(from, frame, route, is_ours);
     tell_own(from, frame, route.via);
@@ -157,7 +160,7 @@ void Forwarder::keep_from_tunnel(Route& route) {
     const bool to_host = ano::address::is_host(frame.destination());
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
         if (is_ours) return;
-        drop(from, frame, &ReceiveCounters::no_route);
+        drop_unrouted(from, frame);
         if (to_host) entry(from.link).traffic.untaken.note(now_);
     } else if (to_host && !route.channels.empty()) {
         Untaken& untaken = entry(from.link).traffic.untaken;
@@ -166,8 +169,23 @@ void Forwarder::keep_from_tunnel(Route& route) {
     }
 }
 
+void Forwarder::drop_unrouted(Channel& from, ano::FrameView frame) {
+    drop(from, frame, &ReceiveCounters::no_route);
+    if (ano::intent_of(frame) == ano::Intent::acts && frame.destination() != ano::address::unassigned)
+        entry(from.link).traffic.not_sent = {frame.destination(), now_};
+}
+
+// The source of the frame answers for another address. Behind a link with several devices, another gateway may have sent it on.
+void Forwarder::note_device(const Channel& from, ano::FrameView frame) {
+    LinkEntry& link = entry(from.link);
+    if (link.settings.route.acts_for_others || !router_.is_alone(frame.source(), from.id)) return;
+    link.traffic.answers_for_others = {frame.source(), now_};
+    router_.note_acts_for_others(from.link);
+}
+
 void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at) {
     Channel& channel = *channels_[index(to)];
+    const ano::FrameView before = frame;
     SendCause cause = nullptr;
     bool takes_few = false;
     if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(policy, now_ - arrived_at)) {
@@ -188,6 +206,10 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
         cause = channel.outbox.push(frame, policy, arrived_at, from);
         to_flush_.insert(to);
     }
+    if (!cause) {
+        channel.answers.sent(before, now_);
+        if (to_one_place_ && ano::intent_of(frame) != ano::Intent::informs) channel.echo.sent(frame_key(frame), now_);
+    }
     if (!hear_fates_.empty()) [[unlikely]]
         for (Observer* observer : hear_fates_) {
             if (cause) observer->refused(channel.link, frame, cause);
@@ -197,6 +219,7 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
 
 // Rewrites the frame as the link's devices are to see it; otherwise returns the cause of the refusal.
 SendCause Forwarder::rewrite(LinkEntry& link, ano::FrameView& frame) {
+    if (link.exclusive) return &SendCounters::denied_out;
     if (const SendCause cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr) return cause;
     if (!is_probe(frame)) {    // a rewritten probe would not be recognised
         if (link.present_as) frame = link.present_as->outbound(frame, frame_number_, now_);

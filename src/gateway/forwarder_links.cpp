@@ -5,6 +5,13 @@
 #include <utility>
 
 namespace anogate {
+namespace {
+
+std::size_t largest_data(const ForwarderLink& settings) {
+    return ano::max_image_data_at(std::max(settings.parser.max_data, settings.outbox.max_data));
+}
+
+}    // namespace
 
 LinkId Forwarder::add_link(const ForwarderLink& settings) {
     const LinkId id = router_.add_link(settings.route);
@@ -13,23 +20,25 @@ LinkId Forwarder::add_link(const ForwarderLink& settings) {
     links_[index(id)] = std::make_unique<LinkEntry>();
     LinkEntry& link = entry(id);
     link.settings = settings;
+    link.traffic.attitudes = AttitudeWatch{settings.attitude};
     if (settings.rules != RuleSettings{} || !settings.sends_empty)
         link.rules = std::make_unique<Rules>(settings.rules, settings.sends_empty);
-    if (settings.hello != Duration{} && settings.route.broadcast) link.hello.emplace(settings.hello);
+    if (settings.hello != Duration{} && (settings.route.broadcast || settings.route.acts_for_others))
+        link.hello.emplace(settings.hello);
     if (!settings.aliases.empty()) {
-        const std::size_t max_data = std::max(settings.parser.max_data, settings.outbox.max_data);
+        const std::size_t max_data = largest_data(settings);
         link.aliases = std::make_unique<Aliases>(settings.aliases, max_data);
         for (const AliasRule& rule : settings.aliases) router_.pin(rule.as, rule.as, id);    // the alias exists only here
     }
     if (settings.present_as != 0) present(link);
-    if (link.rules || link.hello || link.aliases || link.present_as || settings.takes_few_questions) ruled_.insert(id);
+    if (link.has_rules()) ruled_.insert(id);
     return id;
 }
 
 // The links of a group share one PresentAs: an answer may come by another link than the question left by.
 void Forwarder::present(LinkEntry& link) {
     const ForwarderLink& settings = link.settings;
-    const std::size_t max_data = std::max(settings.parser.max_data, settings.outbox.max_data);
+    const std::size_t max_data = largest_data(settings);
     for (const LinkId other : added_)
         if (settings.route.group != 0 && entry(other).settings.route.group == settings.route.group && entry(other).present_as)
             link.present_as = entry(other).present_as;
@@ -52,6 +61,18 @@ void Forwarder::forget_presentation(LinkEntry& link) {
     if (!is_used) std::erase_if(presentations_, [forgotten](const auto& one) { return one.get() == forgotten; });
 }
 
+void Forwarder::set_exclusive(LinkId id, bool exclusive) {
+    LinkEntry& link = entry(id);
+    link.exclusive = exclusive;
+    if (exclusive || link.has_rules()) ruled_.insert(id);
+    else ruled_.erase(id);
+    if (!exclusive) return;
+    for (const ChannelId channel : link.traffic.channels) {
+        channels_[index(channel)]->outbox.drop_waiting(&SendCounters::denied_out);
+        if (auto& questions = channels_[index(channel)]->questions) questions->drop_waiting(&SendCounters::denied_out);
+    }
+}
+
 void Forwarder::remove_link(LinkId id) {
     LinkEntry& link = entry(id);
     const std::uint8_t group = link.settings.route.group;
@@ -67,7 +88,6 @@ void Forwarder::remove_link(LinkId id) {
     ++version_;
     links_[index(id)].reset();
     router_.remove_link(id);
-    loop_guard_.remove_link(id);
     duplicates_.remove_link(id);
     if (group != 0 && router_.group(group).empty()) duplicates_.remove_group(group);
     same_device_.remove_link(id);
@@ -113,7 +133,6 @@ Channel* Forwarder::open_channel(LinkId id, std::string peer, TimePoint now) {
 
 void Forwarder::close_channel(Channel& channel) {
     LinkTraffic& traffic = entry(channel.link).traffic;
-    channel.routed.looped += held_.forget(channel.id) + loop_guard_.take_lost(channel.id, TimePoint::max());
     loop_guard_.close(channel.id);
     channel.outbox.close();
     if (channel.questions) channel.questions->close();
@@ -159,11 +178,12 @@ void Forwarder::add_observer(Observer& observer, Observer::Wants wants) {
     put(hear_arrivals_, wants.arrivals);
     put(hear_fates_, wants.fates);
     put(hear_departures_, wants.departures);
+    put(always_, wants.always);
     watch_outboxes();
 }
 
 void Forwarder::remove_observer(Observer& observer) {
-    add_observer(observer, {false, false, false});
+    add_observer(observer, {false, false, false, false});
     std::erase(observers_, &observer);
 }
 

@@ -21,14 +21,12 @@ Channel* Forwarder::next_to_flush() noexcept {
 
 std::optional<TimePoint> Forwarder::due() const noexcept {
     TimePoint first = questions_due_;
-    if (const auto held = held_.due()) first = std::min(first, *held);
     if (const auto question = router_.next_question(); question && asks_) first = std::min(first, *question);
     return first == TimePoint::max() ? std::nullopt : std::optional{first};
 }
 
 void Forwarder::tick(TimePoint now) {
     now_ = now;
-    release_held_until(now_);
     if (now_ >= questions_due_) release_questions();
     if (asks_ && router_.has_question(now_)) ask_holders();
 }
@@ -40,7 +38,26 @@ void Forwarder::say(ChannelId to, ano::FrameView frame, TimePoint now) {
 
 void Forwarder::say(ChannelId to, ano::FrameView frame) {
     ++frame_number_;
-    offer(ourselves, to, frame, policy_of(frame.id()), now_);
+    offer(ourselves, to, frame, policy(frame), now_);
+}
+
+ano::Flush Forwarder::flush_parsers(LinkId from, ano::FrameView frame, TimePoint now) {
+    now_ = now;
+    ano::Flush all;
+    for (const ChannelId to : router_.find(from, frame.destination(), now_, ano::intent_of(frame)).channels) {
+        const auto& rules = entry(channels_[index(to)]->link).rules;
+        if (!rules || rules->sends(frame)) all = all | flush_parser(to);
+    }
+    return all;
+}
+
+ano::Flush Forwarder::flush_parser(ChannelId to) {
+    Channel& channel = *channels_[index(to)];
+    if (entry(channel.link).exclusive || channel.waiting() > 0) return {};
+    if (!channel.outbox.flush_parser(now_)) return {.later = channel.outbox.until_flush(now_)};
+    to_flush_.insert(to);
+    const ForwarderLink& settings = entry(channel.link).settings;
+    return {.busy = time_of_flush(channel.outbox.zeros(), settings.parser.line_rate)};
 }
 
 // Without alias, loop guard and group, since the frame came by no wire.
@@ -52,11 +69,13 @@ void Forwarder::send_on(Channel& from, ano::FrameView frame, TimePoint now) {
         for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
     if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for a probe of ours
     if (!admit(from, frame) || !admit_unopened(from, frame)) return;
-    const Route route = router_.find(from.link, frame.destination(), now_);
-    if (!route.guarded.empty()) loop_guard_.remember(said_by(frame), *route.guarded.begin(), route.guarded, now_);
-    for (const ChannelId to : route.channels) offer(ourselves, to, frame, policy_of(frame.id()), arrived_at_);
+    const Route route = router_.find(from.link, frame.destination(), now_, ano::intent_of(frame));
+    if (!route.guarded.empty()) loop_guard_.remember({frame_key(frame), ourselves, now_}, route.guarded, now_);
+    to_one_place_ = route.guarded.empty();
+    for (const ChannelId to : route.channels) offer(ourselves, to, frame, policy(frame), arrived_at_);
+    to_one_place_ = false;
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
-    if (route.channels.empty() && route.absent.empty() && route.via != Via::own) drop(from, frame, &ReceiveCounters::no_route);
+    if (route.channels.empty() && route.absent.empty() && route.via != Via::own) drop_unrouted(from, frame);
     tell_own(from, frame, route.via);
 }
 
@@ -71,31 +90,33 @@ void Forwarder::say_to_heard(ano::FrameView frame, TimePoint now) {
     ChannelSet heard;
     for (const ChannelId id : used_)
         if (router_.heard_at(frame.destination(), id)) heard.insert(id);
-    if (!heard.empty()) loop_guard_.remember(said_by(frame), *heard.begin(), heard, now_);    // it may come back by any link
-    for (const ChannelId to : heard) offer(ourselves, to, frame, policy_of(frame.id()), now_);
+    if (!heard.empty()) loop_guard_.remember({frame_key(frame), ourselves, now_}, heard, now_);    // it may come back by any link
+    for (const ChannelId to : heard) offer(ourselves, to, frame, policy(frame), now_);
 }
 
 // The frame may come back by any link.
 void Forwarder::say_and_remember(ChannelId to, ano::FrameView frame) {
     say(to, frame);
-    loop_guard_.remember(said_by(frame), to, to, now_);
+    loop_guard_.remember({frame_key(frame), ourselves, now_}, to, now_);
 }
 
-// The probe is sent before the frame that caused it: in a ring it comes back before that.
-void Forwarder::send_probe(ChannelId channel) {
-    ++frame_number_;
-    offer(ourselves, channel, loop_guard_.rings().ask(channel, now_), probe_policy, now_);
-    ++frame_number_;
+// Probes leave before the frame of `from` that caused them, in whose name they wait: in a loop they come back before it.
+void Forwarder::send_probes(ChannelId from, ChannelSet channels) {
+    for (const ChannelId channel : channels& used_) {
+        if (!loop_guard_.is_due(channel, now_)) continue;
+        ++frame_number_;
+        offer(from, channel, loop_guard_.ask(channel, now_), probe_policy, now_);
+        ++frame_number_;
+    }
 }
 
 // No address is learned from a probe, whoever forwarded it.
 void Forwarder::take_probe(Channel& from, ano::FrameView probe) {
-    if (loop_guard_.rings().take(probe, from.id, now_) != RingWatch::Probe::news)
-        return drop(from, probe, &ReceiveCounters::looped);
+    if (!loop_guard_.take(probe, from.id, now_)) return drop(from, probe, &ReceiveCounters::looped);
     const std::uint8_t group = entry(from.link).settings.route.group;
-    for (const ChannelId to : (loop_guard_.rings().probed() & used_) - from.id)
+    for (const ChannelId to : (loop_guard_.probed() & used_) - from.id)
         if (group == 0 || entry(channels_[index(to)]->link).settings.route.group != group)
-            offer(ourselves, to, probe, probe_policy, now_);
+            offer(from.id, to, probe, probe_policy, now_);    // as well before the frame
 }
 
 SendCause Forwarder::ask(ChannelId from, Channel& channel, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at) {
@@ -133,8 +154,11 @@ void Forwarder::say_hellos(TimePoint now) {
         LinkEntry& link = entry(id);
         const auto due = link.hello ? link.hello->due(heard_at(link)) : std::nullopt;
         if (!due || *due > now_) continue;
-        for (const ChannelId to : link.traffic.channels) say_and_remember(to, ano::FrameView{hello_frame});
-        link.hello->said(now_);
+        for (const ChannelId to : link.traffic.channels) {
+            if (link.hello->may_be_deaf(heard_at(link))) flush_parser(to);
+            say_and_remember(to, ano::FrameView{hello_frame});
+        }
+        link.hello->said(now_, heard_at(link));
     }
     await_hellos();
 }
@@ -173,6 +197,12 @@ std::optional<Conflict> Forwarder::take_conflict() {
 const Forwarder::Claimant* Forwarder::claimant(const Conflict& conflict) const {
     const auto found = claimants_.find(conflict.address);
     return conflict.claimed && found != claimants_.end() ? &found->second : nullptr;
+}
+
+bool Forwarder::is_elsewhere(const Channel& from, std::uint8_t source) const noexcept {
+    if (from.id == ourselves) return false;
+    const LinkEntry& link = entry(from.link);
+    return router_.claims(link.aliases ? link.aliases->appears_as(source) : source, from.id);
 }
 
 }    // namespace anogate

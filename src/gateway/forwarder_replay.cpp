@@ -14,15 +14,13 @@ void Forwarder::replay(Channel& from, ano::FrameView brought) {
     if (!admit_unopened(from, frame)) return;
     if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for a present probe
     entry(from.link).traffic.replayed.set(frame.source());
-    Route route = router_.find(from.link, frame.destination(), now_);
+    Route route = router_.find(from.link, frame.destination(), now_, ano::intent_of(frame));
     route.channels.erase(from.id);
     route.guarded.erase(from.id);
-    Said said = said_by(frame);
-    said.replayed = true;
-    if (!route.guarded.empty()) loop_guard_.remember(said, from.id, route.guarded, now_);
-    for (const ChannelId to : route.channels) offer(from.id, to, frame, policy_of(frame.id()), arrived_at_);
+    if (!route.guarded.empty()) loop_guard_.remember({frame_key(frame), from.id, arrived_at_}, route.guarded, now_, true);
+    for (const ChannelId to : route.channels) offer(from.id, to, frame, policy(frame), arrived_at_);
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
-    if (route.channels.empty() && route.absent.empty() && route.via != Via::own) drop(from, frame, &ReceiveCounters::no_route);
+    if (route.channels.empty() && route.absent.empty() && route.via != Via::own) drop_unrouted(from, frame);
     tell_own(from, frame, route.via);
 }
 

@@ -28,20 +28,19 @@ bool Forwarder::passes_to_wrap(Channel& from, ano::FrameView frame, LinkId to, T
 
 // The loop guard for frames that leave without Router::route().
 bool Forwarder::passes_loop_guard(Channel& from, ano::FrameView frame, LinkId to) {
-    const Said said = said_at(from, frame, frame_key(frame));
-    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
-    if (judgement.probe) send_probe(from.id);
-    if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), false;
-    if (judgement.fate == LoopGuard::Fate::withheld) return false;
-    from.routed.looped += judgement.copies - 1;    // a datagram has no room for those withheld before it
-    loop_guard_.remember(said, from.id, entry(to).traffic.channels, now_);
+    const LoopGuard::Arrival arrival = this->arrival(from, frame, frame_key(frame));
+    const LoopGuard::Judgement judgement = loop_guard_.judge(arrival, now_);
+    if (judgement.looped) return end_loop(from, frame, judgement.ask), false;
+    const ChannelSet channels = entry(to).traffic.channels;
+    if (judgement.suspect) send_probes(from.id, judgement.ask | channels);
+    loop_guard_.remember(arrival, channels, now_);
     return true;
 }
 
 // The send filter and limits of `to`.
 bool Forwarder::may_leave(LinkId to, ano::FrameView frame) {
     LinkEntry& link = entry(to);
-    const bool is_stale = now_ - arrived_at_ >= limit(link.settings.outbox.age, policy_of(frame.id()).age);
+    const bool is_stale = now_ - arrived_at_ >= limit(link.settings.outbox.age, policy(frame));
     if (is_stale) return refuse(to, frame, &SendCounters::stale), false;
     const SendCause cause = link.rules ? link.rules->refusal(frame, ++frame_number_, now_) : nullptr;
     if (cause) refuse(to, frame, cause);
@@ -65,7 +64,7 @@ void Forwarder::send(LinkId to, ano::FrameView frame, TimePoint now) {
     ++frame_number_;
     const ChannelSet channels = entry(to).traffic.channels;
     if (channels.empty()) refuse(to, frame, &SendCounters::link_down);
-    for (const ChannelId channel : channels) offer(ourselves, channel, frame, policy_of(frame.id()), arrived_at_);
+    for (const ChannelId channel : channels) offer(ourselves, channel, frame, policy(frame), arrived_at_);
 }
 
 }    // namespace anogate

@@ -8,10 +8,11 @@ namespace anogate {
 namespace {
 
 // Counters that are no cause of dropping a whole frame.
-constexpr ReceiveCause not_dropped_in[] = {&ReceiveCounters::frames_in,     &ReceiveCounters::bytes_in,
-                                           &ReceiveCounters::bad_check,     &ReceiveCounters::bad_length,
-                                           &ReceiveCounters::skipped_bytes, &ReceiveCounters::expired};
-constexpr SendCause not_dropped_out[] = {&SendCounters::frames_out, &SendCounters::bytes_out, &SendCounters::empty_out};
+constexpr ReceiveCause not_dropped_in[] = {
+    &ReceiveCounters::frames_in,     &ReceiveCounters::bytes_in, &ReceiveCounters::bad_check,  &ReceiveCounters::bad_length,
+    &ReceiveCounters::skipped_bytes, &ReceiveCounters::expired,  &ReceiveCounters::over_share, &ReceiveCounters::suspended};
+constexpr SendCause not_dropped_out[] = {&SendCounters::frames_out, &SendCounters::bytes_out, &SendCounters::empty_out,
+                                         &SendCounters::flush_bytes};
 
 template <class Cause, std::size_t N>
 constexpr bool is_among(Cause cause, const Cause (&others)[N]) {
@@ -63,7 +64,7 @@ void write(char* at, const FrameRecord& record) noexcept {
     put(at, record.time_ns);
     put(at + 8, record.boottime_ns);
     at[16] = static_cast<char>(record.link);
-    at[17] = static_cast<char>(record.direction);
+    at[17] = static_cast<char>(static_cast<std::uint8_t>(record.direction) | (record.is_elsewhere ? FrameRecord::elsewhere : 0));
     at[18] = static_cast<char>(record.cause);
     at[19] = static_cast<char>(record.channel);
     const auto frame = record.frame.bytes();
@@ -83,9 +84,12 @@ std::optional<FrameRecord> take_record(std::string_view& records) noexcept {
     const auto byte = [&](std::size_t at) { return static_cast<std::uint8_t>(records[at]); };
     const std::string_view behind = records.substr(FrameRecord::head);
     const auto frame = ano::frame_at({reinterpret_cast<const std::uint8_t*>(behind.data()), behind.size()});
-    if (!frame || byte(17) > static_cast<std::uint8_t>(Direction::dropped)) return std::nullopt;
+    const bool is_elsewhere = (byte(17) & FrameRecord::elsewhere) != 0;
+    const auto direction = static_cast<std::uint8_t>(byte(17) & ~FrameRecord::elsewhere);
+    if (!frame || direction > static_cast<std::uint8_t>(Direction::dropped)) return std::nullopt;
     FrameRecord record{
-        number_at(records, 0), number_at(records, 8), byte(16), static_cast<Direction>(byte(17)), byte(18), byte(19), *frame};
+        number_at(records, 0), number_at(records, 8), byte(16), static_cast<Direction>(direction), byte(18), byte(19), *frame,
+        is_elsewhere};
     records.remove_prefix(FrameRecord::head + frame->bytes().size());
     return record;
 }

@@ -1,5 +1,6 @@
 #include <ano/hex.hpp>
 #include <gateway/hints.hpp>
+#include <gateway/wrong_frames.hpp>
 
 #include <chrono>
 #include <utility>
@@ -51,10 +52,6 @@ Hint garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
 
 Hint ring(const LinkFigures& link) {
     const std::string back{link.ring_back}, out{link.ring_out};
-    if (!link.ring_is_certain)
-        return {"ring_or_one_device",
-                "the same device on two links? give them one `group`; or a ring: what goes out comes back by " + back,
-                {{"back", back}}};
     return {"ring",
             "a ring: what goes out" + (out == back ? "" : " by " + out) + " comes back by " + back,
             {{"out", out}, {"back", back}}};
@@ -67,15 +64,49 @@ Hint hidden(std::uint8_t address) {
             {{"device", device}}};
 }
 
-Hint shared(SharedSource shared) {
+Hint old_device(std::uint8_t address) {
+    const std::string device = ano::hex_byte(address);
+    return {"answers_for_others",
+            "device " + device + " acts on frames for other addresses: set profile=old on this link",
+            {{"device", device}}};
+}
+
+Hint no_address(std::uint8_t source) {
+    const std::string nobody = ano::hex_byte(source);
+    return {"no_address",
+            "a device sends from " + nobody +
+                ", which is no address, and receives only broadcasts: set its id, or give it an `alias`",
+            {{"source", nobody}}};
+}
+
+Hint contradiction(std::uint8_t address, ano::EulerSigns attitude) {
+    const std::string device = ano::hex_byte(address), other = attitude == ano::EulerSigns::lx ? "document" : "lx";
+    return {"attitude_contradiction",
+            "Euler angles and quaternion of " + device + " contradict each other: try attitude=" + other,
+            {{"device", device}, {"attitude", other}}};
+}
+
+Hint shared_by(SharedSource shared) {
     switch (shared) {
     case SharedSource::none: break;
-    case SharedSource::one_device: return {"one_device_on_two_links", "the same device on two links? give them one `group`"};
+    case SharedSource::one_device:
+        return {"one_device_on_two_links",
+                "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id"};
     case SharedSource::two_devices: return {"two_devices_one_id", "two devices have the same id: give one of them another"};
     case SharedSource::two_peers:
         return {"two_peers_one_device", "two peers speak as one device: `conflicts` in the status says who"};
     }
     return {};
+}
+
+// The address: another link may say something else of another address.
+Hint shared(const LinkFigures& link) {
+    Hint hint = shared_by(link.shared);
+    if (link.shared_address == 0) return hint;
+    const std::string device = ano::hex_byte(link.shared_address);
+    hint.text += " (" + device + ")";
+    hint.args.emplace_back("device", device);
+    return hint;
 }
 
 Hint no_taker(std::string_view hosts_link) {
@@ -89,14 +120,42 @@ Hint no_taker(std::string_view hosts_link) {
             {{"link", link}}};
 }
 
+// What the bytes are in which no frames are found.
+Hint wrong_frames(const LinkFigures& link) {
+    switch (find_wrong_frames(link.skipped)) {
+    case WrongFrames::none: break;
+    case WrongFrames::swapped_checks:
+        return {"checks_swapped", "frames whose check bytes are in the wrong order: let the device send SC first, then AC"};
+    case WrongFrames::one_byte_length:
+        return {"length_of_one_byte", "frames whose LEN has one byte: let the device send two, the low byte first"};
+    case WrongFrames::big_endian_length:
+        return {"length_big_endian", "frames whose LEN has its high byte first: let the device send the low byte first"};
+    case WrongFrames::old_body:
+        return {"older_body", "frames of an older protocol behind the V8 header 0xAB: give the device a library for V8"};
+    case WrongFrames::text: {
+        Hint hint{"text", "text instead of frames: switch the device to V8 output, or read it with anoctl terminal; it is '"};
+        const std::string shown = first_characters(link.skipped, link.to_utf8);
+        hint.text += shown + "'";
+        hint.args.emplace_back("text", shown);
+        return hint;
+    }
+    }
+    return {};
+}
+
 // Why no frames are found, or why they are refused.
 Hint trouble_in(const LinkFigures& link, bool with_time) {
     const ReceiveCounters& in = link.received;
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
         return {"v7_frames", "older V7 frames (0xAA) seen: switch the device to protocol V8"};
+    const auto garbled_time = garbled_for(link);
+    const std::uint64_t refused = in.bad_check + in.bad_length + in.expired;
+    const bool finds_none = in.frames_in == 0 || garbled_time;
+    if (in.skipped_bytes >= enough_bytes && (finds_none || (refused >= enough_frames && refused * 10 > in.frames_in)))
+        if (Hint hint = wrong_frames(link); !hint.id.empty() && (finds_none || hint.id != "text")) return hint;
     if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
         return {link.words.no_frames.id, std::string{link.words.no_frames.text}};
-    if (const auto time = garbled_for(link)) return garbled(link, *time, with_time);
+    if (garbled_time) return garbled(link, *garbled_time, with_time);
     const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check
                                             : in.bad_length >= enough_long && in.bad_check == 0;
     if (too_long) return {"above_max_data", "frames longer than max_data are refused: raise max_data on this link"};
@@ -104,6 +163,11 @@ Hint trouble_in(const LinkFigures& link, bool with_time) {
         return {
             "other_gateway",
             "a listening port of another gateway was refused: to join two gateways, give one of them a udp: link to the other"};
+    if (in.suspended > 0)
+        return {
+            "suspended",
+            "frames were refused for a second each time their sender asked as a listening gateway does: is there one, or does "
+            "somebody forge its address? Restrict `allow` or `interface`, or use WireGuard"};
     if (link.no_place > 0)
         return {"no_place", "strangers were refused, the places of peers are taken: raise max_peers or max_per_address"};
     if (link.sent.held_back > 0)
@@ -118,8 +182,13 @@ Hint trouble(const LinkFigures& link, bool with_time) {
     if (!link.up) return {};
     if (Hint hint = trouble_in(link, with_time); !hint.id.empty()) return hint;
     if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
-    if (link.shared != SharedSource::none) return shared(link.shared);
+    if (link.shared != SharedSource::none) return shared(link);
+    if (link.echoes) return {"echo", "the line echoes: what is sent comes back; mute the receiver while sending, or ignore this"};
+    if (link.answers_for_others) return old_device(*link.answers_for_others);
+    if (link.not_sent) return unknown_device(*link.not_sent);
+    if (link.nobody) return no_address(*link.nobody);
     if (link.hidden != 0) return hidden(link.hidden);
+    if (link.contradictory != 0) return contradiction(link.contradictory, link.attitude);
     if (link.untaken_for && *link.untaken_for >= patience) return no_taker(link.hosts_link);
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
@@ -139,6 +208,21 @@ Hint trouble_or_end(const LinkFigures& link, bool with_time) {
 }
 
 }    // namespace
+
+Hint unknown_device(std::uint8_t address) {
+    const std::string device = ano::hex_byte(address);
+    return {"unknown_device",
+            "commands and writes to " + device +
+                " are not sent: no link has received a frame from it, and other devices might act on " + "them; add --route " +
+                device + "=LINK",
+            {{"device", device}}};
+}
+
+void add_skipped(LinkFigures& link, const ano::FrameParser& parser) {
+    if (!link.skipped.empty()) return;
+    link.skipped.resize(ano::FrameParser::kept_skipped);
+    link.skipped.resize(parser.copy_skipped(link.skipped));
+}
 
 std::string hint_of_trouble(const LinkFigures& link) { return trouble_or_end(link, false).text; }
 

@@ -41,7 +41,7 @@ ListeningNotice ListenerCheck::ask(Suspect& s, TimePoint now) {
 std::optional<ListeningNotice> ListenerCheck::asked(const Endpoint& from, std::uint64_t number, TimePoint now) {
     Suspect& s = row(from, now);
     if (s.number != 0 && s.number == number) return std::nullopt;    // our own question, sent back
-    if (!s.suspended_at || now - *s.suspended_at >= between_suspensions) s.suspended_at = now;
+    suspend(from, now);
     if (now - answers_since_ >= 1s) {
         answers_since_ = now;
         answers_ = 0;
@@ -61,9 +61,20 @@ bool ListenerCheck::answered(const Endpoint& from, std::uint64_t number, TimePoi
     return true;
 }
 
-bool ListenerCheck::is_suspended(const Endpoint& endpoint, TimePoint now) const noexcept {
-    const Suspect* s = find(endpoint);
-    return s && s->suspended_at && now - *s->suspended_at < suspended_for;
+void ListenerCheck::suspend(const Endpoint& endpoint, TimePoint now) noexcept {
+    Suspension* free = nullptr;
+    for (Suspension& s : suspensions_) {
+        const bool is_over = s.endpoint.port == 0 || now - s.at >= between_suspensions;
+        if (s.endpoint == endpoint && !is_over) return;
+        if (is_over && (!free || s.endpoint == endpoint)) free = &s;
+    }
+    if (free) *free = {endpoint, now};
+}
+
+TimePoint ListenerCheck::suspended_until(const Endpoint& endpoint, TimePoint now) const noexcept {
+    for (const Suspension& s : suspensions_)
+        if (s.endpoint == endpoint && s.endpoint.port != 0 && now - s.at < suspended_for) return s.at + suspended_for;
+    return now;
 }
 
 bool ListenerCheck::is_refused(const Endpoint& endpoint) const noexcept {

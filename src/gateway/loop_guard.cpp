@@ -1,229 +1,197 @@
 #include <gateway/loop_guard.hpp>
 
-#include <bit>
-#include <cstdlib>
-
 namespace anogate {
+namespace {
+
+// Begins another second of a count, if the last one is over.
+bool begins_second(LoopGuard::TimePoint& second, LoopGuard::TimePoint now) noexcept {
+    if (second != LoopGuard::TimePoint::min() && now - second < std::chrono::seconds{1}) return false;
+    second = now;
+    return true;
+}
+
+}    // namespace
 
 void LoopGuard::open(ChannelId channel, LinkId link, std::uint8_t group, bool probed, TimePoint now) noexcept {
-    link_of_[index(channel)] = link;
-    place_of_[index(channel)] = place(link, group);
-    opened_at_[index(channel)] = now;
-    withheld_[index(channel)] = {};
-    rings_.open(channel, link, probed);
+    close(channel);
+    State& state = of(channel);
+    state = {};
+    state.link = link;
+    state.place = static_cast<std::uint8_t>(group == 0 ? index(link) : max_links + group);
+    state.opened_at = now;
+    if (probed) probed_.insert(channel);
 }
 
-void LoopGuard::remove_link(LinkId link) noexcept {
-    ChannelSet gone;
-    for (std::size_t i = 0; i < max_channels; ++i) {
-        if (link_of_[i] != link) continue;
-        gone.insert(static_cast<ChannelId>(i));
-        place_of_[i] = place_of_its_own(i);
-        withheld_[i] = {};
+// The loops that it was a part of end.
+void LoopGuard::close(ChannelId channel) noexcept {
+    probed_.erase(channel);
+    for (const ChannelId other : loops_)
+        if (other == channel || of(other).out == channel || of(other).back == channel) loops_.erase(other);
+}
+
+LoopGuard::Judgement LoopGuard::look_up(const Arrival& arrival, TimePoint now) noexcept {
+    Sent* const known = sent_.find(arrival.key, arrival.at);
+    if (!known || sent_.put_at(arrival.key) <= of(arrival.from).opened_at) return {};
+    const bool in_loop = is_loop(arrival.from, now);
+    if (arrival.acts && goes_round(*known, arrival.from, now)) return {.looped = true};
+    if (known->from == arrival.from) {
+        if (!in_loop) return {.suspect = known->originals > max_surplus};    // a loop that goes one way looks like this
+        if (!comes_back(*known, arrival, now)) return {};
+        return {.looped = true, .ask = of(arrival.from).out};
     }
-    sent_.keep_if([gone](std::uint64_t, Sent& sent) {
-        sent.channels -= gone;
-        sent.returned -= gone;
-        return !gone.contains(sent.from);
-    });
-    rings_.remove_link(link);
+    if (!known->channels.contains(arrival.from) && same_place(known->from, arrival.from))
+        return {};    // a sender with a new port
+    const ChannelSet sent_into = known->channels & loops_;
+    if (!in_loop || sent_into.empty()) return judge_copy(*known, arrival, now);
+    if (loops_.size() <= 2)    // the other way round: where both meet, neither comes back
+        known->owed = static_cast<std::int8_t>(std::max(known->owed - 1, -max_ahead));
+    return {.looped = true, .ask = of(arrival.from).out};
 }
 
-LoopGuard::Judgement LoopGuard::look_up(const Said& said, ChannelId from, TimePoint arrived, TimePoint now) noexcept {
-    Sent* known = sent_.find(said.key, arrived);
-    if (!known) return {};
-    const Judgement judgement = judge(*known, said, from, now);
-    if (judgement.fate == Fate::withheld || now < known->withheld_until) {    // its next repeat is awaited for another window
-        sent_.put(said.key, *known, now);
-        quiet_at_ = now + window_;
+// Whether a frame came back by the channel that brought it first: as often as it was sent into the loop.
+bool LoopGuard::comes_back(Sent& known, const Arrival& arrival, TimePoint now) noexcept {
+    if (sent_.put_at(arrival.key) <= of(arrival.from).loop_since && !(known.channels & loops_).empty()) {
+        known.owed = static_cast<std::int8_t>(std::max<int>(known.owed, 1));    // it was sent before that was known
+        sent_.put(arrival.key, known, now);
     }
-    return judgement;
+    if (known.owed <= 0) return false;
+    --known.owed;
+    return true;
 }
 
-void LoopGuard::remember(const Said& said, ChannelId from, ChannelSet channels, TimePoint now) noexcept {
-    const bool claimed = said.speaks == Speaks::elsewhere;
-    Sent sent;
-    sent.claimed = claimed;
-    sent.channels = channels;
-    sent.from = from;
-    if (const Sent* known = sent_.find(said.key, now)) {
-        sent = *known;
-        if (same_place(sent.from, from) && !sent.channels.contains(from)) sent.from = from;
-        if (sent.claimed && said.speaks == Speaks::at_home) {
-            sent.from = from;
-            sent.claimed = false;
-        }
-        sent.channels |= channels;
-    } else if (said.replayed) {
-        sent.replayed = true;
-    } else if (said.by_host) {
-        rings_.spread(channels, now);
+// By no known loop: of another sender, or of a loop that is not known yet.
+LoopGuard::Judgement LoopGuard::judge_copy(Sent& known, const Arrival& arrival, TimePoint now) noexcept {
+    const bool has_moved = arrival.at - known.from_at >= window;    // or the other sender is silent
+    if (has_moved || arrival.at_home) {    // whoever sent it first may have sent it in this device's name
+        known.from = arrival.from;
+        known.copied_by.erase(arrival.from);
+        known.copies = 0;
+        known.owed = 0;
+        if (has_moved) return {};
+    } else if (storms(known, arrival.from, now)) {
+        return {.looped = true};
     }
-    if (!said.by_host && !said.replayed && said.to_all) rings_.told(channels, now);
-    if (const ChannelSet back = (channels - from) & rings_.rings(); !back.empty())
-        sent.owed = static_cast<std::uint8_t>(std::min<std::size_t>(sent.owed + back.size(), max_channels));
-    if (sent.claimed && claimed && sent.anticipated < max_anticipated) ++sent.anticipated;
-    sent_.put(said.key, sent, now);
-    quiet_at_ = now + window_;
-}
-
-LoopGuard::Judgement LoopGuard::judge(Sent& known, const Said& said, ChannelId from, TimePoint now) noexcept {
-    const TimePoint sent_at = sent_.put_at(said.key);
-    if (known.from == from) return repeated(known, said, from, sent_at, now);
-    if (sent_at <= opened_at_[index(from)]) return {};
-    const bool went = known.channels.contains(from);
-    if (!went && same_place(known.from, from)) return {};    // a sender with a new port
-    if (said.by_host) return said_again(known, said, from, sent_at, now);
-    if (known.replayed) return said_beside_replay(from, sent_at, now);
-    if (known.claimed && said.speaks == Speaks::at_home) {
-        if (known.anticipated == 0) return {};
-        --known.anticipated;
-        return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
-    }
-    if (!went) return {.fate = Fate::ends, .elsewhere = true};
-    rings_.brought_back_ones_own(from, now);
-    return {.fate = Fate::ends,
-            .probe = rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing),
-            .elsewhere = !rings_.is_probed(from) || rings_.is_clear(from, now)};
-}
-
-// The frame came again by the channel that brought it first.
-LoopGuard::Judgement LoopGuard::repeated(Sent& known, const Said& said, ChannelId from, TimePoint sent_at,
-                                         TimePoint now) noexcept {
-    if (!said.by_host) {
-        const bool fast = now - sent_at < faster_than_senders;
-        if (fast && rings_.is_ring(from, now)) return {Fate::ends};
-        const bool often = known.times % fast_repeats == fast_repeats - 1;
-        return with_probe(paced(known, said, from, sent_at, now), fast && often && is_worth_asking(from, now));
-    }
-    if (rings_.is_ring(from, now)) {
-        const bool before_it_was_known = sent_at <= rings_.ring_since(from) && !(known.channels - from).empty();
-        if (known.owed == 0 && !known.again && !before_it_was_known) return paced(known, said, from, sent_at, now);
-        if (known.owed > 0) --known.owed;
-        return {Fate::ends};
-    }
-    const bool probe = is_worth_asking(from, now);
-    if (!known.again || is_clear(known, from, now)) return with_probe(paced(known, said, from, sent_at, now), probe);
-    if (rings_.is_asking(now)) return waiting(said, sent_at, probe, now);
-    const bool undecided = known.blindly && !rings_.is_probed(from) && known.channels.contains(from);
-    return undecided ? Judgement{Fate::ends} : with_probe(paced(known, said, from, sent_at, now), probe);
-}
-
-// The frame of a host came by another channel: another host may have sent it.
-LoopGuard::Judgement LoopGuard::said_again(Sent& known, const Said& said, ChannelId from, TimePoint sent_at,
-                                           TimePoint now) noexcept {
-    if (rings_.is_ring(from, now)) return {Fate::ends, rings_.is_due(from, now, RingWatch::calm)};
-    const bool first = !known.returned.contains(from);
-    known.returned.insert(from);
-    if (rings_.brought_back(from, first, sent_at, now)) return {Fate::ends, rings_.is_due(from, now)};
-    const bool probe = rings_.is_due(from, now);
-    if (is_clear(known, from, now)) {
-        const bool may_be_answered = rings_.is_new(from, now) && now - sent_at < RingWatch::by_hand;
-        if (may_be_answered || may_be_its_other_end(known, from, sent_at, now)) return waiting(said, sent_at, probe, now);
-        return with_probe(paced(known, said, from, sent_at, now), probe);
-    }
-    if (!known.again) {
-        known.again = true;
-        known.blindly = !rings_.is_probed(from);
-        if (known.blindly || known.times == 0) return with_probe(paced(known, said, from, sent_at, now), probe);
-    }
-    return rings_.is_probed(from) ? waiting(said, sent_at, probe, now) : blindly(said, now);
-}
-
-// A frame of a replay came again: from its device, which is connected as well, or by a ring.
-LoopGuard::Judgement LoopGuard::said_beside_replay(ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
-    if (rings_.is_ring(from, now) || rings_.brought_back(from, false, sent_at, now))
-        return {Fate::ends, rings_.is_due(from, now, RingWatch::calm)};
-    return {Fate::passes, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
-}
-
-// It is not known whether there is a ring, and no probe can be sent here. The frame waits only if a probe has just left by another
-// channel, by which the frame may have left too.
-LoopGuard::Judgement LoopGuard::blindly(const Said& said, TimePoint now) const noexcept {
-    if (!said.command || said.waited || !rings_.is_asking(now)) return {Fate::ends};
-    return {.fate = Fate::waits, .wait = RingWatch::patience};
-}
-
-// The frame passes, unless it was repeated so often that it is withheld to see whether it still comes.
-LoopGuard::Judgement LoopGuard::paced(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
-    known.times += !said.waited;
-    if (const Judgement judgement = tested(known, said, from, sent_at, now); judgement.fate != Fate::passes) return judgement;
-    Withheld& withheld = withheld_[index(known.from)];
-    const std::uint32_t turns = known.times / repeats;
-    if (turns > 0 && !said.waited && known.withheld < max_withheld_frames) {
-        const std::uint32_t max_in_row = std::bit_floor(turns);
-        if (known.withheld == 0) withheld.since = now;
-        const bool in_time = now - withheld.since < (said.state ? max_state_withheld : max_withheld);
-        if (in_time && known.times - max_in_row * repeats < max_in_row) {
-            ++known.withheld;
-            ++withheld.frames;
-            withheld.at = now;
-            return {Fate::withheld};
-        }
-    }
-    if (known.withheld == 0) return {};
-    withheld.frames -= std::min<std::uint32_t>(withheld.frames, known.withheld);
-    return {Fate::passes, false, 1u + std::exchange(known.withheld, std::uint8_t{0})};
-}
-
-// After a delayed send, a sender's next frame comes by its own clock; in a ring no frame comes before, and the next always comes
-// after the same delay.
-LoopGuard::Judgement LoopGuard::tested(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
-    Test& test = known.test;
-    if (said.waited) {
-        if (said.hurried && test.sent_late > 0) end_test(known);
-        return {};
-    }
-    if (now >= known.withheld_until) {
-        const auto way = static_cast<std::uint16_t>(
-            std::min<std::int64_t>((now - sent_at) / std::chrono::milliseconds{1}, 60'000));
-        const bool steady = std::abs(way - test.way) <= std::min(20 + way / 8, 60);
-        test.way = way;
-        if (test.sent_late == 0) {
-            // If several copies circulate, the delay is not steady.
-            const std::uint32_t turns = (known.times / first_test) >> test.number;
-            if (!said.command || test.number == max_tests || turns < (steady ? 1u : 2u)) return {};
-        } else if (steady) {
-            if (++test.steady >= enough) return came_round(known, from, now);
-        } else {
-            const bool ended = test.steady == enough;    // it was taken for a ring, but frames still come
-            test.steady = 0;
-            if (ended || ++test.strays > 1) return end_test(known), Judgement{};
-        }
-        known.withheld_until = now + tested_for[test.sent_late++ % tested_for.size()];
-    }
-    return {.fate = Fate::waits, .wait = known.withheld_until - now, .repeats = std::max(known.times / first_test, 1u)};
-}
-
-// Other frames that circulate in the same ring end as well.
-LoopGuard::Judgement LoopGuard::came_round(Sent& known, ChannelId from, TimePoint now) noexcept {
-    known.test.steady = enough;
-    if (known.from != from) rings_.came_round(from, now);
-    return {Fate::ends};
-}
-
-void LoopGuard::end_test(Sent& known) noexcept {
-    known.test = {.number = static_cast<std::uint8_t>(known.test.number + 1), .way = known.test.way};
-    known.withheld_until = TimePoint::min();
-}
-
-// Only the newest state matters, so states wait only in a fast ring, and for a short time.
-LoopGuard::Judgement LoopGuard::waiting(const Said& said, TimePoint sent_at, bool probe, TimePoint now) noexcept {
-    const bool waits = !said.state || now - sent_at < faster_than_senders;
+    const bool undecided = !known.replayed && may_be_answered(arrival.from, now);
     return {
-        .fate = waits ? Fate::waits : Fate::passes, .probe = probe, .wait = said.state ? max_state_wait : RingWatch::patience};
+        .suspect = true, .undecided = undecided, .ask = probed_.contains(arrival.from) ? ChannelSet{arrival.from} : ChannelSet{}};
 }
 
-// Whether `from` may be the other end of a ring whose bridges do not forward frames of devices: there only a probe by the other end
-// shows the ring.
-bool LoopGuard::may_be_its_other_end(const Sent& known, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
-    if (rings_.is_probed(from) || known.times == 0) return false;
-    return rings_.is_asking(now) || (now - sent_at < RingWatch::by_hand && !rings_.are_clear(known.channels - from, now));
+// Counts a copy. True: there are too many, whatever the probes show. Another sender may be faster than the first one, but not by
+// `max_surplus`, and no two senders send the same frame `max_same` times in a second.
+bool LoopGuard::storms(Sent& known, ChannelId from, TimePoint now) noexcept {
+    if (begins_second(known.second, now)) known.originals = known.copies = 0;
+    known.copied_by.insert(from);
+    ++known.copies;
+    const auto channels = static_cast<std::uint32_t>(known.copied_by.size()), expected = known.originals * channels;
+    State& state = of(from);
+    if (begins_second(state.second, now)) state.surplus = 0;
+    if (known.copies > expected) ++state.surplus;
+    const bool too_often = known.copies > max_same * channels;
+    if (too_often && known.from != ourselves) note(known.from, known.from, known.from, true, now);
+    if (!too_often && known.copies <= expected + max_surplus && state.surplus <= max_surplus) return false;
+    for (const ChannelId channel : known.copied_by) note(channel, channel, channel, true, now);
+    return true;
 }
 
-// There is no ring by which the frame can have come.
-bool LoopGuard::is_clear(const Sent& known, ChannelId from, TimePoint now) noexcept {
-    return rings_.is_clear(from, now) || (!rings_.is_probed(from) && rings_.are_clear(known.channels - from, now));
+// Counts a command by another channel than the one that began with it. True: nobody else sends it so often.
+bool LoopGuard::goes_round(Sent& known, ChannelId from, TimePoint now) noexcept {
+    if (from == known.begun_by) return false;
+    known.copied_by.insert(from);
+    if (known.again < max_again) return ++known.again, false;
+    for (const ChannelId channel : known.copied_by) note(channel, channel, channel, true, now);
+    return true;
+}
+
+void LoopGuard::remember(const Arrival& arrival, ChannelSet channels, TimePoint now, bool replayed) noexcept {
+    Sent sent;
+    sent.from = sent.begun_by = arrival.from;
+    sent.replayed = replayed;
+    if (const Sent* known = sent_.find(arrival.key, std::min(arrival.at, now))) {
+        sent = *known;
+        const bool has_moved = sent.from != arrival.from && same_place(sent.from, arrival.from);    // neither is `ourselves`
+        if (has_moved && !sent.channels.contains(arrival.from)) sent.from = arrival.from;
+    }
+    sent.channels |= channels;
+    if (sent.begun_by == arrival.from)
+        sent.again = static_cast<std::uint8_t>(sent.again - std::min<std::size_t>(sent.again, sent.copied_by.size()));
+    if (sent.from == arrival.from) {
+        sent.from_at = now;
+        if (begins_second(sent.second, now)) sent.originals = sent.copies = 0;
+        ++sent.originals;
+    }
+    const int into_loops = static_cast<int>((channels & loops_).size());
+    sent.owed = static_cast<std::int8_t>(std::min(sent.owed + into_loops, max_owed));
+    sent_.put(arrival.key, sent, now);
+    quiet_at_ = now + window;
+}
+
+ano::FrameView LoopGuard::ask(ChannelId channel, TimePoint now) noexcept {
+    State& state = of(channel);
+    if (state.unanswered_since == never || now - state.asked_at >= holds) state.unanswered_since = now;
+    state.asked_at = now;
+    std::move_backward(state.questions.begin(), state.questions.end() - 1, state.questions.end());
+    state.questions[0] = ++questions_;
+    std::array<std::uint8_t, probe_data> data{};
+    std::copy(probe_word.begin(), probe_word.end(), data.begin());
+    for (unsigned i = 0; i < 8; ++i) data[4 + i] = static_cast<std::uint8_t>(station_ >> 8 * i);
+    for (unsigned i = 0; i < 4; ++i) data[12 + i] = static_cast<std::uint8_t>(state.questions[0] >> 8 * i);
+    data[16] = static_cast<std::uint8_t>(channel);
+    ano::encode(probe_, ano::address::host, ano::address::broadcast, probe_id, data);
+    return ano::FrameView{probe_};
+}
+
+bool LoopGuard::take(ano::FrameView probe, ChannelId from, TimePoint now) noexcept {
+    const auto data = probe.data();
+    std::uint64_t station = 0;
+    std::uint32_t question = 0;
+    for (unsigned i = 0; i < 8; ++i) station |= std::uint64_t{data[4 + i]} << 8 * i;
+    for (unsigned i = 0; i < 4; ++i) question |= std::uint32_t{data[12 + i]} << 8 * i;
+    if (station == station_) {
+        answered(static_cast<ChannelId>(data[16] % max_channels), question, from, now);
+        return false;
+    }
+    const std::uint64_t key = (station ^ std::uint64_t{data[16]} << 56) + std::uint64_t{question} * 0x9E3779B97F4A7C15u;
+    if (others_.find(key, now)) return false;
+    others_.put(key, {}, now);
+    return true;
+}
+
+void LoopGuard::answered(ChannelId out, std::uint32_t question, ChannelId back, TimePoint now) noexcept {
+    State& state = of(out);
+    const bool is_ours = question != 0 &&
+                         std::find(state.questions.begin(), state.questions.end(), question) != state.questions.end();
+    if (!probed_.contains(out) || !is_ours || now - state.asked_at >= holds) return;
+    state.unanswered_since = never;
+    note(out, out, back, false, now);
+    note(back, out, back, false, now);
+}
+
+void LoopGuard::note(ChannelId channel, ChannelId out, ChannelId back, bool by_traffic, TimePoint now) noexcept {
+    State& state = of(channel);
+    if (!is_loop(channel, now)) state.loop_since = now;
+    state.out = out;
+    state.back = back;
+    state.by_traffic = by_traffic;
+    state.loop_until = now + holds;
+    loops_.insert(channel);
+}
+
+bool LoopGuard::is_known(const State& state, TimePoint now) const noexcept {
+    if (now >= state.loop_until) return false;
+    const TimePoint unanswered = of(state.out).unanswered_since;
+    return state.by_traffic || unanswered == never || now - unanswered < over_after;
+}
+
+bool LoopGuard::may_be_answered(ChannelId channel, TimePoint now) const noexcept {
+    const State& state = of(channel);
+    const bool asked = state.unanswered_since != never && now - state.asked_at < holds;
+    return probed_.contains(channel) && !(asked && now - state.unanswered_since >= slowest);
+}
+
+std::optional<LoopGuard::Loop> LoopGuard::loop(ChannelId channel, TimePoint now) const noexcept {
+    const State& state = of(channel);
+    if (!loops_.contains(channel) || !is_known(state, now)) return std::nullopt;
+    return Loop{of(state.out).link, of(state.back).link};
 }
 
 }    // namespace anogate

@@ -16,6 +16,8 @@ constexpr std::array<std::int32_t, traffic_classes> quanta{ano::overhead, 32, 25
 // Maximum number of frames of one bucket that are searched: addresses chosen by an attacker must not make push() slow.
 constexpr int max_entries_searched = 16;
 
+constexpr std::array<std::uint8_t, Outbox::max_flush> zero_bytes{};
+
 std::uint32_t replacement_key(ano::FrameView frame, Replaces replaces) noexcept {
     const std::uint32_t first_byte = replaces == Replaces::same_first_byte ? frame.data()[0] : 0u;
     return static_cast<std::uint32_t>(frame.source() | frame.destination() << 8 | frame.id() << 16) | first_byte << 24;
@@ -33,23 +35,45 @@ Outbox::Outbox(const Options& options)
               FairQueue{entries_.get(), options.bytes / ano::overhead + 2, quanta[2]}} {
     buckets_.fill(no_frames);
     assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= std::size_t{1} << 30);
+    assert(std::max(options.flush_bytes, options.flush_again_bytes) <= max_flush);
 }
 
 SendCause Outbox::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from) noexcept {
-    return store(frame, policy, arrived_at + limit(options_.age, policy.age), from);
+    return store(frame, policy, arrived_at + limit(options_.age, policy), from);
 }
 
-bool Outbox::is_stale(QueuePolicy policy, ano::Duration age) const noexcept { return age >= limit(options_.age, policy.age); }
+bool Outbox::is_stale(QueuePolicy policy, ano::Duration age) const noexcept { return age >= limit(options_.age, policy); }
 
 void Outbox::grow_older(ano::Duration time) noexcept {
     for (Index i = in_arena_.first; i != none; i = entries_[i].in_arena.behind)
         if (entries_[i].stale_at != ano::Duration::max()) entries_[i].stale_at -= time;
 }
 
+bool Outbox::flush_parser(ano::TimePoint now) noexcept {
+    if (!open_ || !empty() || options_.flush_bytes == 0 || now < flush_again_at_) return false;
+    const bool is_again = flush_again_at_ > ano::TimePoint::min() && now - flush_again_at_ < flushed_soon - between_flushes;
+    zeros_ = is_again ? std::max(options_.flush_bytes, options_.flush_again_bytes) : options_.flush_bytes;
+    zeros_before_ = pushed_ + 1;
+    flush_again_at_ = now + between_flushes;
+    return true;
+}
+
+ano::Duration Outbox::until_flush(ano::TimePoint now) const noexcept {
+    if (!open_ || !empty() || options_.flush_bytes == 0 || now >= flush_again_at_) return {};
+    return flush_again_at_ - now;
+}
+
+bool Outbox::has_waiting(ChannelId from) const noexcept {
+    for (Index i = in_arena_.first; i != none; i = entries_[i].in_arena.behind)
+        if (i != begun_ && queues_[entries_[i].traffic].channel_of(i) == from) return true;
+    return false;
+}
+
 SendCause Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept {
     const auto bytes = frame.bytes();
     if (!open_) return refuse(&SendCounters::link_down);
-    if (bytes.size() > ano::overhead + options_.max_data) return refuse(&SendCounters::too_big);
+    if (bytes.size() > std::min(ano::overhead + ano::max_data_of(frame.id(), options_.max_data), options_.bytes))
+        return refuse(&SendCounters::too_big);
 
     const bool congested = congested_;    // also if the outbox is empty for a moment below
     const std::uint64_t number = ++pushed_;
@@ -61,6 +85,7 @@ SendCause Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint
     if (!make_room(bytes.size(), policy.traffic)) return refuse(&SendCounters::queue_full);
 
     ++counters_.offered;
+    if (number > zeros_before_) zeros_ = 0;    // no frame waits for more than the one behind them
     const Index i = new_entry();
     WaitingFrame& entry = entries_[i];
     entry.at = static_cast<std::uint32_t>(end_);
@@ -82,13 +107,14 @@ SendCause Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint
     waiting_classes_ |= 1u << static_cast<std::size_t>(policy.traffic);
     append<&WaitingFrame::in_arena>(entries_.get(), in_arena_, i);
     if (replaceable) append<&WaitingFrame::in_bucket>(entries_.get(), bucket(key, from), i);
-    if (in_flight_) in_flight_->queued(frame);
+    if (in_flight_) in_flight_->queued(frame, from);
     return nullptr;
 }
 
 Outbox::Next Outbox::next(ano::TimePoint now) noexcept {
     const Schedule first = plan(now);
     const bool urgent_waits = first.next[urgent] != none;
+    if (zeros_ > 0) return {std::min(zeros_, zeros_at_once), urgent_waits, true};
     if (begun_ != none) return {entries_[begun_].size - partly_sent_, urgent_waits || entries_[begun_].traffic == urgent};
     const std::size_t traffic = first.shares.choose(first.sizes);
     return {traffic < traffic_classes ? first.sizes[traffic] : 0, urgent_waits};
@@ -102,6 +128,12 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
         pieces[count++] = {arena_.get() + entry.at + from, entry.size - from};
         total += entry.size - from;
     };
+    if (zeros_ > 0 && !pieces.empty()) {
+        total = std::min(zeros_, budget);
+        if (total == 0) return 0;
+        pieces[count++] = std::span{zero_bytes}.first(total);
+        if (total < zeros_) return count;
+    }
     if (begun_ != none && !pieces.empty()) give(entries_[begun_], partly_sent_);
     if (count == pieces.size()) return count;
     if (const FairQueue* queue = in_order()) {
@@ -130,7 +162,11 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
 }
 
 void Outbox::sent(std::size_t bytes) noexcept {
-    assert(bytes <= bytes_ - partly_sent_);
+    assert(bytes <= zeros_ + bytes_ - partly_sent_);
+    const std::size_t zeros = std::min(bytes, zeros_);
+    zeros_ -= zeros;
+    counters_.flush_bytes += zeros;
+    bytes -= zeros;
     while (bytes > 0 && frames_ > 0) {
         if (begun_ == none) begun_ = take_first();
         const std::size_t rest = entries_[begun_].size - partly_sent_;
@@ -168,6 +204,16 @@ void Outbox::drop_frame(SendCause cause) noexcept {
     if (empty()) shares_.clear();
 }
 
+void Outbox::drop_waiting(SendCause cause) noexcept {
+    zeros_ = 0;
+    for (Index i = in_arena_.first; i != none;) {
+        const Index behind = entries_[i].in_arena.behind;
+        if (i != begun_) drop(i, cause);
+        i = behind;
+    }
+    if (empty()) shares_.clear();
+}
+
 void Outbox::close() noexcept {
     open_ = false;
     counters_.link_down += frames_;
@@ -177,7 +223,7 @@ void Outbox::close() noexcept {
     buckets_.fill(no_frames);
     in_arena_ = no_frames;
     begun_ = free_ = none;
-    partly_sent_ = frames_ = bytes_ = end_ = used_ = 0;
+    partly_sent_ = frames_ = bytes_ = zeros_ = end_ = used_ = 0;
     shares_.clear();
     waiting_classes_ = 0;
     congested_ = false;

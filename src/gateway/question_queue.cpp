@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace anogate {
 
@@ -26,8 +27,13 @@ SendCause QuestionQueue::push(ano::FrameView frame, QueuePolicy policy, ano::Tim
                               ano::TimePoint arrived_at) noexcept {
     if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, policy, arrived_at, from);
     release(now);    // waiting questions go first
-    if (in_flight_.has_room(now)) return outbox_.push(frame, policy, arrived_at, from);
-    return store(frame, arrived_at, from);
+    if (in_flight_.has_place(from)) {
+        served_[index(from)] = ++handed_over_;
+        return outbox_.push(frame, policy, arrived_at, from);
+    }
+    const SendCause cause = store(frame, arrived_at, from);
+    if (!cause) release(now);    // it may get the place of another's
+    return cause;
 }
 
 void QuestionQueue::grow_older(ano::Duration time) noexcept {
@@ -38,27 +44,58 @@ bool QuestionQueue::hear(ano::FrameView frame, ano::TimePoint now) noexcept { re
 
 bool QuestionQueue::release(ano::TimePoint now) noexcept {
     bool released = false;
+    in_flight_.expire(now);
     while (!turns_.empty()) {
         if (now >= stale_at(oldest())) {
             drop(oldest(), &SendCounters::stale);
-            continue;
+        } else if (const auto next = next_sender()) {
+            hand_over(turns_.first_of(*next, 0), *next);
+            released = true;
+        } else if (!somebody_has_none() || !in_flight_.give_up_one(now)) {
+            break;
         }
-        if (!in_flight_.has_room(now)) break;
-        hand_over(turns_.next());
-        released = true;
     }
     return released;
+}
+
+// The gateway itself, if it has no place; else who has the fewest, and of those who got one longest ago.
+std::optional<ChannelId> QuestionQueue::next_sender() const noexcept {
+    if (is_waiting(ourselves) && in_flight_.places(ourselves) == 0 && in_flight_.has_place(ourselves)) return ourselves;
+    std::optional<ChannelId> best;
+    const auto rank = [this](ChannelId from) { return std::pair{in_flight_.places(from), served_[index(from)]}; };
+    for (std::size_t c = 0; c < senders; ++c) {
+        const auto from = static_cast<ChannelId>(c);
+        if (is_waiting(from) && in_flight_.has_place(from) && (!best || rank(from) < rank(*best))) best = from;
+    }
+    return best;
+}
+
+bool QuestionQueue::somebody_has_none() const noexcept {
+    for (std::size_t c = 0; c < senders; ++c)
+        if (is_waiting(static_cast<ChannelId>(c)) && in_flight_.places(static_cast<ChannelId>(c)) == 0) return true;
+    return false;
 }
 
 // Questions that wait in the outbox may be dropped there without notice, so look again after a while.
 std::optional<ano::TimePoint> QuestionQueue::next_look(ano::TimePoint now) const noexcept {
     if (turns_.empty()) return std::nullopt;
-    const ano::TimePoint room_at = in_flight_.next_given_up().value_or(now + InFlight::patience);
+    ano::TimePoint room_at = in_flight_.next_given_up().value_or(now + InFlight::patience);
+    if (const auto early = in_flight_.next_early(); early && somebody_has_none()) room_at = std::min(room_at, *early);
     return std::min(room_at, stale_at(oldest()));
 }
 
+bool QuestionQueue::has_waiting(ChannelId from) const noexcept {
+    for (FrameIndex i = in_room_.first; i != no_frame; i = frames_[i].in_arena.behind)
+        if (turns_.channel_of(i) == from) return true;
+    return false;
+}
+
+void QuestionQueue::drop_waiting(SendCause cause) noexcept {
+    while (!turns_.empty()) drop(oldest(), cause);
+}
+
 void QuestionQueue::close() noexcept {
-    while (!turns_.empty()) drop(oldest(), &SendCounters::link_down);
+    drop_waiting(&SendCounters::link_down);
     in_flight_.clear();
 }
 
@@ -81,16 +118,17 @@ SendCause QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, 
     std::memcpy(room_.get() + end_, bytes.data(), bytes.size());
     end_ += bytes.size();
     append<&WaitingFrame::in_arena>(frames_.get(), in_room_, i);
-    turns_.push(i, from, 0);    // all askers of a channel share its turn
+    turns_.push(i, from, 0);    // all askers of a channel count as one sender
     return nullptr;
 }
 
-void QuestionQueue::hand_over(FrameIndex i) noexcept {
+void QuestionQueue::hand_over(FrameIndex i, ChannelId from) noexcept {
     const ano::FrameView frame{{room_.get() + frames_[i].at, frames_[i].size}};
     --counters_.offered;    // from now on, the outbox counts the question
-    const SendCause cause = outbox_.push(frame, policy_of(frame.id()), stale_at(i) - options_.age, turns_.channel_of(i));
+    const SendCause cause = outbox_.push(frame, policy_of(frame.id()), stale_at(i) - options_.age, from);
     if (cause) outbox_.tell_dropped(frame, cause);
-    turns_.take();
+    served_[index(from)] = ++handed_over_;
+    turns_.remove(i);
     forget(i);
 }
 

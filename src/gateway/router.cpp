@@ -49,6 +49,9 @@ void Router::remove_link(LinkId link) {
     links_[index(link)] = {};
     heard_link_[index(link)] = TimePoint::min();
     unknown_links_.erase(link);
+    remade_.erase(link);
+    for (LinkSet& left : left_) left.erase(link);
+    for (LinkSet& from : moved_from_) from.erase(link);
     for (LinkSet& port : ports_) port.erase(link);
     for (LinkSet& pinned : pinned_) pinned.erase(link);
     for (LinkSet& group : groups_) group.erase(link);
@@ -79,6 +82,7 @@ void Router::open(ChannelId channel, LinkId link) {
     ++open_;
     link_of_[index(channel)] = link;
     channels_of_link_[index(link)].insert(channel);
+    homes_changed_ = true;
     if (links_[index(link)].flood) flooded_.insert(channel);
     if (links_[index(link)].broadcast) broadcast_.insert(channel);
 }
@@ -89,8 +93,14 @@ void Router::close(ChannelId channel) {
     flooded_.erase(channel);
     broadcast_.erase(channel);
     down_.erase(channel);
+    hosts_.erase(channel);
+    for (ChannelSet& also : also_) also.erase(channel);
+    homes_changed_ = true;
     for (ChannelSet& port : port_channels_) port.erase(channel);
-    for (ChannelSet& known : known_) known.erase(channel);
+    for (unsigned a = 0; a < known_.size(); ++a) {
+        if (known_[a] == ChannelSet{channel}) left_[a] = link_of_[index(channel)];
+        known_[a].erase(channel);
+    }
     for (ChannelSet& first : first_) first.erase(channel);
     if (!claims_.next()) return;
     for (unsigned a = 0; a < known_.size(); ++a)
@@ -117,22 +127,50 @@ void Router::settle() {
 
 // The first home is remembered: when the device speaks there again, it gets the address back from the one that took it meanwhile.
 void Router::move(std::uint8_t source, ChannelId to) {
+    note_move(source, to);
     ChannelSet& first = first_[source];
     if (was_first(source, to)) first.clear();
     else if (first.empty()) first = known_[source];
     known_[source] = to;
+    homes_changed_ = true;
+}
+
+void Router::note_move(std::uint8_t source, ChannelId to) noexcept {
+    const LinkId link = link_of_[index(to)];
+    const LinkSet from = known_[source].empty() ? left_[source] : links_of(known_[source]);
+    if (from.empty() || from.contains(link)) return;
+    LinkSet& before = moved_from_[source];
+    if (before.contains(link)) before.clear();
+    else if (before.empty()) before = from;
+    new_moves_.set(source);
+    left_[source] = from;
+}
+
+std::optional<Router::Moved> Router::take_move() noexcept {
+    if (new_moves_.none()) return std::nullopt;
+    std::size_t a = 0;
+    while (!new_moves_[a]) ++a;
+    new_moves_.reset(a);
+    const auto address = static_cast<std::uint8_t>(a);
+    const LinkSet now = links_of(known_[address]);
+    return now.empty() ? std::nullopt : std::optional{Moved{address, left_[address], *now.begin()}};
 }
 
 bool Router::was_first(std::uint8_t source, ChannelId channel) const noexcept {
     return first_[source].contains(channel) || leads_to(first_[source], channel);
 }
 
-Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now) {
+Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now, ano::Intent intent) {
     learn(from, source, now);
+    return spread(from, source, destination, now, intent);
+}
+
+Route Router::spread(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now, ano::Intent intent) {
     Route route;
     route.new_conflict = untold_;
-    decide(route, destination, now);
+    decide(route, destination, from, intent, now);
     route.channels.erase(from);
+    if (source == destination && route.channels.empty() && route.absent.empty()) to_namesakes(route, source, from, intent);
     if (grouped_) {
         heard_link_[index(link_of_[index(from)])] = now;
         keep_one_of_each_group(route, link_of_[index(from)], now);
@@ -141,9 +179,9 @@ Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destinatio
     return route;
 }
 
-Route Router::find(LinkId from, std::uint8_t destination, TimePoint now) {
+Route Router::find(LinkId from, std::uint8_t destination, TimePoint now, ano::Intent intent) {
     Route route;
-    decide(route, destination, now);
+    decide(route, destination, {}, intent, now);
     if (grouped_) keep_one_of_each_group(route, from, now);
     guard(route, destination);
     return route;
@@ -157,8 +195,8 @@ void Router::guard(Route& route, std::uint8_t destination) const noexcept {
     route.guarded = spread ? route.guarded | route.channels : ChannelSet{};
 }
 
-// Decides who gets the frame, without regard to where it came from.
-void Router::decide(Route& route, std::uint8_t destination, TimePoint now) {
+// Decides who gets the frame. It may still contain `from`, the channel that it came by.
+void Router::decide(Route& route, std::uint8_t destination, ChannelSet from, ano::Intent intent, TimePoint now) {
     if (destination == address::broadcast) {
         route.via = Via::broadcast;
         route.channels = broadcast_;
@@ -178,18 +216,107 @@ void Router::decide(Route& route, std::uint8_t destination, TimePoint now) {
         route.via = Via::learned;
         route.channels = heard;
         route.host_is_down = address::is_host(destination) && is_cut_off(heard);
-        if (route.host_is_down) add_unknown(route);    // the host may listen elsewhere now
-    } else {
-        add_unknown(route);
+        if (route.host_is_down) add_unknown(route, destination, from, intent);    // the host may listen elsewhere now
+    } else if (intent != ano::Intent::acts || !to_last_home(route, destination)) {
+        add_unknown(route, destination, from, intent);
     }
 }
 
-// Adds to the route the channels for frames to addresses that were never heard.
-void Router::add_unknown(Route& route) const {
+// A host and a device have the same address, and the frame came from where that is at home: it is for the other one.
+void Router::to_namesakes(Route& route, std::uint8_t address, ChannelId from, ano::Intent intent) {
+    if (route.via != Via::learned && route.via != Via::pinned) return;
+    route.channels = (known_[address] | also_[address] | first_[address]) - from;
+    if (!route.channels.empty()) return;
+    add_unknown(route, address, from, intent);
+    route.channels.erase(from);
+}
+
+// A frame that acts on a device goes where that was heard last, however long ago that was. False: it was never heard.
+bool Router::to_last_home(Route& route, std::uint8_t destination) {
+    const ChannelSet known = known_[destination];
+    if (known.empty() && left_[destination].empty()) return false;
+    route.via = Via::learned;
+    if (known.empty()) {
+        to_links(route, left_[destination]);
+        const ChannelSet of_others = places_of_devices_alone();
+        route.channels -= of_others - silent_;
+        return true;
+    }
+    ChannelId last = *known.begin();
+    for (const ChannelId channel : known)
+        if (heard(destination, channel) > heard(destination, last)) last = channel;
+    route.channels = last;
+    return true;
+}
+
+// Adds to the route the channels for frames to addresses that were never heard. Some devices act on every frame, whatever its
+// address: a flooded frame that acts never gets to places where only other devices are, unless there is only one such place.
+void Router::add_unknown(Route& route, std::uint8_t destination, ChannelSet from, ano::Intent intent) {
     if (unknown_ == Unknown::drop) return;
     route.via = Via::unknown;
-    if (unknown_ == Unknown::flood) route.channels |= flooded_;
-    else to_links(route, unknown_links_);
+    if (unknown_ == Unknown::link) return to_links(route, unknown_links_);
+    ChannelSet flooded = flooded_;
+    if (address::is_host(destination)) flooded -= places_of_devices_alone();
+    else if (intent == ano::Intent::acts)
+        flooded -= places_of_devices_alone() - the_only_place(places_of(devices()) - places_of(from));
+    route.channels |= flooded;
+}
+
+// Returns `devices` if all of them are in one place, whose devices act only on frames for themselves.
+ChannelSet Router::the_only_place(ChannelSet devices) const noexcept {
+    const LinkSet links = links_of(devices);
+    if (links.empty()) return {};
+    const LinkRule& rule = links_[index(*links.begin())];
+    if (devices.has_several() && (rule.group == 0 || !(links - groups_[rule.group]).empty())) return {};
+    for (const LinkId link : links)
+        if (links_[index(link)].acts_for_others) return {};
+    return devices;
+}
+
+// The channels where a device is at home, and those of remade links with devices that have heard nobody since.
+ChannelSet Router::devices() {
+    if (homes_changed_) {
+        ChannelSet heard, silent;
+        devices_.clear();
+        for (unsigned a = 0; a < known_.size(); ++a) {
+            heard |= known_[a];
+            if (address::is_host(static_cast<std::uint8_t>(a))) continue;
+            devices_ |= known_[a];
+            if (known_[a].empty()) silent |= channels_of(left_[a] & remade_);
+        }
+        silent_ = silent - heard;
+        devices_ |= silent_;
+        homes_changed_ = false;
+    }
+    return devices_;
+}
+
+std::bitset<256> Router::last_homes(LinkId link) const noexcept {
+    std::bitset<256> addresses;
+    for (unsigned a = 0; a < known_.size(); ++a)
+        addresses[a] = known_[a].empty() ? left_[a].contains(link) : links_of(known_[a]) == LinkSet{link};
+    return addresses;
+}
+
+void Router::restore_last_homes(const std::bitset<256>& addresses, LinkId link) noexcept {
+    for (unsigned a = 0; a < known_.size(); ++a)
+        if (addresses[a] && known_[a].empty()) left_[a].insert(link);
+    remade_.insert(link);
+    homes_changed_ = true;
+}
+
+bool Router::is_alone(std::uint8_t source, ChannelId channel) const noexcept {
+    if (hosts_.contains(channel)) return false;
+    for (unsigned a = 0; a < known_.size(); ++a)
+        if (a != source && known_[a].contains(channel)) return false;
+    return known_[source].contains(channel);
+}
+
+// With these channels, all that are of the same groups.
+ChannelSet Router::places_of(ChannelSet channels) const noexcept {
+    if (!grouped_) return channels;
+    for (const LinkId link : links_of(channels)) channels |= channels_of(mates(link));
+    return channels;
 }
 
 Router::Learned Router::learned(std::uint8_t a, TimePoint now) const {
@@ -234,7 +361,12 @@ bool Router::take_claimant(Claimant& claimant) {
 bool Router::forget(std::uint8_t address) {
     const bool was_known = !known_[address].empty();
     known_[address].clear();
+    left_[address].clear();
+    also_[address].clear();
+    homes_changed_ = true;
     first_[address].clear();
+    moved_from_[address].clear();
+    new_moves_.reset(address);
     claims_.end(address);
     forget_conflict(address);
     return was_known;
@@ -247,6 +379,7 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
         if (source == address::unassigned || source == address::broadcast) return;
         if (claims(source, from)) return claim(source, from, now);
         const bool anywhere = address::is_host(source) || !pinned_[source].empty();
+        homes_changed_ = true;
         if (anywhere || leads_to(known, from)) known.insert(from);
         else come_back(source, from, now);
     }
@@ -261,6 +394,7 @@ std::optional<TimePoint> Router::heard_at(std::uint8_t address, ChannelId channe
 void Router::restore(std::uint8_t source, ChannelId channel, TimePoint at) {
     if (source == address::unassigned || source == address::broadcast) return;
     known_[source].insert(channel);
+    homes_changed_ = true;
     heard(source, channel) = at;
     TimePoint& heard_link = heard_link_[index(link_of_[index(channel)])];
     heard_link = std::max(heard_link, at);
@@ -283,11 +417,6 @@ bool Router::heard_again(ChannelId from, std::uint8_t source, TimePoint now) {
     return untold_;
 }
 
-Speaks Router::speaks(std::uint8_t source, ChannelId channel) const noexcept {
-    if (holds(source, channel)) return first_[source].empty() ? Speaks::at_home : Speaks::elsewhere;
-    return claims(source, channel) ? Speaks::elsewhere : Speaks::somewhere;
-}
-
 bool Router::holds(std::uint8_t source, ChannelId channel) const noexcept {
     const LinkSet pinned = pinned_[source];
     return pinned.empty() ? known_[source].contains(channel) : pinned.contains(link_of_[index(channel)]);
@@ -307,6 +436,7 @@ bool Router::claims(std::uint8_t source, ChannelId channel) const noexcept {
 
 // A claim of a pinned address is refused without a question.
 void Router::claim(std::uint8_t source, ChannelId from, TimePoint now) {
+    also_[source].insert(from);
     if (!claims_.is_under_way(source) || claims_.claimant(source) == from) heard(source, from) = now;
     const bool begins = claims_.begin(source, from, now);
     if (begins && !pinned_[source].empty()) return refuse(source, now);
@@ -383,7 +513,7 @@ LinkSet Router::links_of(ChannelSet channels) const noexcept {
     return links;
 }
 
-ChannelSet Router::channels_of(LinkSet links) const {
+ChannelSet Router::channels_of(LinkSet links) const noexcept {
     ChannelSet channels;
     for (const LinkId link : links) channels |= channels_of_link_[index(link)];
     return channels;

@@ -58,6 +58,25 @@ AccelerometerCalibration AccelerometerCalibration::of(const std::array<float, 15
     return c;
 }
 
+double error_on(Face face, const Vector& acceleration) noexcept {
+    const Vector d = direction(static_cast<std::size_t>(face));
+    return std::hypot(acceleration[0] - SixFaces::gravity * d[0], acceleration[1] - SixFaces::gravity * d[1],
+                      acceleration[2] - SixFaces::gravity * d[2]);
+}
+
+Vector SixFaces::mean(Face face) const noexcept {
+    const Gathered& of = gathered_[static_cast<std::size_t>(face)];
+    const auto n = static_cast<double>(of.count);
+    return {(of.sum[0][0] + of.sum[1][0]) / n, (of.sum[0][1] + of.sum[1][1]) / n, (of.sum[0][2] + of.sum[1][2]) / n};
+}
+
+double SixFaces::spread(Face face) const noexcept {
+    const Gathered& of = gathered_[static_cast<std::size_t>(face)];
+    const Vector m = mean(face);
+    const double variance = of.squares / static_cast<double>(of.count) - (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+    return std::sqrt(std::max(0.0, variance));
+}
+
 void SixFaces::take(const Vector& acceleration, const Vector& rotation) noexcept {
     last_[taken_++ % window] = {acceleration, rotation};
     judge();
@@ -65,7 +84,10 @@ void SixFaces::take(const Vector& acceleration, const Vector& rotation) noexcept
     Gathered& face = gathered_[static_cast<std::size_t>(*face_)];
     if (face.count >= enough) return;
     Vector& sum = face.sum[face.count++ % 2];
-    for (std::size_t i = 0; i < 3; ++i) sum[i] += acceleration[i];
+    for (std::size_t i = 0; i < 3; ++i) {
+        sum[i] += acceleration[i];
+        face.squares += acceleration[i] * acceleration[i];
+    }
 }
 
 void SixFaces::judge() noexcept {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace ano::host {
 namespace {
@@ -12,6 +13,18 @@ Action clear_of(Sensor sensor) noexcept {
 }
 Action use_of(Sensor sensor) noexcept {
     return sensor == Sensor::accelerometer ? Action::accelerometer_calibration_sent : Action::store_compass_calibration;
+}
+
+bool are_same(const CalibrationValues& a, const CalibrationValues& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& one, const auto& other) {
+        return one.first == other.first && same_bytes(one.second, other.second, Type::f32);
+    });
+}
+
+// Text for people: "52.7 cm/s²", or "1.5 %".
+std::string error_text(double error, Sensor sensor) {
+    const auto tenths = std::llround(std::min(error * (sensor == Sensor::accelerometer ? 10 : 1000), 1e6));
+    return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + (sensor == Sensor::accelerometer ? " cm/s²" : " %");
 }
 
 }    // namespace
@@ -29,7 +42,7 @@ std::vector<std::string> calibration_names(Sensor sensor) {
 CalibrationWrite::CalibrationWrite(Device& device, DescriptionCache* cache, Sensor sensor, CalibrationValues values)
     : Task{device},
       values_{std::move(values)},
-      apply_{device, cache, values_, {.also_the_same = true}},
+      apply_{device, cache, values_, {.also_the_same = true, .text = {.beyond_range = true}}},
       use_{device, use_of(sensor)},
       again_{device, cache} {}
 
@@ -59,7 +72,7 @@ void CalibrationWrite::read_back(TimePoint now) {
     for (const auto& [name, value] : values_) {
         const ParameterInfo* info = again_.find(name).parameter;
         const auto stored = info != nullptr ? again_.value(info->id) : std::nullopt;
-        if (!stored || !same_bytes(*stored, value, Type::f32))
+        if (!stored || !same_bytes(*stored, value, *info))
             return finish({Ending::refused, hex_of(device().address()) + " does not keep " + name, {}}, now);
     }
     finish({}, now);
@@ -76,77 +89,214 @@ void CalibrationWrite::cancel(TimePoint now) {
 }
 
 Calibration::Calibration(Device& device, Sensor sensor, DescriptionCache* cache)
-    : Task{device}, sensor_{sensor}, cache_{cache}, parameters_{device, cache}, clear_{device, clear_of(sensor)} {}
+    : Task{device}, sensor_{sensor}, cache_{cache != nullptr ? cache : &own_cache_} {}
+
+void Calibration::enter(Step step, TimePoint now) noexcept {
+    step_ = step;
+    step_since_ = now;
+}
+
+void Calibration::read_values(void (Calibration::*then)(TimePoint), TimePoint now) {
+    reading_ = std::make_unique<Parameters>(device(), cache_);
+    reading_->on_end([this, then](TimePoint at) { (this->*then)(at); });
+    reading_->read_named(calibration_names(sensor_), now);
+}
 
 void Calibration::start(TimePoint now) {
-    parameters_.on_end([this](TimePoint then) { read_old(then); });
-    clear_.on_end([this](TimePoint then) { cleared(then); });
-    parameters_.read_named(calibration_names(sensor_), now);
+    enter(Step::read, now);
+    read_values(&Calibration::read_old, now);
 }
 
 void Calibration::read_old(TimePoint now) {
     if (end()) return;
-    if (parameters_.end()->ending != Ending::done) return finish_as(parameters_, now);
+    if (reading_->end()->ending != Ending::done) return finish_as(*reading_, now);
     if (!order_is_right())
         return finish(
             {Ending::unsupported, hex_of(device().address()) + " has not the parameters of this calibration in their order", {}},
             now);
-    for (const std::string& name : calibration_names(sensor_))
-        old_.emplace_back(name, *parameters_.value(parameters_.find(name).parameter->id));
-    step_ = Step::keep;
+    old_ = *values_read();
+    enter(Step::keep, now);
 }
 
-// Whether the parameters have consecutive ids and each is an f32.
+// std::nullopt: one is missing.
+std::optional<CalibrationValues> Calibration::values_read() const {
+    CalibrationValues values;
+    for (const std::string& name : calibration_names(sensor_)) {
+        const ParameterInfo* info = reading_->find(name).parameter;
+        auto value = info != nullptr ? reading_->value(info->id) : std::nullopt;
+        if (!value) return std::nullopt;
+        values.emplace_back(name, *std::move(value));
+    }
+    return values;
+}
+
+// Whether the parameters have consecutive ids, and each is an f32 or, of an older device, an i32 of which it says the scale.
 bool Calibration::order_is_right() const {
     std::optional<std::size_t> next;
     for (const std::string& name : calibration_names(sensor_)) {
-        const ParameterInfo* info = parameters_.find(name).parameter;
-        if (info == nullptr || info->type != Type::f32 || (next && info->id != *next)) return false;
+        const ParameterInfo* info = reading_->find(name).parameter;
+        if (info == nullptr || !(info->type == Type::f32 || info->is_scaled()) || (next && info->id != *next)) return false;
         next = info->id + std::size_t{1};
     }
     return true;
 }
 
 void Calibration::set_old_values(CalibrationValues values) {
-    if (step_ == Step::keep && !end() && values.size() == old_.size()) old_ = std::move(values);
+    if (step_ != Step::keep || end() || values.size() != old_.size()) return;
+    for (auto& [name, value] : values)
+        if (const ParameterInfo* info = reading_->find(name).parameter) value = nearest_value(value, *info);
+    old_ = std::move(values);
 }
 
 void Calibration::kept(TimePoint now) {
-    if (step_ != Step::keep || end()) return;
-    step_ = Step::clear;
-    clear_.start(now);
+    if (step_ == Step::keep && !end()) clear(now);
 }
 
+void Calibration::clear(TimePoint now) {
+    enter(Step::clear, now);
+    clear_ = std::make_unique<ParameterAction>(device(), clear_of(sensor_));
+    clear_->on_end([this](TimePoint then) { cleared(then); });
+    clear_->start(now);
+}
+
+// A device shows in its parameters that they are cleared, or it does not: they are read to be compared later.
 void Calibration::cleared(TimePoint now) {
     if (end() || step_ != Step::clear) return;
-    if (clear_.end()->ending != Ending::done) return restore(*clear_.end(), now);
-    step_ = Step::turn;
-    turn_until_ = now + time_to_turn;
+    if (clear_->end()->ending != Ending::done) return restore(*clear_->end(), now);
+    watch_.emplace(device(), now);
+    read_values(&Calibration::read_cleared, now);
+}
+
+void Calibration::read_cleared(TimePoint now) {
+    if (end() || step_ != Step::clear) return;
+    if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
+    if (is_restarted(now)) return;
+    const auto values = values_read();
+    if (!values) return restore({Ending::incomplete, "its cleared values could not be read", {}}, now);
+    cleared_ = *values;
+    faces_ = {};
+    sphere_ = {};
+    enter(Step::turn, now);
+}
+
+bool Calibration::is_restarted(TimePoint now) {
+    const auto sign = watch_ ? watch_->sign(device()) : std::nullopt;
+    if (sign) restarted(*sign, now);
+    return sign.has_value();
+}
+
+void Calibration::restarted(std::string sign, TimePoint now) {
+    last_restart_ = std::move(sign);
+    watch_.reset();
+    if (step_ == Step::confirm) {
+        reading_->on_end({});
+        reading_->cancel(now);
+    }
+    if (++restarts_ <= max_restarts) return clear(now);
+    restore({Ending::failed,
+             hex_of(device().address()) + " restarted " + std::to_string(restarts_) + " times (" + last_restart_ + ')',
+             {}},
+            now);
 }
 
 void Calibration::hear(FrameView frame, TimePoint now) {
-    if (step_ != Step::turn || end() || !may_be_of(frame.source(), device().address())) return;
+    const bool measures = step_ == Step::turn || step_ == Step::confirm || step_ == Step::verify;
+    if (!measures || end() || !may_be_of(frame.source(), device().address())) return;
+    if (step_ != Step::verify && is_restarted(now)) return;
     if (sensor_ == Sensor::accelerometer) {
-        const auto m = as<"inertial">(frame);
-        if (!m) return;
-        faces_.take({double(m->get<"acc_x">()), double(m->get<"acc_y">()), double(m->get<"acc_z">())},
-                    {m->get<"gyr_x">(), m->get<"gyr_y">(), m->get<"gyr_z">()});
-        if (faces_.is_complete()) turned(now);
+        if (const auto m = as<"inertial">(frame))
+            take_inertial({double(m->get<"acc_x">()), double(m->get<"acc_y">()), double(m->get<"acc_z">())},
+                          {m->get<"gyr_x">(), m->get<"gyr_y">(), m->get<"gyr_z">()}, now);
         return;
     }
     const auto take = [&](const auto& m) {
         if (m)
-            sphere_.take(
-                {double(m->template get<"mag_x">()), double(m->template get<"mag_y">()), double(m->template get<"mag_z">())});
+            take_field(
+                {double(m->template get<"mag_x">()), double(m->template get<"mag_y">()), double(m->template get<"mag_z">())},
+                now);
     };
     take(as<"compass">(frame));
     take(as<"compass", "field">(frame));
-    if (sphere_.is_complete()) turned(now);
+}
+
+void Calibration::take_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now) {
+    if (step_ == Step::verify) {
+        accelerometer_check_->take(acceleration, rotation);
+        return verify(now);
+    }
+    if (is_gone_on(now)) return;
+    faces_.take(acceleration, rotation);
+    if (faces_.is_complete()) confirm(now);
+}
+
+void Calibration::take_field(const Vector& field, TimePoint now) {
+    if (step_ == Step::verify) {
+        compass_check_->take(field);
+        return verify(now);
+    }
+    if (is_gone_on(now)) return;
+    sphere_.take(field);
+    if (sphere_.is_complete()) confirm(now);
+}
+
+// Whether a sample is of no use: after a gap, or when all are gathered.
+bool Calibration::is_gone_on(TimePoint now) {
+    watch_->sampled(now);
+    return is_restarted(now) || step_ != Step::turn;
+}
+
+void Calibration::confirm(TimePoint now) {
+    enter(Step::confirm, now);
+    read_values(&Calibration::confirmed, now);
+}
+
+void Calibration::confirmed(TimePoint now) {
+    if (end() || step_ != Step::confirm) return;
+    if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
+    if (is_restarted(now)) return;
+    const auto values = values_read();
+    if (!values || !are_same(*values, cleared_)) return restarted("it has other calibration values than after the clear", now);
+    fit(now);
+}
+
+TimePoint Calibration::silent_at() const noexcept {
+    return std::max(device().heard_at().value_or(step_since_), step_since_) + silent_after;
+}
+
+// std::nullopt: in this step it may send none.
+std::optional<TimePoint> Calibration::samples_missing_at() const noexcept {
+    if (step_ != Step::turn) return std::nullopt;
+    return std::max(watch_->sampled_at(), step_since_) + silent_after;
+}
+
+std::optional<TimePoint> Calibration::due() const noexcept {
+    if (end() || step_ == Step::read || step_ == Step::keep) return std::nullopt;
+    TimePoint first = silent_at();
+    if (step_ == Step::turn) first = std::min({first, step_since_ + time_to_turn, *samples_missing_at()});
+    if (step_ == Step::verify) first = std::min(first, step_since_ + time_to_verify);
+    return first;
 }
 
 void Calibration::look(TimePoint now) {
-    if (const auto until = due(); until && now >= *until && !end())
-        restore({Ending::timeout, "it was not turned to all sides within 10 minutes", {}}, now);
+    if (const auto at = due(); !at || now < *at) return;
+    if (now >= silent_at()) return end_silent(now);
+    if (step_ == Step::verify) return not_verified(now);
+    if (now >= step_since_ + time_to_turn)
+        return restore({Ending::timeout, "it was not turned to all sides within 10 minutes", {}}, now);
+    const char* what = sensor_ == Sensor::accelerometer ? "inertial (0x01)" : "compass (0x02)";
+    restore({Ending::failed, hex_of(device().address()) + " is heard, but sends no samples: " + what, {}}, now);
+}
+
+// Not even the old values can be written to a device that is off.
+void Calibration::end_silent(TimePoint now) {
+    if (step_ != Step::restore) why_ = {Ending::timeout, hex_of(device().address()) + " fell silent: nothing came for 4.5 s", {}};
+    stop_tasks(now);
+    if (restore_) {
+        restore_->on_end({});
+        restore_->cancel(now);
+    }
+    why_.what += "; the old values could not be written back";
+    finish(why_, now);
 }
 
 Progress Calibration::progress() const noexcept {
@@ -154,47 +304,105 @@ Progress Calibration::progress() const noexcept {
     return {sphere_.map().count(), CompassSphere::cells};
 }
 
+namespace {
+
 template <std::size_t N>
-std::array<float, N> Calibration::old() const {
-    std::array<float, N> values{};
-    for (std::size_t i = 0; i < N; ++i) values[i] = static_cast<float>(std::get<double>(old_[i].second));
-    return values;
+std::array<float, N> floats_of(const CalibrationValues& values) {
+    std::array<float, N> all{};
+    for (std::size_t i = 0; i < N; ++i) all[i] = static_cast<float>(std::get<double>(values[i].second));
+    return all;
 }
 
-void Calibration::turned(TimePoint now) {
-    if (sensor_ == Sensor::accelerometer) return use(faces_.fit(AccelerometerCalibration::of(old<15>())), now);
-    use(sphere_.fit(CompassCalibration::of(old<6>())), now);
+}    // namespace
+
+void Calibration::fit(TimePoint now) {
+    if (sensor_ == Sensor::accelerometer)
+        return use<15>(faces_, faces_.fit(AccelerometerCalibration::of(floats_of<15>(old_))), now);
+    use<6>(sphere_, sphere_.fit(CompassCalibration::of(floats_of<6>(old_))), now);
 }
 
-template <class Found>
-void Calibration::use(const Fit<Found>& fit, TimePoint now) {
+// The residual is that of the values as the device can store them: an older one has them rounded.
+template <std::size_t N, class Samples, class Found>
+void Calibration::use(const Samples& samples, const Fit<Found>& fit, TimePoint now) {
     residuals_ = std::pair{fit.before, fit.after};
     if (!fit.calibration) return restore({Ending::failed, "rejected: " + fit.wrong, {}}, now);
+    new_ = named(fit.calibration->values());
+    const Found stored = Found::of(floats_of<N>(new_));
+    const double after = residuals_->second = samples.residual(stored);
+    if (!(after < Samples::max_residual) || after >= fit.before)
+        return restore({Ending::failed, "rejected: the device can store the new values too coarsely only", {}}, now);
     if (const std::string why = refusal_ ? refusal_() : ""; !why.empty())
         return restore({Ending::refused, "the new values were not written: " + why, {}}, now);
-    step_ = Step::write;
-    const auto values = fit.calibration->values();
-    new_ = named(values);
+    make_check(stored);
+    enter(Step::write, now);
     write_ = std::make_unique<CalibrationWrite>(device(), cache_, sensor_, new_);
     write_->on_end([this](TimePoint then) { written(then); });
     write_->start(now);
 }
 
+// First on the face that was completed last.
+void Calibration::make_check(const AccelerometerCalibration& stored) {
+    further_checks_.clear();
+    for (const Face face : faces_that_prove(stored, faces_, faces_.face().value_or(Face::z_plus)))
+        further_checks_.emplace_back(face, error_on(face, stored.corrected(faces_.mean(face))));
+    accelerometer_check_ = further_checks_.front();
+    further_checks_.erase(further_checks_.begin());
+}
+
+void Calibration::make_check(const CompassCalibration& stored) {
+    compass_check_.emplace(sphere_.strength(stored), residuals_->second);
+}
+
 CalibrationValues Calibration::named(std::span<const float> values) const {
     CalibrationValues all;
-    for (std::size_t i = 0; i < values.size(); ++i) all.emplace_back(old_[i].first, double{values[i]});
+    for (std::size_t i = 0; i < values.size(); ++i)
+        all.emplace_back(old_[i].first, nearest_value(double{values[i]}, *reading_->find(old_[i].first).parameter));
     return all;
 }
 
 void Calibration::written(TimePoint now) {
     if (end() || step_ != Step::write) return;
     if (write_->end()->ending != Ending::done) return restore(*write_->end(), now);
-    finish({}, now);
+    enter(Step::verify, now);
+}
+
+std::optional<double> Calibration::verified() const noexcept {
+    if (!accelerometer_check_) return compass_check_ ? compass_check_->error() : std::nullopt;
+    auto worst = accelerometer_check_->error();
+    for (const AccelerometerCheck& check : verified_faces_) worst = std::max(worst, check.error());
+    return worst;
+}
+
+void Calibration::verify(TimePoint now) {
+    if (!(accelerometer_check_ ? accelerometer_check_->is_passed() : compass_check_->is_passed())) return;
+    if (further_checks_.empty()) return finish({}, now);
+    verified_faces_.push_back(*accelerometer_check_);
+    accelerometer_check_ = further_checks_.front();
+    further_checks_.erase(further_checks_.begin());
+    enter(Step::verify, now);
+}
+
+void Calibration::not_verified(TimePoint now) {
+    const bool faces = accelerometer_check_.has_value();
+    const std::string where = faces ? " on " + std::string{name_of(accelerometer_check_->face())} : std::string{};
+    const auto error = faces ? accelerometer_check_->error() : compass_check_->error();
+    if (!error)
+        return restore({Ending::failed,
+                        "the new values could not be verified: it " +
+                            (faces ? "did not lie still" + where : std::string{"was not turned"}) + " when they were stored",
+                        {}},
+                       now);
+    const double promised = faces ? accelerometer_check_->promised() : compass_check_->promised();
+    restore({Ending::failed,
+             "not verified: with the new values it is off by " + error_text(*error, sensor_) + where + " instead of " +
+                 error_text(promised, sensor_),
+             {}},
+            now);
 }
 
 void Calibration::restore(End why, TimePoint now) {
     why_ = std::move(why);
-    step_ = Step::restore;
+    enter(Step::restore, now);
     restore_ = std::make_unique<CalibrationWrite>(device(), cache_, sensor_, old_);
     restore_->on_end([this](TimePoint then) { restored(then); });
     restore_->start(now);
@@ -207,22 +415,24 @@ void Calibration::restored(TimePoint now) {
 }
 
 bool Calibration::has_old_values() const noexcept {
-    if (restore_) return restore_->end() && restore_->end()->ending == Ending::done;
-    return !write_ && !clear_.end() && step_ != Step::clear;
+    return restore_ ? restore_->end() && restore_->end()->ending == Ending::done : !clear_;
+}
+
+void Calibration::stop_tasks(TimePoint now) {
+    const auto stop = [&](Task* task) {
+        if (task == nullptr) return;
+        task->on_end({});
+        task->cancel(now);
+    };
+    stop(reading_.get());
+    stop(clear_.get());
+    stop(write_.get());
 }
 
 void Calibration::cancel(TimePoint now) {
     if (end() || step_ == Step::restore) return;
-    const Step was = step_;
-    parameters_.on_end({});
-    parameters_.cancel(now);
-    clear_.on_end({});
-    clear_.cancel(now);
-    if (write_) {
-        write_->on_end({});
-        write_->cancel(now);
-    }
-    if (was == Step::read || was == Step::keep) return finish({Ending::cancelled, "cancelled, nothing was changed", {}}, now);
+    stop_tasks(now);
+    if (step_ == Step::read || step_ == Step::keep) return finish({Ending::cancelled, "cancelled, nothing was changed", {}}, now);
     restore({Ending::cancelled, "cancelled", {}}, now);
 }
 

@@ -1,11 +1,28 @@
+#include <ano/hex.hpp>
 #include <ano/typed.hpp>
 #include <host/commands.hpp>
 
+#include <algorithm>
 #include <utility>
 
 namespace ano::host {
+namespace {
 
-std::optional<CommandInfo> command_info_in(FrameView frame, ValueType7 seven) {
+constexpr std::uint8_t open_number = 7;    // f32 or u64
+
+bool has_seven(const CommandInfo& info) noexcept {
+    return std::find(info.numbers.begin(), info.numbers.end(), open_number) != info.numbers.end();
+}
+
+// Has a value type that only the newest generation has.
+bool is_of_newest(const CommandInfo& info) noexcept {
+    return std::any_of(info.numbers.begin(), info.numbers.end(),
+                       [](std::uint8_t number) { return command_value_type(number, ValueType7::u64) && number > open_number; });
+}
+
+}    // namespace
+
+std::optional<CommandInfo> command_info_in(FrameView frame) {
     const auto said = as<"command_info">(frame);
     if (!said) return std::nullopt;
     CommandInfo info{said->get<"cmd_id">(),
@@ -14,17 +31,38 @@ std::optional<CommandInfo> command_info_in(FrameView frame, ValueType7 seven) {
                      false,
                      std::string{said->get<"name">()},
                      std::string{said->get<"info">()}};
-    for (const std::uint8_t number : said->get<"val_type">()) {
-        if (number == 0) continue;
+    for (const std::uint8_t number : said->get<"val_type">())
+        if (number != 0) info.numbers.push_back(number);
+    info = with_type_7(std::move(info), ValueType7::f32);
+    info.has_open_type = has_seven(info);
+    return info;
+}
+
+CommandInfo with_type_7(CommandInfo info, ValueType7 seven) {
+    info.types.clear();
+    info.has_open_type = false;
+    for (const std::uint8_t number : info.numbers) {
         if (const auto type = command_value_type(number, seven)) info.types.push_back(*type);
         else info.has_unknown_type = true;
     }
     return info;
 }
 
-const CommandInfo* Commands::find(std::string_view name) const noexcept {
+std::optional<ValueType7> shown_type_7(const CommandInfo& info) noexcept {
+    if (info.has_open_type) return std::nullopt;
+    std::size_t at = 0;
+    for (const std::uint8_t number : info.numbers) {
+        if (!command_value_type(number, ValueType7::f32)) continue;    // of no known type: it has none in `types`
+        if (number == open_number && at < info.types.size())
+            return info.types[at] == Type::u64 ? ValueType7::u64 : ValueType7::f32;
+        ++at;
+    }
+    return std::nullopt;
+}
+
+const CommandInfo* find_command(std::span<const CommandInfo> all, std::string_view name) noexcept {
     const CommandInfo* found = nullptr;
-    for (const CommandInfo& one : descriptions_) {
+    for (const CommandInfo& one : all) {
         if (one.name.empty() || one.name != name) continue;
         if (found != nullptr) return nullptr;
         found = &one;
@@ -32,34 +70,125 @@ const CommandInfo* Commands::find(std::string_view name) const noexcept {
     return found;
 }
 
+const std::vector<CommandInfo>* known_commands(CommandCache& cache, const Device& device, TimePoint now) {
+    const auto key = key_of(device, device.command_count(), now);
+    return key ? cache.find(*key) : nullptr;
+}
+
+bool is_same_command(const CommandInfo& one, const CommandInfo& other) noexcept {
+    return one.id == other.id && one.cid == other.cid && one.numbers == other.numbers && one.name == other.name;
+}
+
+const std::vector<CommandInfo>* commands_read_last(CommandCache& cache, const Device& device) {
+    const auto* const entry = cache.last_of(device.address());
+    if (entry == nullptr) return nullptr;
+    const bool is_other = (device.info() && *device.info() != entry->key.info) ||
+                          (device.command_count() && *device.command_count() != entry->key.count);
+    return is_other ? nullptr : &entry->descriptions;
+}
+
+void CommandCheck::start(TimePoint now) {
+    Draft<"command_query"> draft;
+    (void)draft.set<"cmd">(1);
+    (void)draft.set<"val">(known_.id);
+    ask(request(draft), now);
+}
+
+void CommandCheck::ended(const Ended& ended, TimePoint now) {
+    if (ended.outcome != Outcome::answered)
+        return finish({Ending::timeout,
+                       known_.name + " was not sent: " + hex_of(device().address()) +
+                           " was silent or away since it described its commands, and did not confirm this one, asked " +
+                           std::to_string(ended.evidence.sent) + " times; by its three bytes it is sent at once (by-cid, --cid)",
+                       ended.evidence},
+                      now);
+    const auto described = command_info_in(*ended.answer);
+    is_same_ = described && is_same_command(*described, known_);
+    const auto* const last = commands_read_last(cache_, device());
+    if (is_same_ && last != nullptr && known_.id < last->size())
+        cache_.last_of(device().address())->descriptions[known_.id].doubts = device().doubts();
+    finish({}, now);
+}
+
+void Commands::read(TimePoint now) {
+    ask(how_many(ask_count), now);
+    const bool is_known = device().info() && device().is_present(now);
+    if (!end() && cache_ != nullptr && !is_known) ask(question::device_info(ask_info), now);
+}
+
 Request Commands::how_many(std::uint32_t tag) { return request(Draft<"command_query">{}, tag); }
 
 Request Commands::question(std::uint32_t i) {
     Draft<"command_query"> draft;
     (void)draft.set<"cmd">(1);
-    (void)draft.set<"val">(i);
+    (void)draft.set<"val">(asked_for(i));
     return request(draft);
 }
 
 bool Commands::took(std::uint32_t i, FrameView answer) {
-    auto info = command_info_in(answer, seven_);
+    auto info = command_info_in(answer);
     if (!info) return false;
-    descriptions_[i] = std::move(*info);
+    info->doubts = device().doubts();
+    descriptions_[asked_for(i)] = std::move(*info);
     return true;
 }
 
 void Commands::step_ended(const Ended& ended, TimePoint now) {
+    if (ended.tag == ask_info) return;    // the device keeps it; without it nothing is cached
+    if (ended.tag == ask_parameter_count) return look_at_a_parameter(now);
+    if (ended.tag == ask_parameter) {
+        const auto parameter = ended.outcome == Outcome::answered ? parameter_info_in(*ended.answer) : std::nullopt;
+        return complete(parameter && parameter->limits ? std::optional{ValueType7::f32} : std::nullopt, now);
+    }
     if (ended.outcome != Outcome::answered)
         return finish_silent("number of commands", ended.evidence, now, "it probably has none");
+    counted(ended, now);
+}
+
+void Commands::counted(const Ended& ended, TimePoint now) {
     const std::uint16_t count = as<"command_query">(*ended.answer)->get<"val">();
     if (ended.tag == ask_count) {
         descriptions_.assign(count, {});
+        wanted_.clear();
+        again_ = 0;
+        presence_ = device().presence();
         return gather(count, now);
     }
     if (count != descriptions_.size())
         return finish({Ending::failed, hex_of(device().address()) + " changes while its commands are read", {}}, now);
+    if (!missing().empty() && again_ < more_rounds) {
+        ++again_;
+        std::vector<std::uint32_t> wanted;
+        for (const std::uint32_t i : missing()) wanted.push_back(asked_for(i));
+        wanted_ = std::move(wanted);
+        return gather(wanted_.size(), now);
+    }
     if (!missing().empty())
-        return finish({Ending::incomplete, "command " + std::to_string(missing().front()) + " was not described", {}}, now);
+        return finish({Ending::incomplete, "command " + std::to_string(asked_for(missing().front())) + " was not described", {}},
+                      now);
+    if (std::none_of(descriptions_.begin(), descriptions_.end(), has_seven)) return complete(std::nullopt, now);
+    if (std::any_of(descriptions_.begin(), descriptions_.end(), is_of_newest)) return complete(ValueType7::u64, now);
+    if (seven_) return complete(std::nullopt, now);
+    if (device().parameter_count()) return look_at_a_parameter(now);
+    ask(question::parameter_count(ask_parameter_count), now);
+}
+
+void Commands::look_at_a_parameter(TimePoint now) {
+    if (device().parameter_count().value_or(0) == 0) return complete(std::nullopt, now);
+    ask(question::parameter_info(0, ask_parameter), now);
+}
+
+// `shown`: the meaning of value type 7 that the device's descriptions show.
+void Commands::complete(std::optional<ValueType7> shown, TimePoint now) {
+    const auto mean = [&](ValueType7 seven) {
+        for (CommandInfo& info : descriptions_)
+            if (has_seven(info)) info = with_type_7(std::move(info), seven);
+    };
+    if (shown) mean(*shown);
+    const auto key = key_of(device(), device().command_count(), now);
+    const bool is_same = key && key->presence == presence_ && key->count == descriptions_.size();
+    if (cache_ != nullptr && is_same) cache_->store(*key, descriptions_);
+    if (seven_) mean(*seven_);
     finish({}, now);
 }
 
@@ -83,6 +212,13 @@ std::optional<std::string> CommandCall::pack(std::vector<std::uint8_t>& out) con
 void CommandCall::start(TimePoint now) {
     if (command_.has_unknown_type)
         return finish({Ending::unsupported, command_.name + " takes a value of a type that is not known", {}}, now);
+    if (command_.has_open_type)
+        return finish(
+            {Ending::invalid,
+             command_.name + " takes a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
+                             "descriptions do not show which: state it once (type7)",
+             {}},
+            now);
     std::vector<std::uint8_t> values;
     if (auto wrong = pack(values)) return finish({Ending::invalid, std::move(*wrong), {}}, now);
     Draft<"command"> draft;
@@ -94,8 +230,20 @@ void CommandCall::start(TimePoint now) {
 }
 
 void CommandCall::ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome == Outcome::answered) return finish({}, now);
+    if (ended.outcome == Outcome::answered) {
+        std::string what = words_of_port(ended.evidence);
+        if (ended.evidence.may_be_of_equal)
+            what += (what.empty() ? "" : "; ") + command_.name +
+                    " was sent more than once: the acknowledgement does not show which of them was carried out";
+        return finish({Ending::done, std::move(what), ended.evidence}, now);
+    }
     if (repeat_) return finish_unacknowledged("command " + command_.name, ended.evidence, now, "it probably can't do that now");
+    if (!ended.evidence.unfit.empty())
+        return finish({Ending::unknown,
+                       hex_of(device().address()) + " acknowledged " + command_.name + " with wrong check bytes (" +
+                           spaced_hex(ended.evidence.unfit) + "): it has probably been carried out",
+                       ended.evidence},
+                      now);
     finish({Ending::unknown,
             "no answer to " + command_.name + ": it may have been carried out" +
                 (ended.evidence.is_heard ? ", or it can't be done now" : ""),

@@ -106,6 +106,12 @@ std::optional<CompassCalibration> CompassSphere::solve() const noexcept {
     return result;
 }
 
+double CompassSphere::strength(const CompassCalibration& calibration) const noexcept {
+    double sum = 0;
+    for (const Vector& sample : samples_) sum += length_of(calibration.corrected(sample));
+    return samples_.empty() ? 0 : sum / static_cast<double>(samples_.size());
+}
+
 double CompassSphere::residual(const CompassCalibration& calibration) const noexcept {
     double sum = 0, squares = 0, n = 0;
     for (std::size_t i = 1; i < samples_.size(); i += 2) {

@@ -15,12 +15,21 @@ std::optional<std::uint16_t> parameter_in(FrameView request) noexcept {
     return std::nullopt;
 }
 
+bool is_command(const Exchange& exchange) noexcept { return exchange.frame().id() == id_of<"command">; }
+
 }    // namespace
+
+bool is_question_for_info(FrameView frame) noexcept {
+    const auto query = as<"parameter_command">(frame);
+    return query && query->get<"cmd">() == 0;
+}
 
 bool Device::ask(const Request& request, Asker& asker) {
     Exchange exchange{request, own_, address_, &asker};
     if (!exchange.is_askable() || !may_be_asked(exchange.frame())) return false;
-    waiting_.push_back(std::move(exchange));
+    // A command does not wait until a long list was read: it is the next frame.
+    const auto first_question = std::find_if(waiting_.begin(), waiting_.end(), [](const Exchange& e) { return !is_command(e); });
+    waiting_.insert(is_command(exchange) ? first_question : waiting_.end(), std::move(exchange));
     return true;
 }
 
@@ -32,41 +41,77 @@ bool Device::may_be_asked(FrameView request) const noexcept {
 void Device::forget(const Asker& asker) noexcept {
     for (const Exchange& exchange : sent_)
         if (exchange.asker() == &asker) remember(exchange, false);
+    if (heard_asker_ == &asker) heard_asker_ = nullptr;
     const auto is_of_it = [&](const Exchange& exchange) { return exchange.asker() == &asker; };
     sent_.remove_if(is_of_it);
     waiting_.remove_if(is_of_it);
 }
 
 Taken Device::take(FrameView frame, TimePoint now) {
-    if (!may_be_of(frame.source(), address_)) return Taken::nothing;
-    hear(frame, now);
+    const bool is_its_own = may_be_of(frame.source(), address_);
+    if (!is_its_own && !(frame.id() == id_of<"check"> && address::is_port_id(frame.source()))) return Taken::nothing;
+    if (is_its_own) hear(frame, now);
     if (!Expectation::may_be_met_by(frame.id())) return Taken::nothing;
     const auto met = std::find_if(sent_.begin(), sent_.end(), [&](const Exchange& e) { return e.expects().is_met_by(frame); });
-    if (met == sent_.end()) return past(frame);
-    if (met->is_measured()) round_trip_.answered(now - met->first_sent(), met->sent() > 1);
-    window_.answered();
+    if (met == sent_.end()) {
+        const Taken taken = past(frame);
+        if (taken == Taken::doubled) {
+            round_trip_.doubled();
+            window_.came_late();
+        }
+        return taken == Taken::unasked && missed(frame, now) ? Taken::ended : taken;
+    }
+    if (met->is_measured()) round_trip_.answered(std::max(now - met->first_sent(), Duration{}), met->sent() > 1);
+    window_.answered(met->last().alone);
+    heard_send_ = std::max(heard_send_, met->first_number());
+    heard_asker_ = met->asker();
     answered_at_ = now;
     end(sent_, met, Outcome::answered, frame, now);
     return Taken::ended;
 }
 
-// Device info and parameter count are taken from every frame, whichever host asked for it.
+// Device info and the counts are taken from every frame, whichever host asked for it.
 void Device::hear(FrameView frame, TimePoint now) {
     const auto forget_it = [&] {
         info_.reset();
         parameter_count_.reset();
+        command_count_.reset();
         ++presence_;
+        ++doubts_;
     };
-    if (heard_at_ && now - *heard_at_ >= away_after) forget_it();
+    if (heard_at_ && !is_present(now)) forget_it();
+    note_telemetry(frame, now);
     heard_at_ = now;
     if (const auto said = as<"device_info">(frame)) {
         DeviceInfo info{said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
                         said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
-        if (info_ && *info_ != info) forget_it();
+        const bool is_for_us = frame.destination() == own_ || frame.destination() == address::broadcast;
+        const bool is_asked = info_asked_at_ && now - *info_asked_at_ <= info_may_come_for;
+        const bool is_announced = is_for_us && !is_asked;    // it restarted, and may have other parameters and commands
+        if (is_announced) ++announcements_;
+        if (is_announced || (info_ && *info_ != info)) forget_it();
         info_ = std::move(info);
     }
     const auto count = as<"parameter_command">(frame);
     if (count && count->get<"cmd">() == 1) parameter_count_ = count->get<"val">();
+    const auto commands = as<"command_query">(frame);
+    if (commands && commands->get<"cmd">() == 0) command_count_ = commands->get<"val">();
+}
+
+// Answers come when somebody asks, and log lines now and then: a pause between those shows nothing, except before a second device info.
+void Device::note_telemetry(FrameView frame, TimePoint now) noexcept {
+    // The answer that was asked for would have come before the frames behind which it paused.
+    const bool was_heard_since = info_asked_at_ && heard_at_ && *heard_at_ > *info_asked_at_;
+    if (frame.id() == id_of<"device_info"> && was_heard_since && now - *heard_at_ > max_pause) ++doubts_;
+    const bool is_log = frame.id() == id_of<"log"> || frame.id() == id_of<"log_value">;
+    if (is_log || Expectation::may_be_met_by(frame.id())) return;
+    const auto since = telemetry_at_ ? telemetry_at_ : heard_at_;    // how often it sends is not known at first
+    if (interval_ ? pauses(now) : since && now - *since > max_pause) ++doubts_;
+    if (telemetry_at_) {
+        const Duration interval = now - *telemetry_at_;
+        interval_ = interval_ ? (7 * *interval_ + interval) / 8 : interval;
+    }
+    telemetry_at_ = now;
 }
 
 Taken Device::past(FrameView frame) noexcept {
@@ -78,9 +123,37 @@ Taken Device::past(FrameView frame) noexcept {
     return frame.destination() == own_ ? Taken::unasked : Taken::foreign;
 }
 
+// A wrong acknowledgement is one of the only write or command on its way: it is repeated at once, or ends if it may not be repeated. One of
+// an earlier frame, such as a question that needs none, is not meant.
+bool Device::missed(FrameView frame, TimePoint now) {
+    const auto is_missed = [&](const Exchange& e) { return e.is_on_its_way() && e.expects().is_missed_by(frame); };
+    const auto it = std::find_if(sent_.begin(), sent_.end(), is_missed);
+    if (it == sent_.end() || is_of_the_past(frame) || !it->miss(frame)) return false;
+    it->stop_waiting();
+    if (!it->may_be_repeated()) end(sent_, it, Outcome::timeout, {}, now);
+    return true;
+}
+
+bool Device::is_of_the_past(FrameView frame) const noexcept {
+    const auto check = as<"check">(frame);
+    if (!check) return false;
+    const Checks checks{check->get<"sc_get">(), check->get<"ac_get">()};
+    return std::any_of(past_.begin(), past_.end(), [&](const auto& one) { return one && one->checks == checks; });
+}
+
 void Device::remember(const Exchange& exchange, bool answered) noexcept {
-    past_[next_past_] = Past{exchange.expects(), answered, exchange.is_once() ? exchange.due() + late_for : TimePoint::min()};
+    past_[next_past_] = Past{exchange.expects(), exchange.frame().checks(), answered,
+                             exchange.is_once() ? exchange.due() + late_for : TimePoint::min()};
     next_past_ = (next_past_ + 1) % past_.size();
+}
+
+// `command` is not on the list any more. A device that acknowledges one of two equal commands does not show which.
+bool Device::has_unanswered_equal(const Exchange& command, TimePoint now) const noexcept {
+    const auto is_equal = [&](const Exchange& e) { return e.expects() == command.expects(); };
+    const auto may_be_late = [&](const auto& past) {
+        return past && !past->answered && past->expects == command.expects() && past->late_until > now;
+    };
+    return std::any_of(sent_.begin(), sent_.end(), is_equal) || std::any_of(past_.begin(), past_.end(), may_be_late);
 }
 
 // The exchange is taken off the list before the asker is called, since that may ask again at once.
@@ -90,7 +163,10 @@ void Device::end(Exchanges& from, Exchanges::iterator which, Outcome outcome, st
     const Exchange& exchange = over.front();
     if (exchange.was_sent()) remember(exchange, outcome == Outcome::answered);
     const bool answers = answered_at_ && exchange.was_sent() && *answered_at_ >= exchange.first_sent();
-    exchange.asker()->ended({outcome, exchange.tag(), answer, evidence_of(exchange), answers}, now);
+    Evidence evidence = evidence_of(exchange);
+    if (answer && !may_be_of(answer->source(), address_)) evidence.by_port = answer->source();
+    evidence.may_be_of_equal = answer && is_command(exchange) && has_unanswered_equal(exchange, now);
+    exchange.asker()->ended({outcome, exchange.tag(), answer, std::move(evidence), answers}, now);
 }
 
 std::optional<FrameView> Device::next_frame(TimePoint now) {
@@ -98,8 +174,8 @@ std::optional<FrameView> Device::next_frame(TimePoint now) {
     while (const Exchange* next = next_to_send(now)) {
         Exchanges& from = next->was_sent() ? sent_ : waiting_;
         const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == next; });
-        if (may_be_asked(next->frame())) return send(from, which, now);
-        end(from, which, Outcome::not_there, {}, now);
+        if (!may_be_asked(next->frame())) end(from, which, Outcome::not_there, {}, now);
+        else if (!waits_for_flush(*which, now)) return send(from, which, now);
     }
     return std::nullopt;
 }
@@ -108,8 +184,8 @@ void Device::expire(TimePoint now) {
     const auto is_over = [&](const Exchange& e) { return e.is_on_its_way() && e.due() <= now; };
     for (auto over = std::find_if(sent_.begin(), sent_.end(), is_over); over != sent_.end();
          over = std::find_if(sent_.begin(), sent_.end(), is_over)) {
-        window_.lost();
-        if (!over->time_out()) end(sent_, over, Outcome::timeout, {}, now);
+        if (over->is_lost_by_measure()) window_.lost(over->last().alone, round_trip_.grows());
+        if (!over->time_out(now)) end(sent_, over, Outcome::timeout, {}, now);
     }
 }
 
@@ -118,21 +194,46 @@ std::size_t Device::on_their_way() const noexcept {
         std::count_if(sent_.begin(), sent_.end(), [](const Exchange& e) { return e.is_on_its_way(); }));
 }
 
+bool Device::awaits_acknowledgement() const noexcept {
+    return std::any_of(sent_.begin(), sent_.end(),
+                       [](const Exchange& e) { return e.is_on_its_way() && e.expects().is_acknowledgement(); });
+}
+
 const Exchange* Device::lost() const noexcept {
-    const auto found = std::find_if(sent_.begin(), sent_.end(), [](const Exchange& e) { return !e.is_on_its_way(); });
+    const auto is_lost = [](const Exchange& e) { return !e.is_on_its_way(); };
+    const auto first = std::find_if(sent_.begin(), sent_.end(),
+                                    [&](const Exchange& e) { return is_lost(e) && !e.asker()->yields(); });
+    const auto found = first != sent_.end() ? first : std::find_if(sent_.begin(), sent_.end(), is_lost);
     return found == sent_.end() ? nullptr : &*found;
 }
 
-// Lost requests are sent first.
+bool Device::keeps_back_those_that_yield() const noexcept {
+    const auto goes_first = [](const Exchange& e) { return !e.asker()->yields(); };
+    return std::any_of(waiting_.begin(), waiting_.end(), goes_first) || std::any_of(sent_.begin(), sent_.end(), goes_first);
+}
+
+// Commands are sent first, then lost requests. Those that yield come last.
 const Exchange* Device::next_to_send(TimePoint now) const noexcept {
+    if (has_command() && waiting_.front().kept_until() <= now) return &waiting_.front();
     if (on_their_way() >= window_.size()) return nullptr;
-    if (const Exchange* again = lost()) return again;
-    const auto fresh = std::find_if(waiting_.begin(), waiting_.end(), [&](const Exchange& e) {
+    const auto may_start = [&](const Exchange& e) {
         const auto at = may_start_at(e);
         return at && *at <= now;
-    });
+    };
+    if (now < line_is_busy_until_) return nullptr;    // a frame would end what flush_ sends
+    const Exchange* const again = lost();
+    if (again && !again->asker()->yields()) return again;
+    const auto first = std::find_if(waiting_.begin(), waiting_.end(),
+                                    [&](const Exchange& e) { return !e.asker()->yields() && may_start(e); });
+    if (first != waiting_.end()) return &*first;
+    if (again) return again;
+    if (keeps_back_those_that_yield()) return nullptr;
+    const auto fresh = std::find_if(waiting_.begin(), waiting_.end(), may_start);
     return fresh == waiting_.end() ? nullptr : &*fresh;
 }
+
+// Commands are in front of all that waits.
+bool Device::has_command() const noexcept { return !waiting_.empty() && is_command(waiting_.front()); }
 
 // std::nullopt: not before a request that was sent has ended.
 std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const noexcept {
@@ -140,25 +241,75 @@ std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const no
         return e.expects() == exchange.expects() || (e.expects().is_alone() && exchange.expects().is_alone());
     });
     if (is_blocked) return std::nullopt;
-    TimePoint at = TimePoint::min();
+    TimePoint at = exchange.kept_until();
     if (!exchange.is_once()) return at;
     for (const auto& past : past_)
         if (past && !past->answered && past->expects == exchange.expects()) at = std::max(at, past->late_until);
     return at;
 }
 
-FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now) noexcept {
+// Then zero bytes were sent just before that one.
+bool Device::is_behind_a_command(TimePoint now) const noexcept {
+    return std::any_of(sent_.begin(), sent_.end(), is_command) ||
+           (commanded_at_ && now - *commanded_at_ < std::chrono::seconds{1});
+}
+
+// A request that is answered shows that the device hears: it was not deaf when a later one was sent.
+bool Device::may_be_deaf_to(const Exchange& exchange) const noexcept {
+    if (exchange.was_sent()) return heard_send_ < exchange.last().number;
+    return exchange.waits_long();
+}
+
+// Flushes before `next` where that is needed and may be done now. Whoever flushes meanwhile does it for `next` as well, so that it waits once.
+bool Device::waits_for_flush(Exchange& next, TimePoint now) {
+    if (!flush_ || !may_be_deaf_to(next)) return false;
+    const Flush flush = flush_(next.frame());
+    line_is_busy_until_ = std::max(line_is_busy_until_, now + flush.busy);
+    const Duration wait = next.wait_for_answer(round_trip_, this_send(next));
+    const bool is_first = !next.was_sent();
+    const bool goes_on = is_first && next.asker() == heard_asker_ && heard_send_ == sends_;
+    const bool is_at_once = is_command(next) && is_behind_a_command(now);
+    const bool is_worth_it = !is_at_once && flush.later <= wait && !goes_on && (!is_first || wait >= RoundTrip::ceiling);
+    if (flush.busy > Duration::zero() || flush.later <= Duration::zero() || !is_worth_it || !next.keep(now, flush.later))
+        return false;
+    line_is_busy_until_ = std::max(line_is_busy_until_, next.kept_until());
+    return true;
+}
+
+Exchange::Send Device::this_send(const Exchange& next) const noexcept {
+    const bool by_itself = on_their_way() == 0;
+    const bool answers = next.was_sent() && answered_at_ && *answered_at_ > next.last_sent();
+    return {sends_ + 1, window_.is_one_at_a_time() && by_itself, answers, by_itself};
+}
+
+FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now) {
+    const Exchange::Send send = this_send(*which);
     if (!which->was_sent()) sent_.splice(sent_.end(), from, which);
-    which->send(now, round_trip_);
+    last_sent_ = now;
+    if (is_command(*which)) commanded_at_ = now;
+    sends_ = send.number;
+    which->send(std::max(now, line_is_busy_until_), round_trip_, send);
+    if (is_question_for_info(which->frame())) expect_info(now);
     return which->frame();
+}
+
+void Device::wait_to_leave(TimePoint now) noexcept {
+    for (Exchange& exchange : sent_)
+        if (exchange.is_on_its_way() && exchange.last().number == sends_) exchange.wait_to_leave(now);
 }
 
 std::optional<TimePoint> Device::due() const noexcept {
     std::optional<TimePoint> first;
+    if (has_command()) first = waiting_.front().kept_until();
     if (on_their_way() < window_.size()) {
-        if (lost() != nullptr) return TimePoint::min();
-        for (const Exchange& exchange : waiting_)
-            if (const auto at = may_start_at(exchange)) first = std::min(first.value_or(TimePoint::max()), *at);
+        if (lost() != nullptr) first = std::min(first.value_or(TimePoint::max()), line_is_busy_until_);
+        const bool keeps_back = keeps_back_those_that_yield();
+        for (const Exchange& exchange : waiting_) {
+            if (is_command(exchange)) continue;
+            const auto at = may_start_at(exchange);
+            if (at && !(keeps_back && exchange.asker()->yields()))
+                first = std::min(first.value_or(TimePoint::max()), std::max(*at, line_is_busy_until_));
+        }
     }
     for (const Exchange& exchange : sent_)
         if (exchange.is_on_its_way()) first = std::min(first.value_or(TimePoint::max()), exchange.due());

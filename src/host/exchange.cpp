@@ -1,6 +1,7 @@
 #include <host/exchange.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace ano::host {
 
@@ -9,11 +10,40 @@ Exchange::Exchange(const Request& request, std::uint8_t own, std::uint8_t device
     if (encode(frame_, own, device, request.id, request.data) != 0) expects_ = Expectation::of(frame());
 }
 
-void Exchange::send(TimePoint now, const RoundTrip& round_trip) noexcept {
-    if (sent_ == 0) first_sent_ = now;
-    due_ = now + patience_.wait.value_or(std::max(patience_.at_least, round_trip.time_out_after(sent_)));
+void Exchange::send(TimePoint now, const RoundTrip& round_trip, const Send& send) noexcept {
+    if (sent_ == 0) {
+        first_sent_ = now;
+        first_number_ = send.number;
+    }
+    last_sent_ = now;
+    last_ = send;
+    known_ = round_trip.smoothed().has_value();
+    due_ = now + wait_for_answer(round_trip, send);
     ++sent_;
     on_its_way_ = true;
+    was_kept_ = false;
+}
+
+Duration Exchange::wait_for_answer(const RoundTrip& round_trip, const Send& send) const noexcept {
+    if (patience_.wait) return *patience_.wait;
+    const bool often = asks_often(round_trip.smoothed().has_value());
+    return std::max(patience_.at_least,
+                    often ? RoundTrip::first : round_trip.time_out_after(sent_, send.answers, send.by_itself));
+}
+
+bool Exchange::keep(TimePoint now, Duration time) noexcept {
+    if (std::exchange(was_kept_, true)) return false;
+    kept_until_ = now + time;
+    kept_for_ += time;
+    return true;
+}
+
+void Exchange::wait_to_leave(TimePoint now) noexcept {
+    const Duration late = now - last_sent_;
+    if (late <= Duration::zero()) return;
+    due_ += late;
+    last_sent_ = now;
+    if (sent_ == 1) first_sent_ = now;
 }
 
 }    // namespace ano::host

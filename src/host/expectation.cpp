@@ -1,9 +1,9 @@
 #include <ano/address.hpp>
+#include <ano/firmware_codes.hpp>
 #include <ano/messages.hpp>
 #include <ano/reading.hpp>
 #include <ano/typed.hpp>
 #include <host/expectation.hpp>
-#include <host/firmware_codes.hpp>
 
 namespace ano::host {
 namespace {
@@ -16,11 +16,18 @@ bool is_acknowledged(FrameView request) noexcept {
     return row != nullptr && row->acknowledged != Acknowledged::no;
 }
 
-// Whether `field` of the answer, in either layout of its message, is `number`.
-template <Name M, Name F, Name Label = "">
+// Whether `field` of the answer is `number`.
+template <Name M, Name F>
 bool has_number(FrameView frame, std::uint16_t number) noexcept {
-    const auto view = as<M, Label>(frame);
+    const auto view = as<M>(frame);
     return view && view->template get<F>() == number;
+}
+
+// The same for a description of a parameter, whose layouts all begin with its id.
+bool describes(FrameView frame, std::uint16_t parameter) noexcept {
+    using Info = View<"parameter_info">;
+    return frame.id() == Info::message().id && frame.data().size() >= Info::message().fixed_size &&
+           Info{frame.data()}.get<"par_id">() == parameter;
 }
 
 }    // namespace
@@ -61,16 +68,27 @@ std::optional<Expectation> Expectation::of_firmware(FrameView request) noexcept 
     if (as<"firmware", "info">(request)) return Expectation{request, Kind::firmware_info};
     if (const auto image = as<"firmware", "image">(request))
         return Expectation{request, Kind::firmware_frame, image->get<"frame_num">()};
-    const auto step = as<"firmware">(request);
+    const auto step = firmware_code_in(request);
     if (!step) return std::nullopt;
-    if (step->get<"code">() == firmware_code::erase) return Expectation{request, Kind::firmware_erase};
-    if (step->get<"code">() == firmware_code::all_sent) return Expectation{request, Kind::firmware_check};
+    if (step->code == firmware_code::erase) return Expectation{request, Kind::firmware_erase};
+    if (step->code == firmware_code::all_sent) return Expectation{request, Kind::firmware_check};
     return std::nullopt;
 }
 
-bool Expectation::is_met_by(FrameView frame) const noexcept {
+bool Expectation::is_for_it(FrameView frame) const noexcept {
     const bool for_us = frame.destination() == asker_ || frame.destination() == address::broadcast;
-    return for_us && may_be_of(frame.source(), asked_) && fits(frame);
+    if (!for_us || may_be_of(frame.source(), asked_)) return for_us;
+    // Some devices acknowledge as the port by which the request came. The check bytes show that it is the same request.
+    return kind_ == Kind::acknowledgement && address::is_port_id(frame.source()) && !address::is_port_id(asked_) && fits(frame);
+}
+
+bool Expectation::is_met_by(FrameView frame) const noexcept { return is_for_it(frame) && fits(frame); }
+
+bool Expectation::is_missed_by(FrameView frame) const noexcept {
+    if (!is_for_it(frame) || fits(frame)) return false;
+    if (kind_ >= Kind::firmware_info) return frame.id() == id_of<"firmware">;
+    const auto check = as<"check">(frame);
+    return kind_ == Kind::acknowledgement && check && check->get<"id_get">() == about_;
 }
 
 bool Expectation::may_be_met_by(std::uint8_t id) noexcept {
@@ -89,9 +107,7 @@ bool Expectation::fits(FrameView frame) const noexcept {
     case Kind::device_info: return as<"device_info">(frame).has_value();
     case Kind::parameter_count: return has_number<"parameter_command", "cmd">(frame, 1);
     case Kind::parameter_value: return has_number<"parameter_value", "par_id">(frame, about_);
-    case Kind::parameter_info:
-        return has_number<"parameter_info", "par_id">(frame, about_) ||
-               has_number<"parameter_info", "par_id", "old">(frame, about_);
+    case Kind::parameter_info: return describes(frame, about_);
     case Kind::command_count: return has_number<"command_query", "cmd">(frame, 0);
     case Kind::command_info: return has_number<"command_info", "cmd_id">(frame, about_);
     case Kind::waypoint_count: return as<"waypoint_read">(frame).has_value();
@@ -102,11 +118,10 @@ bool Expectation::fits(FrameView frame) const noexcept {
 
 bool Expectation::fits_firmware(FrameView frame) const noexcept {
     using namespace firmware_code;
-    if (const auto written = as<"firmware", "written">(frame))
-        return kind_ == Kind::firmware_frame && written->get<"frame_num">() == about_;
-    const auto answer = as<"firmware">(frame);
+    const auto answer = firmware_code_in(frame);
     if (!answer) return false;
-    const std::uint16_t code = answer->get<"code">();
+    if (answer->is_of_frame) return kind_ == Kind::firmware_frame && answer->frame_num == about_;
+    const std::uint16_t code = answer->code;
     switch (kind_) {
     case Kind::firmware_info: return code == info_refused || code == info_accepted;
     case Kind::firmware_erase: return code == erase_failed || code == erased;

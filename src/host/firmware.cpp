@@ -1,6 +1,6 @@
+#include <ano/hex.hpp>
 #include <ano/typed.hpp>
 #include <host/firmware.hpp>
-#include <host/firmware_codes.hpp>
 #include <host/parameter_info.hpp>
 
 #include <algorithm>
@@ -19,11 +19,13 @@ constexpr std::array<std::string_view, 5> step_words{"device info", "description
 // A frame is written to flash before it is answered, which takes longer than the questions by which the round trip was measured.
 constexpr Duration write_time = 100ms;
 
-std::uint16_t code_in(const Ended& ended) noexcept {
-    if (const auto of_frame = as<"firmware", "written">(*ended.answer)) return of_frame->get<"code">();
-    const auto answer = as<"firmware">(*ended.answer);
-    return answer ? answer->get<"code">() : std::uint16_t{0};
-}
+// Without an answer to its info, nothing is begun; a bad line may lose several.
+constexpr unsigned info_sends = 8;
+
+// A loader that gets "erase" twice may begin it again at the end of the first one, and erase what was written since: so long a wait is
+// sure to be over by then. "All sent" does no such harm, but the check takes its time.
+constexpr Patience for_erase{.sends = 1, .wait = 60s}, for_check{.sends = 1, .wait = 15s},
+    for_check_again{.sends = 5, .wait = 3s};
 
 }    // namespace
 
@@ -65,32 +67,41 @@ void Firmware::identified(const Ended& ended, TimePoint now) {
         if (!info) return finish_silent(step(), ended.evidence, now, "what is sent to it probably does not arrive");
         if (auto misfit = image_.misfit(*info)) return finish({Ending::invalid, std::move(*misfit), {}}, now);
     }
-    ask_info(now);
+    ask_info(Purpose::begin, options_.frame_len, now);
 }
 
-void Firmware::ask_info(TimePoint now) {
+void Firmware::ask_info(Purpose purpose, std::size_t frame_len, TimePoint now) {
     step_ = describe;
+    purpose_ = purpose;
+    asked_len_ = frame_len;
+    described_since_ = now;
+    send_info(now);
+}
+
+void Firmware::send_info(TimePoint now) {
     Draft<"firmware", "info"> draft;
     (void)draft.set<"bin_len">(image_.bytes.size());
-    (void)draft.set<"frame_len">(options_.frame_len);
+    (void)draft.set<"frame_len">(asked_len_);
     (void)draft.set<"bin_crc">(image_.crc);
     (void)draft.set<"bin_ver">(image_.version);
     (void)draft.set<"hw_type">(image_.hw_type);
     (void)draft.set<"hw_ver_min">(image_.hw_ver_min);
     (void)draft.set<"hw_ver_max">(image_.hw_ver_max);
     (void)draft.set<"cmd">(image_.cmd);
-    ask(request(draft, describe, {.at_least = write_time}), now);
+    ask(request(draft, describe, {.sends = info_sends, .at_least = write_time}), now);
 }
 
-void Firmware::ask_step(Step step, std::uint16_t code, Duration wait, TimePoint now) {
+// "Erase" or "all sent".
+void Firmware::ask_order(Step step, TimePoint now) {
+    if (step_ != step) orders_ = 0;
     step_ = step;
-    Draft<"firmware"> draft;
-    (void)draft.set<"code">(code);
-    ask(request(draft, step, {.sends = 1, .wait = wait}), now);
+    ++orders_;
+    const auto draft = firmware_step(step == erase ? code::erase : code::all_sent, order_);
+    ask(request(draft, step, step == erase ? for_erase : orders_ == 1 ? for_check : for_check_again), now);
 }
 
 void Firmware::ask_frame(TimePoint now) {
-    if (frame_ == frames()) return ask_step(check, code::all_sent, 30s, now);
+    if (frame_ == frames()) return ask_order(check, now);
     step_ = send_frame;
     const std::size_t at = frame_ * options_.frame_len;
     piece_.resize(std::min(options_.frame_len, image_.bytes.size() - at));
@@ -98,45 +109,149 @@ void Firmware::ask_frame(TimePoint now) {
     Draft<"firmware", "image"> draft;
     (void)draft.set<"frame_num">(frame_);
     (void)draft.set<"data">(Bytes{piece_});
-    ask(request(draft, send_frame, {.at_least = write_time}), now);
+    asked_at_ = now;
+    ask(request(draft, send_frame, patience_of_frame()), now);
+}
+
+// On a bad line nearly every frame is repeated, and the round trip can't be measured any more: what a frame took that was sent once counts.
+// In case that frames take longer now, one is waited for longer now and then.
+Patience Firmware::patience_of_frame() const noexcept {
+    if (!frame_wait_) return {.sends = 2, .at_least = write_time};
+    if (repeated_in_a_row_ == repeated_enough) return {.sends = 2, .wait = RoundTrip::ceiling};
+    return {.wait = frame_wait_};
+}
+
+void Firmware::measure(const Evidence& evidence, bool answered, TimePoint now) {
+    repeats_ += evidence.sent - (answered ? 1 : 0);
+    sends_ += evidence.sent;
+    if (!answered || evidence.sent > 1) {
+        repeated_in_a_row_ = repeated_in_a_row_ == repeated_enough ? 0 : repeated_in_a_row_ + 1;
+        return;
+    }
+    repeated_in_a_row_ = 0;
+    frame_wait_ = std::clamp(2 * (now - asked_at_), write_time, RoundTrip::ceiling);
 }
 
 void Firmware::ended(const Ended& ended, TimePoint now) {
     if (ended.tag == identify) return identified(ended, now);
-    if (ended.outcome != Outcome::answered) {
-        const std::string what = hex_of(device().address()) + " fell silent: " + std::string{step()};
-        return give_up(Ending::timeout, what, ended.evidence, now);
-    }
+    if (ended.outcome != Outcome::answered) return unanswered(ended, now);
+    answered_at_ = now;
+    const FirmwareCode answer = firmware_code_in(*ended.answer).value_or(FirmwareCode{});
     switch (ended.tag) {
-    case describe:
-        if (code_in(ended) == code::info_refused)
-            return finish({Ending::refused, hex_of(device().address()) + " does not want this image", ended.evidence}, now);
-        erasing_ = true;
-        return ask_step(erase, code::erase, 60s, now);
+    case describe: return described(answer, ended, now);
     case erase:
-        if (code_in(ended) == code::erase_failed)
-            return give_up(Ending::failed, "the device could not erase", ended.evidence, now);
+        if (answer.code == code::erase_failed) return give_up(Ending::failed, "the device could not erase", ended.evidence, now);
         frames_since_ = now;
         return ask_frame(now);
-    case send_frame: return frame_ended(ended, now);
+    case send_frame: return frame_ended(answer.code, ended, now);
     default:
-        if (code_in(ended) == code::check_failed)
+        if (answer.code == code::check_failed)
             return give_up(Ending::failed, "the image did not pass the device's check", ended.evidence, now);
-        finish({Ending::done, {}, ended.evidence}, now);
+        finish({Ending::done, remark_, ended.evidence}, now);
     }
 }
 
-void Firmware::frame_ended(const Ended& ended, TimePoint now) {
-    repeats_ += ended.evidence.sent - 1;
-    if (code_in(ended) == code::frame_written) {
-        ++frame_;
-        failures_ = 0;
+// `answer`: std::nullopt: none. A device that refuses a second info keeps what it accepted before.
+void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended, TimePoint now) {
+    const bool accepted = answer && answer->code == code::info_accepted;
+    const bool may_restart = !answer && purpose_ != Purpose::shorten && ended.evidence.unfit.empty();
+    if (may_restart && now - described_since_ < patience) return send_info(now);
+    if (!accepted && purpose_ == Purpose::shorten) {
+        may_shorten_ = false;
         return ask_frame(now);
     }
+    if (!accepted && purpose_ == Purpose::begin_again)
+        return give_up(lost_ending_, lost_because_ + (answer ? ", and does not accept the image again" : ""), ended.evidence,
+                       now);
+    if (!answer) return give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
+    if (!accepted)
+        return finish({Ending::refused, hex_of(device().address()) + " does not want this image", ended.evidence}, now);
+    order_ = answer->order;
+    if (purpose_ == Purpose::shorten)
+        note("with frames of " + std::to_string(asked_len_) + " bytes, because most longer ones were lost");
+    if (purpose_ == Purpose::begin_again)
+        note("begun again at frame " + std::to_string(frame_) + ", because " + hex_of(device().address()) +
+             " had lost the upgrade");
+    options_.frame_len = asked_len_;
+    frame_wait_.reset();
+    erasing_ = true;
+    frame_ = failures_ = sends_ = judged_frames_ = judged_sends_ = 0;
+    ask_order(erase, now);
+}
+
+void Firmware::frame_ended(std::uint16_t answer, const Ended& ended, TimePoint now) {
+    measure(ended.evidence, true, now);
+    if (answer == code::frame_written) {
+        ++frame_;
+        // Written frames are lost by a second info, so late in an upgrade it does not pay.
+        const std::size_t shorter = shorter_len();
+        const bool pays = is_hard() && may_shorten_ && shorter < options_.frame_len && 2 * frame_ < frames();
+        failures_ = sends_ = 0;
+        return pays ? ask_info(Purpose::shorten, shorter, now) : ask_frame(now);
+    }
     ++repeats_;
-    if (++failures_ == max_failures)
-        return give_up(Ending::failed, "the device could not write frame " + std::to_string(frame_), ended.evidence, now);
-    ask_frame(now);
+    if (++failures_ < max_failures) return ask_frame(now);
+    begin_again("the device could not write frame " + std::to_string(frame_), Ending::failed, ended.evidence, now);
+}
+
+bool Firmware::is_hard() noexcept {
+    judged_sends_ += std::min(sends_, most_sends);
+    if (++judged_frames_ < judged) return false;
+    judged_frames_ = 0;
+    return std::exchange(judged_sends_, 0u) >= hard;
+}
+
+std::size_t Firmware::shorter_len() const noexcept {
+    const std::size_t len = std::min(options_.frame_len, std::max(options_.frame_len / 3, least_len));
+    return frames_of(len) <= max_frames ? len : options_.frame_len;
+}
+
+void Firmware::unanswered(const Ended& ended, TimePoint now) {
+    if (ended.tag == send_frame) return frame_unanswered(ended, now);
+    if (ended.tag == describe) return described(std::nullopt, ended, now);
+    if (ended.tag == check) return check_unanswered(ended, now);
+    if (orders_ < max_erases) return ask_order(erase, now);
+    give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
+}
+
+void Firmware::check_unanswered(const Ended& ended, TimePoint now) {
+    if (orders_ < 2) return ask_order(check, now);
+    if (!ended.evidence.unfit.empty()) return give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(check_patience).count();
+    finish({Ending::timeout,
+            hex_of(device().address()) + " has written all " + std::to_string(frames()) + " frames, but did not report within " +
+                std::to_string(seconds) +
+                " s whether the image passed its check: it may run the new firmware already (anoctl devices --scan shows its "
+                "version); "
+                "if it does not, begin again",
+            ended.evidence},
+           now);
+}
+
+void Firmware::frame_unanswered(const Ended& ended, TimePoint now) {
+    measure(ended.evidence, false, now);
+    const bool is_heard = device().heard_at() && *device().heard_at() > answered_at_;
+    if (now - answered_at_ < (is_heard ? patience : patience_unheard)) return ask_frame(now);
+    begin_again(silence(ended.evidence), Ending::timeout, ended.evidence, now);
+}
+
+// Where even the first frame never comes through, shorter ones may.
+void Firmware::begin_again(const std::string& why, Ending or_else, const Evidence& evidence, TimePoint now) {
+    if (lost_frame_ == frame_ || restarts_ == max_restarts) return give_up(or_else, why, evidence, now);
+    lost_frame_ = frame_;
+    lost_because_ = why;
+    lost_ending_ = or_else;
+    ++restarts_;
+    ask_info(Purpose::begin_again, frame_ == 0 && or_else == Ending::timeout ? shorter_len() : options_.frame_len, now);
+}
+
+// Why there is no answer, as a clause. "Fell silent" only if nothing came.
+std::string Firmware::silence(const Evidence& evidence) const {
+    const std::string device_is = hex_of(device().address());
+    const std::string doing{step()};
+    if (!evidence.unfit.empty())
+        return device_is + " sent 0xF0 with " + spaced_hex(evidence.unfit) + ", which is no answer: " + doing;
+    return device_is + (evidence.is_heard ? " is heard, but does not answer: " : " fell silent: ") + doing;
 }
 
 void Firmware::give_up(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now) {

@@ -90,4 +90,83 @@ std::optional<std::string> FirmwareImage::misfit(const DeviceInfo& device) const
     return std::nullopt;
 }
 
+namespace {
+
+bool is_hex_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
+
+/// Without the mark of UTF-8 and empty lines, which editors put before a text.
+std::string_view without_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    return text;
+}
+
+/// A record of Intel HEX: a colon, and at least five bytes.
+bool begins_as_hex(std::string_view begin) {
+    constexpr std::size_t digits = 10;
+    begin = without_mark(begin);
+    if (!begin.starts_with(':') || begin.size() <= digits) return false;
+    const std::string_view record = begin.substr(1, digits);
+    return std::all_of(record.begin(), record.end(), is_hex_digit);
+}
+
+// Bytes from 0x80 on may be of UTF-8 or GBK.
+bool is_printed(char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    constexpr unsigned char space = 0x20, del = 0x7F;
+    return (byte >= space && byte != del) || c == '\t' || c == '\n' || c == '\r' || c == '\f';
+}
+
+/// A form of a web page (multipart/form-data): a border, and the header of a part.
+bool begins_as_form(std::string_view begin) {
+    constexpr std::string_view header = "\r\ncontent-disposition:";
+    if (!begin.starts_with("--")) return false;
+    begin.remove_prefix(std::min(begin.find("\r\n"), begin.size()));
+    std::string line{begin.substr(0, header.size())};
+    std::transform(line.begin(), line.end(), line.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c; });
+    return line == header;
+}
+
+/// Text in units of two bytes, the low one at `low`: all are characters, and without the mark of UTF-16 in front all are of ASCII.
+bool is_utf16(std::string_view begin, std::size_t low) {
+    constexpr std::size_t min_size = 8;
+    constexpr unsigned mark = 0xFEFF, space = 0x20, del = 0x7F, no_character = 0xFFFE;
+    if (begin.size() < min_size) return false;
+    const auto unit = [&](std::size_t at) {
+        return static_cast<unsigned>(static_cast<unsigned char>(begin[at + low])) |
+               static_cast<unsigned>(static_cast<unsigned char>(begin[at + 1 - low])) << 8u;
+    };
+    const bool is_marked = unit(0) == mark;
+    for (std::size_t at = is_marked ? 2 : 0; at + 1 < begin.size(); at += 2) {
+        const unsigned c = unit(at);
+        const bool is_character = c >= space ? c != del && c < no_character : c == '\t' || c == '\n' || c == '\r' || c == '\f';
+        if (!is_character || (!is_marked && c > del)) return false;
+    }
+    return true;
+}
+
+bool is_text(std::string_view begin) {
+    return std::all_of(begin.begin(), begin.end(), is_printed) || is_utf16(begin, 0) || is_utf16(begin, 1);
+}
+
+}    // namespace
+
+std::string looks_unlike_firmware(const FirmwareBytes& file) {
+    constexpr std::size_t looked_at = 1024;
+    std::vector<std::uint8_t> bytes(std::min(file.size(), looked_at));
+    if (!file.read(0, bytes)) return {};    // whoever reads all of it says so
+    const std::string_view begin{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    const std::string converts = "; convert it: arm-none-eabi-objcopy ";
+    if (begins_as_hex(begin)) return "this is an Intel HEX file" + converts + "-I ihex -O binary FILE.hex FILE.bin";
+    if (begin.starts_with("\x7F"
+                          "ELF"))
+        return "this is an ELF file" + converts + "-O binary FILE.elf FILE.bin";
+    if (begin.starts_with("PK\3\4") || begin.starts_with("PK\5\6")) return "this is a ZIP file; unpack it first";
+    if (begins_as_form(begin)) return "this is a form of a web page (multipart/form-data); send the file itself";
+    if (!begin.empty() && is_text(begin)) return "this is a text file";
+    return {};
+}
+
 }    // namespace ano::host

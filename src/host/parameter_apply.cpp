@@ -1,5 +1,9 @@
 #include <host/parameter_apply.hpp>
 
+#include <algorithm>
+#include <utility>
+#include <variant>
+
 namespace ano::host {
 namespace {
 
@@ -14,7 +18,12 @@ bool is_refusal(const ParameterWrite& write) {
 
 ParameterApply::ParameterApply(Device& device, DescriptionCache* cache,
                                const std::vector<std::pair<std::string, AnyValue>>& values, ApplyOptions options)
-    : Task{device}, options_{options}, parameters_{device, cache} {
+    : Task{device},
+      options_{std::move(options)},
+      cache_{cache != nullptr ? cache : &own_cache_},
+      parameters_{device, cache_},
+      repeated_(values.size()),
+      undone_again_(values.size()) {
     rows_.reserve(values.size());
     for (const auto& [name, value] : values) rows_.push_back({name, value});
 }
@@ -23,7 +32,19 @@ void ParameterApply::start(TimePoint now) {
     parameters_.on_end([this](TimePoint then) { described(then); });
     std::vector<std::string> names;
     for (const Row& row : rows_) names.push_back(row.name);
-    parameters_.read_named(std::move(names), now);
+    if (options_.ids.empty()) return parameters_.read_named(std::move(names), now);
+    parameters_.read_where(
+        [names = std::move(names)](const ParameterInfo& one) {
+            return std::find(names.begin(), names.end(), one.name) != names.end();
+        },
+        now);
+}
+
+Found ParameterApply::found(std::size_t row) const {
+    const auto id = row < options_.ids.size() ? options_.ids[row] : std::nullopt;
+    if (!id) return parameters_.find(rows_[row].name);
+    const auto& all = parameters_.descriptions();
+    return {*id < all.size() && all[*id].name == rows_[row].name ? &all[*id] : nullptr, false};
 }
 
 void ParameterApply::described(TimePoint now) {
@@ -31,7 +52,27 @@ void ParameterApply::described(TimePoint now) {
     if (parameters_.end()->ending != Ending::done) return finish_as(parameters_, now);
     if (!check(now)) return;
     if (options_.dry_run) return finish({}, now);
+    presence_ = device().presence();
+    announcements_ = device().announcements();
     next(now);
+}
+
+bool ParameterApply::is_restarted() const noexcept {
+    return lost_ > 0 || device().announcements() != announcements_ || device().presence() != presence_;
+}
+
+// A clause, or empty. Values that were not saved are lost by a restart.
+std::string ParameterApply::words_of_restart() const {
+    if (device().announcements() != announcements_) return "the device restarted meanwhile";
+    if (device().presence() != presence_) return "the device was away meanwhile, and has probably restarted";
+    return lost_ > 0 ? "the device has probably restarted meanwhile" : "";
+}
+
+bool ParameterApply::is_same(const AnyValue& wanted, const AnyValue& has, const ParameterInfo& info) const {
+    if (same_bytes(wanted, has, info)) return true;
+    const auto* const one = std::get_if<std::string>(&wanted);
+    const auto* const other = std::get_if<std::string>(&has);
+    return one != nullptr && other != nullptr && options_.same_text && options_.same_text(*one, *other);
 }
 
 // Why the row can't be written, as far as is known before writing; empty: it can.
@@ -39,12 +80,15 @@ std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
     if (found.several) return "several parameters are called " + row.name;
     if (found.parameter == nullptr) return "no parameter is called " + row.name;
     if (!found.parameter->type) return row.name + " is of a type that is not known";
-    const Type type = *found.parameter->type;
+    const ParameterInfo& info = *found.parameter;
     std::vector<std::uint8_t> wire;
-    std::string misfit = words_of_misfit(append(wire, row.wanted, type), type);
-    const Bytes has = parameters_.bytes(found.parameter->id);
-    const bool differs = value_of(wire, type) != value_of(has, type);
-    if (misfit.empty() && type == Type::text && differs) misfit = text_misfit(wire.size(), has.size(), options_.text);
+    std::string misfit = words_of_misfit(append(wire, row.wanted, info), info);
+    const Bytes has = parameters_.bytes(info.id);
+    const auto before = value_of(has, info);
+    const bool differs = value_of(wire, info) != before && !(before && is_same(row.wanted, *before, info));
+    if (misfit.empty() && differs) misfit = length_misfit(wire.size(), has.size(), info);
+    if (misfit.empty() && differs) misfit = range_misfit(row.wanted, info, options_.text);
+    if (misfit.empty() && *info.type == Type::text && differs) misfit = text_misfit(wire.size(), has.size(), options_.text);
     return misfit.empty() ? misfit : row.name + ": " + words_of(row.wanted) + ' ' + misfit;
 }
 
@@ -53,7 +97,7 @@ bool ParameterApply::check(TimePoint now) {
     infos_.clear();
     bool all_can = true;
     for (Row& row : rows_) {
-        const Found found = parameters_.find(row.name);
+        const Found found = this->found(infos_.size());
         row.what = fault_of(row, found);
         infos_.push_back(found.parameter != nullptr ? *found.parameter : ParameterInfo{});
         if (found.parameter != nullptr) row.before = row.stored = parameters_.value(found.parameter->id);
@@ -62,8 +106,7 @@ bool ParameterApply::check(TimePoint now) {
             all_can = false;
             continue;
         }
-        if (!options_.also_the_same && row.before && same_bytes(row.wanted, *row.before, *found.parameter->type))
-            row.state = State::same;
+        if (!options_.also_the_same && row.before && is_same(row.wanted, *row.before, *found.parameter)) row.state = State::same;
     }
     if (all_can) return true;
     why_ = End{Ending::invalid, {}, {}};
@@ -89,17 +132,18 @@ End ParameterApply::failure(const char* deed) const {
     return end;
 }
 
-void ParameterApply::write(std::size_t row, const AnyValue& value, TextLimits limits, void (ParameterApply::*then)(TimePoint),
+void ParameterApply::write(std::size_t row, const AnyValue& value, WriteLimits limits, void (ParameterApply::*then)(TimePoint),
                            TimePoint now) {
     last_ = std::move(write_);
     write_ = std::make_unique<ParameterWrite>(device(), infos_[row], value, limits);
+    if (!undoing_) write_->set_before(parameters_.bytes(infos_[row].id), parameters_.presence());
     write_->on_end([this, then](TimePoint later) { (this->*then)(later); });
     write_->start(now);
 }
 
 void ParameterApply::next(TimePoint now) {
     while (at_ < rows_.size() && rows_[at_].state != State::waiting) ++at_;
-    if (at_ == rows_.size()) return finish(why_ ? failure("were not written") : End{}, now);
+    if (at_ == rows_.size()) return check_written(now);
     write(at_, rows_[at_].wanted, options_.text, &ParameterApply::row_ended, now);
 }
 
@@ -107,9 +151,17 @@ void ParameterApply::row_ended(TimePoint now) {
     if (end() || undoing_) return;
     Row& row = rows_[at_];
     if (const auto stored = write_->stored()) row.stored = stored;
-    if (write_->was_sent() && write_->stored() != row.before) touched_.push_back(at_);
-    const End& ended = *write_->end();
+    const bool is_noted = std::find(touched_.begin(), touched_.end(), at_) != touched_.end();
+    if (write_->was_sent() && write_->stored() != row.before && !is_noted) touched_.push_back(at_);
+    End ended = *write_->end();
+    if (ended.ending != Ending::done && is_restarted() && is_refusal(*write_) && !repeated_[at_]) {
+        repeated_[at_] = true;
+        return next(now);
+    }
+    if (const std::string restart = words_of_restart(); ended.ending != Ending::done && !restart.empty())
+        ended.what += "; " + restart + ", so what was written before that may be lost";
     row.what = ended.what;
+    row.acknowledged = write_->was_acknowledged();
     if (ended.ending != Ending::done) {
         row.state = State::failed;
         if (!options_.goes_on || options_.rollback || !is_refusal(*write_)) return fail(ended, now);
@@ -129,12 +181,79 @@ void ParameterApply::fail(const End& end, TimePoint now) {
     undo_next(now);
 }
 
+void ParameterApply::read_again(void (ParameterApply::*then)(TimePoint), TimePoint now) {
+    std::vector<std::uint16_t> ids;
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+        if (is_read_again(rows_[i])) ids.push_back(infos_[i].id);
+    last_again_ = std::move(again_);
+    again_ = std::make_unique<Parameters>(device(), cache_);
+    again_->on_end([this, then](TimePoint later) { (this->*then)(later); });
+    again_->read_numbered(std::move(ids), now);
+}
+
+bool ParameterApply::is_read_again(const Row& row) const noexcept {
+    if (undoing_) return row.before.has_value();
+    return row.state == State::written || row.state == State::clamped || (row.state == State::same && is_restarted());
+}
+
+// Whether the device has this value, as read at the end.
+bool ParameterApply::has(std::size_t row, const std::optional<AnyValue>& value) const {
+    const auto read = again_->value(infos_[row].id);
+    return read && value && same_bytes(*read, *value, infos_[row]);
+}
+
+void ParameterApply::check_written(TimePoint now) {
+    const auto number = std::count_if(rows_.begin(), rows_.end(), [this](const Row& row) { return is_read_again(row); });
+    if (number == 0 || (number == 1 && !is_restarted())) return finish_written(now);
+    read_again(&ParameterApply::written_is_read, now);
+}
+
+void ParameterApply::written_is_read(TimePoint now) {
+    if (end() || undoing_) return;
+    if (again_->end()->ending != Ending::done) return fail(*again_->end(), now);
+    std::optional<End> failed;
+    bool is_one_lost = false;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        Row& row = rows_[i];
+        if (!is_read_again(row) || has(i, row.stored)) continue;
+        ++lost_;
+        if (!repeated_[i]) {
+            repeated_[i] = is_one_lost = true;
+            row.state = State::waiting;
+            continue;
+        }
+        row.stored = again_->value(infos_[i].id);
+        row.state = State::failed;
+        row.what = hex_of(device().address()) + " has lost " + row.name + " again" +
+                   (row.stored ? ": it is " + words_of(*row.stored) : std::string{});
+        if (!failed) failed = End{Ending::failed, row.what, {}};
+    }
+    if (failed && (options_.rollback || !options_.goes_on)) return fail(*failed, now);
+    if (failed && !why_) why_ = failed;
+    if (!is_one_lost) return finish_written(now);
+    at_ = 0;
+    next(now);
+}
+
+void ParameterApply::finish_written(TimePoint now) {
+    std::string restart = words_of_restart();
+    if (lost_ > 0)
+        restart += ": " + std::to_string(lost_) + (lost_ == 1 ? " value was lost and" : " values were lost and") +
+                   " written again";
+    finish(why_ ? failure("were not written") : End{Ending::done, std::move(restart), {}}, now);
+}
+
 // In reverse order, since parameters may depend on those before them.
 void ParameterApply::undo_next(TimePoint now) {
-    if (touched_.empty()) return finish(*why_, now);
+    if (touched_.empty()) {
+        const bool is_lost = std::any_of(rows_.begin(), rows_.end(),
+                                         [](const Row& row) { return row.state == State::not_undone; });
+        const bool is_done = std::none_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.state == State::undone; });
+        return is_lost || is_done ? finish(*why_, now) : read_again(&ParameterApply::undone_is_read, now);
+    }
     at_ = touched_.back();
     touched_.pop_back();
-    write(at_, *rows_[at_].before, {.longer = true}, &ParameterApply::undone, now);
+    write(at_, *rows_[at_].before, {.longer = true, .beyond_range = true}, &ParameterApply::undone, now);
 }
 
 void ParameterApply::undone(TimePoint now) {
@@ -148,12 +267,36 @@ void ParameterApply::undone(TimePoint now) {
     undo_next(now);
 }
 
+void ParameterApply::undone_is_read(TimePoint now) {
+    if (end()) return;
+    const bool is_read = again_->end()->ending == Ending::done;
+    if (!is_read) why_->what += "; whether all old values are back could not be read";
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        Row& row = rows_[i];
+        if (!is_read && row.state == State::undone) row.state = State::not_undone;
+        if (!is_read || !row.before || has(i, row.before)) continue;
+        row.stored = again_->value(infos_[i].id);
+        if (!undone_again_[i]) touched_.push_back(i);
+        else {
+            row.state = State::not_undone;
+            why_->what += "; " + row.name + " could not be undone";
+        }
+        undone_again_[i] = true;
+    }
+    if (touched_.empty()) return finish(*why_, now);
+    undo_next(now);
+}
+
 void ParameterApply::cancel(TimePoint now) {
     if (end()) return;
     End end{Ending::cancelled, "cancelled after " + std::to_string(at_) + " of " + std::to_string(rows_.size()), {}};
     if (undoing_) end.what = "cancelled while it was undone";
     parameters_.on_end({});
     parameters_.cancel(now);
+    if (again_) {
+        again_->on_end({});
+        again_->cancel(now);
+    }
     if (write_) {
         write_->on_end({});
         write_->cancel(now);
@@ -162,7 +305,7 @@ void ParameterApply::cancel(TimePoint now) {
             rows_[at_].state = State::failed;
             rows_[at_].what = write_->end()->what;
         }
-        if (is_sent || undoing_) touched_.push_back(at_);
+        if (is_sent || (undoing_ && at_ < rows_.size())) touched_.push_back(at_);
     }
     if (!undoing_) return fail(end, now);
     for (const std::size_t row : touched_) rows_[row].state = State::not_undone;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <string_view>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 namespace ano::host {
 
@@ -14,14 +16,26 @@ constexpr std::string_view not_taken = "it probably takes no such value, or lets
 
 }    // namespace
 
-std::string text_misfit(std::size_t size, std::size_t had, const TextLimits& limits) {
+std::string text_misfit(std::size_t size, std::size_t had, const WriteLimits& limits) {
     if (limits.max_bytes && size > *limits.max_bytes) return "is longer than " + std::to_string(*limits.max_bytes) + " bytes";
     if (size <= had || limits.longer) return {};
     return "is longer than the " + std::to_string(had) + (had == 1 ? " byte" : " bytes") +
            " that the device has: a longer one must be allowed (longer)";
 }
 
-ParameterWrite::ParameterWrite(Device& device, ParameterInfo info, AnyValue value, TextLimits limits)
+std::string range_misfit(const AnyValue& value, const ParameterInfo& info, const WriteLimits& limits) {
+    if (!info.limits || limits.beyond_range || info.limits->min >= info.limits->max) return {};    // the last states nothing
+    const auto as_real = [](const auto& plain) -> std::optional<double> {
+        if constexpr (std::is_arithmetic_v<std::decay_t<decltype(plain)>>) return static_cast<double>(plain);
+        else return std::nullopt;
+    };
+    const auto number = std::visit(as_real, value);
+    if (!number || (*number >= info.limits->min && *number <= info.limits->max)) return {};
+    return "is out of range, the device states " + std::to_string(info.limits->min) + " to " + std::to_string(info.limits->max) +
+           ": a value beyond it must be allowed (force)";
+}
+
+ParameterWrite::ParameterWrite(Device& device, ParameterInfo info, AnyValue value, WriteLimits limits)
     : Task{device}, info_{std::move(info)}, value_{std::move(value)}, limits_{limits} {}
 
 void ParameterWrite::refuse(const std::string& why, TimePoint now) {
@@ -30,12 +44,19 @@ void ParameterWrite::refuse(const std::string& why, TimePoint now) {
 
 void ParameterWrite::start(TimePoint now) {
     if (!info_.type) return finish({Ending::unsupported, info_.name + " is of a type that is not known", {}}, now);
-    const Misfit misfit = append(wire_, value_, *info_.type);
-    if (!misfit.empty()) return refuse(words_of_misfit(misfit, *info_.type), now);
+    const Misfit misfit = append(wire_, value_, info_);
+    if (!misfit.empty()) return refuse(words_of_misfit(misfit, info_), now);
+    if (const std::string beyond = range_misfit(value_, info_, limits_); !beyond.empty()) return refuse(beyond, now);
     const std::string too_long = *info_.type == Type::text ? text_misfit(wire_.size(), wire_.size(), limits_) : "";
     if (!too_long.empty()) return refuse(too_long, now);
-    presence_ = device().presence();
+    if (!before_) presence_ = device().presence();
+    else if (presence_ == device().presence()) step_ = write_value;
     go_on(now);
+}
+
+void ParameterWrite::set_before(Bytes value, std::uint32_t presence) {
+    before_.emplace(value.begin(), value.end());
+    presence_ = presence;
 }
 
 // Sends the request of the step; if the device was away, first those for its parameter count and the description.
@@ -50,14 +71,15 @@ void ParameterWrite::go_on(TimePoint now) {
 }
 
 void ParameterWrite::described(const Ended& ended, TimePoint now) {
-    const auto info = parameter_info_in(*ended.answer);
-    if (!info || info->name != info_.name || info->type != info_.type)
+    const auto info = parameter_info_in(*ended.answer, info_.layout);
+    if (!info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul)
         return finish({Ending::failed, hex_of(device().address()) + " became another device meanwhile", {}}, now);
     presence_ = device().presence();
     go_on(now);
 }
 
 void ParameterWrite::ended(const Ended& ended, TimePoint now) {
+    if (ended.tag == read_early) return read_along(ended, now);
     if (ended.outcome == Outcome::not_there) return go_on(now);
     const bool answered = ended.outcome == Outcome::answered;
     switch (ended.tag) {
@@ -75,6 +97,27 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
 // Without a fitting acknowledgement, the value that is read back shows whether the write was carried out.
 void ParameterWrite::written(const Ended& ended, TimePoint now) {
     if (ended.outcome != Outcome::answered) silence_ = ended.evidence;
+    else acknowledgement_ = ended.evidence;
+    was_repeated_ = ended.evidence.sent > 1;
+    write_ended_ = true;
+    both_ended(now);
+}
+
+void ParameterWrite::read_along(const Ended& ended, TimePoint now) {
+    if (step_ != write_value) return;
+    const auto value = ended.outcome == Outcome::answered ? std::optional{as<"parameter_value">(*ended.answer)->get<"value">()}
+                                                          : std::nullopt;
+    if (value && (*info_.type == Type::text || is_whole_value(value->size(), info_.type)))
+        stored_.emplace(value->begin(), value->end());
+    early_ended_ = true;
+    both_ended(now);
+}
+
+void ParameterWrite::both_ended(TimePoint now) {
+    if (!write_ended_ || !early_ended_) return;
+    if (stored_ && same(*stored_, wire_)) return compare(now);
+    if (stored_ && !was_repeated_ && !silence_) return ask_value(read_again, now);
+    stored_.reset();
     ask_value(read_back, now);
 }
 
@@ -94,7 +137,10 @@ void ParameterWrite::took(const Ended& ended, TimePoint now) {
     auto& kept = ended.tag == read_before ? before_ : stored_;
     kept.emplace(value.begin(), value.end());
     if (ended.tag == read_before) return ask_value(write_value, now);
-    if (ended.tag == read_back && !same(*stored_, wire_)) return ask_value(read_again, now);
+    if (ended.tag == read_back && !same(*stored_, wire_)) {
+        stored_.reset();    // it may be an answer from before the write
+        return ask_value(read_again, now);
+    }
     compare(now);
 }
 
@@ -106,17 +152,24 @@ void ParameterWrite::write(TimePoint now) {
         if (const std::string too_long = text_misfit(value.size(), had, limits_); !too_long.empty()) return refuse(too_long, now);
         value.resize(std::max({value.size(), std::min(had, limits_.max_bytes.value_or(had)), std::size_t{1}}));
     }
+    if (const std::string other_length = length_misfit(value.size(), before_->size(), info_); !other_length.empty())
+        return refuse(other_length, now);
     was_sent_ = true;
+    write_ended_ = early_ended_ = false;
     Draft<"parameter_value"> draft;
     (void)draft.set<"par_id">(info_.id);
     (void)draft.set<"value">(Bytes{value});
     ask(request(draft, write_value), now);
+    if (!end()) ask(question::parameter_value(info_.id, read_early), now);
 }
 
 void ParameterWrite::compare(TimePoint now) {
     if (same(*stored_, wire_))
-        return finish({Ending::done, silence_ ? info_.name + " was never acknowledged as it must be, and is written" : "", {}},
-                      now);
+        return finish(
+            {Ending::done,
+             silence_ ? info_.name + " was never acknowledged as it must be, and is written" : words_of_port(acknowledgement_),
+             acknowledgement_},
+            now);
     if (same(*stored_, *before_) && silence_) return finish_unacknowledged("write of " + info_.name, *silence_, now, not_taken);
     if (same(*stored_, *before_))
         return finish({Ending::refused,
@@ -133,9 +186,7 @@ bool ParameterWrite::same(const Wire& a, const Wire& b) const {
     return std::equal(a.begin(), a.begin() + n, b.begin(), b.begin() + n);
 }
 
-std::optional<AnyValue> ParameterWrite::decoded(const Wire& bytes) const {
-    return info_.type ? value_of(bytes, *info_.type) : std::nullopt;
-}
+std::optional<AnyValue> ParameterWrite::decoded(const Wire& bytes) const { return value_of(bytes, info_); }
 
 void ParameterWrite::cancel(TimePoint now) {
     finish({Ending::cancelled, was_sent() ? info_.name + " may have been written" : info_.name + " was not written", {}}, now);
@@ -144,11 +195,12 @@ void ParameterWrite::cancel(TimePoint now) {
 Request action(Action action, std::uint32_t tag) {
     Draft<"parameter_command", "action"> draft;
     (void)draft.set<"val">(static_cast<std::uint16_t>(action));
-    return request(draft, tag, Patience{.wait = std::chrono::seconds{5}});
+    // Each save wears the flash.
+    return request(draft, tag, Patience{.sends = action == Action::save ? 2u : 5u, .wait = std::chrono::seconds{5}});
 }
 
 void ParameterAction::ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome == Outcome::answered) return finish({}, now);
+    if (ended.outcome == Outcome::answered) return finish({Ending::done, words_of_port(ended.evidence), ended.evidence}, now);
     const Message& row = Draft<"parameter_command", "action">::message();
     finish_unacknowledged(row.field("val")->meaning(static_cast<std::uint64_t>(action_)), ended.evidence, now,
                           "it probably can't do that, or not now");

@@ -9,6 +9,8 @@
 namespace ano::host {
 namespace {
 
+constexpr std::size_t older_size = 4;    // of every value of an older device
+
 // A value that is shorter than its type is not usable. A text may be empty.
 bool is_usable(std::size_t size, std::optional<Type> type) noexcept {
     return !type || *type == Type::text || is_whole_value(size, type);
@@ -21,7 +23,23 @@ void Parameters::read(Values values, TimePoint now) {
     start(now);
 }
 
-void Parameters::start(TimePoint now) { ask(question::device_info(ask_info), now); }
+void Parameters::start(TimePoint now) {
+    checks_ = 0;
+    const bool may_be_known = cache_ != nullptr && !started_again_ && values_wanted_ != Values::all;
+    const auto key = may_be_known ? key_of(device(), device().parameter_count(), now) : std::nullopt;
+    if (const auto* const known = key ? cache_->find(*key) : nullptr) return start_known(*known, now);
+    ask(question::device_info(ask_info), now);
+}
+
+void Parameters::start_known(const std::vector<ParameterInfo>& known, TimePoint now) {
+    checks_ = 2;
+    count_ = device().parameter_count();
+    presence_ = device().presence();
+    from_cache_ = true;
+    descriptions_ = known;
+    values_.assign(*count_, {});
+    ask_named(now);
+}
 
 void Parameters::step_ended(const Ended& ended, TimePoint now) {
     const bool answered = ended.outcome == Outcome::answered;
@@ -51,8 +69,11 @@ void Parameters::counted(TimePoint now) {
                                           : cache_->find({device().address(), device().presence(), *device().info(), *count_});
     from_cache_ = known != nullptr;
     if (known != nullptr) descriptions_ = *known;
+    if (recall()) return ask_named(now);
     descriptions_.resize(*count_);
     values_.assign(*count_, {});
+    frames_.assign(from_cache_ ? 0 : *count_, {});
+    votes_.clear();
     const bool all = values_wanted_ == Values::all;
     if (from_cache_) asks_ = Asks::values;
     else asks_ = all ? Asks::both : Asks::descriptions;
@@ -60,48 +81,98 @@ void Parameters::counted(TimePoint now) {
     gather(asks_ == Asks::both ? 2u * *count_ : *count_, now);
 }
 
+// True: descriptions of an earlier run are there, for some values.
+bool Parameters::recall() {
+    is_recalled_ = differs_ = false;
+    if (cache_ == nullptr || from_cache_ || started_again_ || values_wanted_ != Values::named) return false;
+    auto earlier = cache_->recall({device().address(), device().presence(), *device().info(), *count_});
+    if (!earlier || earlier->size() != *count_) return false;
+    is_recalled_ = from_cache_ = true;
+    descriptions_ = *std::move(earlier);
+    values_.assign(*count_, {});
+    return true;
+}
+
+// What is known of the device is wrong, or it became another one.
+void Parameters::read_again(TimePoint now) {
+    started_again_ = true;
+    if (cache_ != nullptr) cache_->forget(device().address());
+    start(now);
+}
+
 // Called when the descriptions are there: selects the values to be read.
 void Parameters::ask_named(TimePoint now) {
-    asks_ = Asks::named_values;
+    asks_ = is_recalled_ ? Asks::named_both : Asks::named_values;
     named_.clear();
-    for (const std::string& name : names_)
-        if (const auto* found = find(name).parameter) named_.push_back(found->id);
+    for (const std::string& name : names_) {
+        const Found found = may_be_numbers_ ? parameter_called(descriptions_, name) : find(name);
+        if (found.parameter != nullptr) named_.push_back(static_cast<std::uint16_t>(found.parameter - descriptions_.data()));
+    }
+    for (std::size_t id = 0; is_wanted_ && id < descriptions_.size(); ++id)
+        if (is_wanted_(descriptions_[id])) named_.push_back(static_cast<std::uint16_t>(id));
     for (const std::uint16_t id : wanted_)
         if (id < descriptions_.size()) named_.push_back(id);
-    gather(named_.size(), now);
+    if (is_recalled_ && named_.size() < std::max({std::size_t{1}, names_.size(), at_least_})) return read_again(now);
+    gather(is_recalled_ ? 2 * named_.size() : checks_ + named_.size(), now);
 }
 
 Request Parameters::question(std::uint32_t i) {
+    if (i < checks_) return i == 0 ? question::device_info(i) : question::parameter_count(i);
     const std::uint16_t id = id_of_question(i);
     return is_description(i) ? question::parameter_info(id, i) : question::parameter_value(id, i);
 }
 
 bool Parameters::took(std::uint32_t i, FrameView answer) {
+    if (i < checks_) return true;    // the device keeps them
     const std::uint16_t id = id_of_question(i);
     return is_description(i) ? took_description(id, answer) : took_value(id, answer);
 }
 
-bool Parameters::took_description(std::uint16_t id, FrameView answer) {
-    auto info = parameter_info_in(answer);
+// The description of an earlier run is still the device's; otherwise nothing of that run is.
+bool Parameters::compared(std::uint16_t id, FrameView answer) {
+    const auto info = parameter_info_in(answer, descriptions_[id].layout);
     if (!info) return false;
-    descriptions_[id] = std::move(*info);
+    differs_ = differs_ || *info != descriptions_[id];
     return true;
 }
 
-// If the type is not known yet, is_usable() is called again at the end.
+bool Parameters::took_description(std::uint16_t id, FrameView answer) {
+    if (is_recalled_) return compared(id, answer);
+    auto info = parameter_info_in(answer);
+    if (!info) return false;
+    descriptions_[id] = std::move(*info);
+    frames_[id].assign(answer.bytes().begin(), answer.bytes().end());
+    votes_.count(answer);
+    return true;
+}
+
+// A single description may look like another layout than the device has.
+void Parameters::settle_layout() {
+    const ParameterLayout layout = votes_.winner();
+    for (std::size_t id = 0; id < frames_.size(); ++id)
+        if (!frames_[id].empty() && descriptions_[id].layout != layout)
+            if (auto info = parameter_info_in(FrameView{frames_[id]}, layout)) descriptions_[id] = std::move(*info);
+    frames_.clear();
+}
+
+// If the type is not known yet, or may be that of another layout, is_usable() is called again at the end.
 bool Parameters::took_value(std::uint16_t id, FrameView answer) {
     const auto said = as<"parameter_value">(answer);
-    if (!said || !is_usable(said->get<"value">().size(), descriptions_[id].type)) return false;
+    if (!said) return false;
+    const std::size_t size = said->get<"value">().size();
+    if (!is_usable(size, descriptions_[id].type) && (from_cache_ || size != older_size)) return false;
     values_[id].assign(said->get<"value">().begin(), said->get<"value">().end());
     return true;
 }
 
 std::optional<AnyValue> Parameters::value(std::uint16_t id) const {
-    if (id >= values_.size() || !descriptions_[id].type) return std::nullopt;
-    return value_of(values_[id], *descriptions_[id].type);
+    return id < values_.size() ? value_of(values_[id], descriptions_[id]) : std::nullopt;
 }
 
 void Parameters::gathered(TimePoint now) {
+    if (checks_ > 0) return counted_again(now);
+    settle_layout();
+    if (is_recalled_) return ask(question::parameter_count(ask_count_again), now);
     const bool descriptions_are_there = missing().empty() && asks_ != Asks::named_values;
     if (values_wanted_ == Values::named && descriptions_are_there) return ask_named(now);
     ask(question::parameter_count(ask_count_again), now);
@@ -109,18 +180,20 @@ void Parameters::gathered(TimePoint now) {
 
 // Everything is read again when the device became another one meanwhile, or when the cached descriptions are wrong.
 void Parameters::counted_again(TimePoint now) {
-    const auto lacking = first_lacking();
-    const bool changed = device().parameter_count() != count_ || !device().info() || device().presence() != presence_;
-    if (!started_again_ && (changed || (lacking && from_cache_))) {
-        started_again_ = true;
-        if (cache_ != nullptr) cache_->forget(device().address());
-        return start(now);
-    }
+    const bool changed = has_changed() || differs_;
+    const auto lacking = changed ? std::nullopt : first_lacking();
+    if (!started_again_ && (changed || (lacking && from_cache_))) return read_again(now);
     if (changed) return finish({Ending::failed, hex_of(device().address()) + " changes while its parameters are read", {}}, now);
     if (lacking) return finish({Ending::incomplete, "parameter " + std::to_string(*lacking) + " did not come whole", {}}, now);
     if (cache_ != nullptr && !from_cache_)
         cache_->store({device().address(), presence_, *device().info(), *count_}, descriptions_);
     finish({}, now);
+}
+
+bool Parameters::has_changed() const {
+    const auto is_check = [&](std::uint32_t i) { return i < checks_; };
+    return device().parameter_count() != count_ || !device().info() || device().presence() != presence_ ||
+           std::any_of(missing().begin(), missing().end(), is_check);
 }
 
 std::optional<std::uint16_t> Parameters::first_lacking() const {

@@ -5,8 +5,10 @@
 namespace ano::host {
 
 void RoundTrip::answered(Duration since_first, bool repeated) noexcept {
-    if (repeated && ++repeated_in_a_row_ < repeated_enough) return;
+    if (repeated && (++repeated_in_a_row_ < repeated_enough || !doubled_)) return;
     repeated_in_a_row_ = 0;
+    doubled_ = false;
+    least_ = std::min(least_, since_first);
     if (!smoothed_) {
         smoothed_ = since_first;
         variation_ = since_first / 2;
@@ -22,8 +24,9 @@ Duration RoundTrip::time_out() const noexcept {
     return std::clamp(*smoothed_ + std::max(granularity, 4 * variation_), floor, ceiling);
 }
 
-Duration RoundTrip::time_out_after(unsigned losses) const noexcept {
-    Duration time = time_out();
+Duration RoundTrip::time_out_after(unsigned losses, bool answers, bool by_itself) const noexcept {
+    if (smoothed_ && !grows()) losses = answers && losses < losses_in_a_row ? 0 : std::min(losses, max_doublings);
+    Duration time = by_itself && smoothed_ ? std::min(time_out(), first + 4 * least_) : time_out();
     for (; losses > 0 && time < ceiling; --losses) time *= 2;
     return std::min(time, ceiling);
 }

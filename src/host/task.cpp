@@ -1,3 +1,4 @@
+#include <ano/hex.hpp>
 #include <host/task.hpp>
 
 #include <utility>
@@ -35,7 +36,8 @@ void Task::finish_silent(std::string_view step, const Evidence& evidence, TimePo
 }
 
 void Task::finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely) {
-    finish_unanswered("is heard, but did not acknowledge: ", order, evidence, now, likely);
+    if (evidence.unfit.empty()) return finish_unanswered("is heard, but did not acknowledge: ", order, evidence, now, likely);
+    finish_unanswered("acknowledged with wrong check bytes (" + spaced_hex(evidence.unfit) + "): ", order, evidence, now, {});
 }
 
 void Task::finish_unanswered(const std::string& heard_but, std::string_view step, const Evidence& evidence, TimePoint now,
@@ -44,6 +46,10 @@ void Task::finish_unanswered(const std::string& heard_but, std::string_view step
                        std::string{step} + ", sent " + std::to_string(evidence.sent) + (evidence.sent == 1 ? " time" : " times");
     if (evidence.is_heard && !likely.empty()) what += "; " + std::string{likely};
     finish({Ending::timeout, std::move(what), evidence}, now);
+}
+
+std::string Task::words_of_port(const Evidence& evidence) {
+    return evidence.by_port ? "acknowledged by " + hex_of(*evidence.by_port) + ", a port" : std::string{};
 }
 
 void Task::finish_as(const Task& other, TimePoint now) { finish(*other.end(), now); }

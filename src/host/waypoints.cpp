@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 namespace ano::host {
@@ -81,35 +82,75 @@ void WaypointsPut::start(TimePoint now) {
         if (!request)
             return finish(
                 {Ending::invalid, "waypoint " + std::to_string(waypoint.num) + " is not on earth, or has no number", {}}, now);
+        request->patience.sends = 3;    // and then read back
         writes_.push_back(std::move(*request));
     }
+    presence_ = device().presence();
     next(now);
 }
 
 void WaypointsPut::next(TimePoint now) {
     if (at_ == writes_.size()) return ask(WaypointsGet::how_many(ask_count), now);
+    begun_at_.reset();
+    is_acknowledged_ = false;
+    mismatches_ = 0;
+    silence_ = {};
+    write_it(now);
+}
+
+void WaypointsPut::write_it(TimePoint now) {
+    if (!begun_at_) begun_at_ = now;
     ask(writes_[at_], now);
 }
 
 void WaypointsPut::ended(const Ended& ended, TimePoint now) {
-    const bool answered = ended.outcome == Outcome::answered;
-    if (ended.tag == ask_count) {
-        if (!answered) return finish_silent("number of waypoints", ended.evidence, now, "it probably keeps none");
-        return counted(as<"waypoint_read">(*ended.answer)->get<"num">(), now);
+    if (ended.evidence.sent > 1 || device().presence() != presence_) may_have_restarted_ = true;
+    switch (ended.tag) {
+    case write: return written(ended, now);
+    case read_back: return was_read_back(ended, now);
+    default:
+        if (ended.outcome != Outcome::answered)
+            return finish_silent("number of waypoints", ended.evidence, now, "it probably keeps none");
+        counted(as<"waypoint_read">(*ended.answer)->get<"num">(), now);
     }
-    const std::string number = "waypoint " + std::to_string(waypoints_[at_].num);
-    if (ended.tag == write) {
-        if (!answered)
-            return finish_unacknowledged("write of " + number, ended.evidence, now, "it probably keeps no more, or none");
-        return ask(WaypointsGet::waypoint(waypoints_[at_].num, read_back), now);
+}
+
+void WaypointsPut::written(const Ended& ended, TimePoint now) {
+    is_acknowledged_ = ended.outcome == Outcome::answered;
+    if (!is_acknowledged_) {
+        const unsigned before = silence_.sent;
+        silence_ = ended.evidence;
+        silence_.sent += before;
     }
-    const auto stored = answered ? waypoint_in(*ended.answer) : std::nullopt;
+    if (!is_acknowledged_) return ask_patiently(now);
+    acknowledged_at_ = now;
+    ask(WaypointsGet::waypoint(waypoints_[at_].num, read_back), now);
+}
+
+// It may be busy: with storing the waypoint, or with the same write that was repeated meanwhile.
+void WaypointsPut::ask_patiently(TimePoint now) {
+    Request question = WaypointsGet::waypoint(waypoints_[at_].num, read_back);
+    question.patience = {.sends = 2, .wait = std::chrono::milliseconds{500}};
+    ask(question, now);
+}
+
+void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
+    const auto stored = ended.outcome == Outcome::answered ? waypoint_in(*ended.answer) : std::nullopt;
+    const bool is_as_written = stored && *stored == rounded(writes_[at_]);
+    if (!is_acknowledged_ && !is_as_written) {
+        if (stored) ++mismatches_;
+        silence_.is_heard = silence_.is_heard || stored;
+        if (mismatches_ < 2 && now - *begun_at_ < patience) return write_it(now);
+        return finish_unacknowledged("write of " + number(), silence_, now, "it probably keeps no more, or none");
+    }
+    if (!stored && now - acknowledged_at_ < patience) return ask_patiently(now);
     if (!stored)
-        return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number + " and does not give it back",
+        return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number() + " and does not give it back",
                        ended.evidence},
                       now);
     stored_.push_back(*stored);
-    if (*stored != rounded(writes_[at_])) ++changed_;
+    if (!is_acknowledged_) ++unacknowledged_;
+    if (!is_as_written) ++changed_;
     ++at_;
     next(now);
 }
@@ -117,17 +158,49 @@ void WaypointsPut::ended(const Ended& ended, TimePoint now) {
 void WaypointsPut::counted(std::uint8_t count, TimePoint now) {
     std::size_t wanted = 0;
     for (const Waypoint& waypoint : waypoints_) wanted = std::max(wanted, waypoint.num + std::size_t{1});
-    std::string what;
-    if (changed_ > 0) what = std::to_string(changed_) + " of them were stored otherwise than written";
-    if (count > wanted) {
-        if (!what.empty()) what += ", and ";
-        what += hex_of(device().address()) + " has " + std::to_string(count) + ", the last " + std::to_string(count - wanted) +
-                " are its old ones";
+    const auto remark = [&](const std::string& clause) { remark_ += (remark_.empty() ? "" : ", and ") + clause; };
+    if (changed_ > 0) remark(std::to_string(changed_) + " of them were stored otherwise than written");
+    if (unacknowledged_ > 0) remark(std::to_string(unacknowledged_) + " of them were never acknowledged, and are stored");
+    if (count > wanted)
+        remark(hex_of(device().address()) + " has " + std::to_string(count) + ", the last " + std::to_string(count - wanted) +
+               " are its old ones");
+    if (count < wanted || may_have_restarted_ || waypoints_.size() > 1) return look_again(now);
+    finish({Ending::done, std::move(remark_), {}}, now);
+}
+
+void WaypointsPut::look_again(TimePoint now) {
+    look_ = std::make_unique<WaypointsGet>(device());
+    look_->on_end([this](TimePoint later) { looked(later); });
+    look_->start(now);
+}
+
+void WaypointsPut::looked(TimePoint now) {
+    if (end()) return;
+    const Ending looked = look_->end()->ending;
+    if (looked != Ending::done && looked != Ending::incomplete) return finish_as(*look_, now);
+    const auto& all = look_->waypoints();
+    std::map<std::uint8_t, std::size_t> last;    // of those with the same number
+    for (std::size_t i = 0; i < waypoints_.size(); ++i) last[waypoints_[i].num] = i;
+    const auto has = [&](std::uint8_t num, const Waypoint& waypoint) { return num < all.size() && all[num] == waypoint; };
+    const bool is_lost = std::any_of(last.begin(), last.end(),
+                                     [&](const auto& one) { return !has(one.first, stored_[one.second]); });
+    if (!is_lost && may_have_restarted_ && looked != Ending::done) return finish_as(*look_, now);
+    if (!is_lost) return finish({Ending::done, std::move(remark_), {}}, now);
+    // The device lost its list: one that was stored otherwise than written may be of the old list, read back behind the restart.
+    std::string lost;
+    at_ = last.size();
+    for (const auto& [num, i] : last) {
+        if (has(num, rounded(writes_[i]))) continue;
+        lost += (lost.empty() ? "" : ", ") + std::to_string(num);
+        --at_;
     }
-    finish({Ending::done, std::move(what), {}}, now);
+    finish(
+        {Ending::failed, hex_of(device().address()) + " has not kept these waypoints (it has probably restarted): " + lost, {}},
+        now);
 }
 
 void WaypointsPut::cancel(TimePoint now) {
+    look_.reset();
     finish({Ending::cancelled, std::to_string(at_) + " of " + std::to_string(waypoints_.size()) + " waypoints are written", {}},
            now);
 }

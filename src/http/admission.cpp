@@ -3,6 +3,9 @@
 #include <http/target.hpp>
 
 #include <algorithm>
+#include <optional>
+#include <string_view>
+#include <vector>
 
 namespace anogate::http {
 namespace {
@@ -36,25 +39,26 @@ std::string_view usual_port(bool is_encrypted) { return is_encrypted ? "443" : "
 bool is_passed_on(const Request& request) {
     return std::any_of(request.headers.begin(), request.headers.end(), [](const Field& field) {
         const std::string name = ano::lower_case(field.name);
-        return name == "forwarded" || name == "via" || name.starts_with("x-forwarded-");
+        constexpr std::string_view of_proxies[] = {"forwarded", "via", "x-real-ip", "cf-connecting-ip", "true-client-ip"};
+        return name.starts_with("x-forwarded-") ||
+               std::find(std::begin(of_proxies), std::end(of_proxies), name) != std::end(of_proxies);
     });
 }
 
-std::string cookie_name(const Door& door) { return "anogate-" + std::to_string(door.port); }
-
-/// Our cookie in a header "a=1; b=2".
-std::string_view cookie_of(const Request& request) {
-    const std::string name = cookie_name(request.door) + "=";
+/// The values of the cookie `name` in headers "a=1; b=2": a browser may send an old one beside that of now.
+std::vector<std::string_view> cookies_of(const Request& request, std::string name) {
+    name += '=';
+    std::vector<std::string_view> values;
     for (const Field& field : request.headers) {
         if (ano::lower_case(field.name) != "cookie") continue;
         for (std::string_view rest = field.value; !rest.empty();) {
             const std::string_view one = rest.substr(0, rest.find(';'));
             rest.remove_prefix(std::min(rest.size(), one.size() + 1));
             const std::size_t begin = std::min(one.find_first_not_of(' '), one.size());
-            if (one.substr(begin).starts_with(name)) return one.substr(begin + name.size());
+            if (one.substr(begin).starts_with(name)) values.push_back(one.substr(begin + name.size()));
         }
     }
-    return {};
+    return values;
 }
 
 std::optional<std::string_view> bearer_of(const Request& request) {
@@ -94,8 +98,7 @@ bool Admission::is_own_name(std::string_view host, const Door& door) const {
 
 // Our own origin, or a configured one. A page at another port of this host is another origin.
 bool Admission::may_ask(std::string_view origin, std::string_view host, bool is_encrypted) const {
-    for (const std::string& allowed : rules_.origins)
-        if (ano::lower_case(origin) == ano::lower_case(allowed)) return true;
+    if (is_listed(origin)) return true;
     const std::size_t slashes = origin.find("://");
     if (slashes == origin.npos) return false;
     const std::string scheme = ano::lower_case(origin.substr(0, slashes));
@@ -111,12 +114,27 @@ bool Admission::may_have_it_in_query(const Request& request) const {
            is_web_socket(request) && !offered_subprotocol(request, rules_.subprotocols).empty();
 }
 
-// Empty: there is none. A header set for this request goes before the cookie, which a browser adds by itself.
+bool Admission::is_listed(std::string_view origin) const {
+    return std::any_of(rules_.origins.begin(), rules_.origins.end(),
+                       [&](const std::string& allowed) { return ano::lower_case(origin) == ano::lower_case(allowed); });
+}
+
+// What a page can't set goes first. Without it, an older browser names the origin at least of what changes something.
+bool Admission::is_foreign(const Request& request) const {
+    const std::string_view origin = request.header("Origin");
+    const std::string site = ano::lower_case(request.header("Sec-Fetch-Site"));
+    if (site.empty()) return !origin.empty() && !may_ask(origin, request.header("Host"), request.door.is_encrypted);
+    return site != "same-origin" && site != "none" && !is_listed(origin);
+}
+
+std::string Admission::cookie_name(const Door& door) const {
+    return "anogate-" + std::to_string(door.port) + (rules_.token_file_id.empty() ? "" : "-" + rules_.token_file_id);
+}
+
+// Empty: there is none but perhaps that of the cookie.
 std::string Admission::token_of(const Request& request) const {
     if (const auto bearer = bearer_of(request)) return std::string{*bearer};
-    if (may_have_it_in_query(request))
-        if (std::string token = query_token_of(request); !token.empty()) return token;
-    return std::string{cookie_of(request)};
+    return may_have_it_in_query(request) ? query_token_of(request) : std::string{};
 }
 
 void Admission::forget_token(Request& request) const {
@@ -140,37 +158,83 @@ std::optional<Response> Admission::refusal(const Request& request) const {
     return std::nullopt;
 }
 
-tl::expected<Access, Response> Admission::judge(const Request& request, ano::TimePoint now) {
+tl::expected<Access, Response> Admission::judge(Request& request, ano::TimePoint now) {
     const bool passed_on = is_passed_on(request);
     if (request.door.is_network)
         if (auto no = refusal(request)) return tl::unexpected{std::move(*no)};
     if (request.judged) return *request.judged;
     if (!request.door.needs_token && !passed_on) return Access::control;
-    const std::string token = token_of(request);
-    if (token.empty()) return Access::open;
-    return access_of(token, request.door, now);
+    if (std::string token = token_of(request); !token.empty()) {
+        auto access = access_of(token, request.door, now);
+        if (access) request.token = std::move(token);
+        return access;
+    }
+    // A header set for this request goes before the cookie, which a browser adds by itself, and to whoever signs in as well.
+    const auto kept = cookies_of(request, cookie_name(request.door));
+    if (kept.empty() || split(request.target).path == "/login") return Access::open;
+    std::optional<Access> access;
+    for (const std::string_view token : kept) {
+        const auto one = access_of_known(token);
+        if (one <= access) continue;
+        access = one;
+        request.token = token;
+    }
+    if (!access) {
+        request.slowed = count_wrong(request.door, now);
+        request.also = no_cookie(request.door);
+    }
+    return access.value_or(Access::open);
 }
 
-tl::expected<Access, Response> Admission::access_of(std::string_view token, const Door& door, ano::TimePoint now) {
-    if (const auto barred = attempts_.barred_for(door.peer, now); barred > ano::Duration{}) {
-        const auto seconds = std::chrono::ceil<std::chrono::seconds>(barred).count();
-        Response response = error(429, "too many wrong tokens from this address; try again in " + std::to_string(seconds) + " s");
-        response.headers.push_back({"Retry-After", std::to_string(seconds)});
-        return tl::unexpected{std::move(response)};
-    }
+bool Admission::shows_control(const Request& head) const {
+    if (!head.door.needs_token && !is_passed_on(head)) return true;
+    if (const std::string token = token_of(head); !token.empty()) return access_of_known(token) == Access::control;
+    const auto kept = cookies_of(head, cookie_name(head.door));
+    return std::any_of(kept.begin(), kept.end(),
+                       [&](std::string_view token) { return access_of_known(token) == Access::control; });
+}
+
+std::optional<Access> Admission::access_of_known(std::string_view token) const {
     std::optional<Access> access;
     for (const Token& known : rules_.tokens)    // compares all of them, so that the time tells nothing
         if (is_same_token(known.text, token)) access = std::max(access.value_or(Access::open), known.access);
-    if (access) return *access;
-    attempts_.failed(door.peer, now);
-    return tl::unexpected{needs_token("the token is not right")};
+    return access;
 }
 
-Field Admission::cookie(std::string_view token, const Door& door) {
+tl::expected<Access, Response> Admission::access_of(std::string_view token, const Door& door, ano::TimePoint now) {
+    if (const auto access = access_of_known(token)) return *access;
+    const auto slowed = count_wrong(door, now);
+    return tl::unexpected{slowed > ano::Duration{} ? slow_down(slowed) : needs_token("the token is not right")};
+}
+
+// For how long the client's were slowed down before this one.
+ano::Duration Admission::count_wrong(const Door& door, ano::TimePoint now) {
+    ++wrong_tokens_;
+    const auto slowed = attempts_.slowed_for(door.peer, now);
+    if (slowed > ano::Duration{}) return slowed;
+    const auto news = attempts_.failed(door.peer, now);
+    if (news.is_told && tells_guessing_) tells_guessing_(door.peer, news);
+    return slowed;
+}
+
+Response slow_down(ano::Duration time) {
+    const auto seconds = std::to_string(std::chrono::ceil<std::chrono::seconds>(time).count());
+    Response response = error(
+        429, "the token is not right, and too many wrong ones came from this address; try again in " + seconds + " s");
+    response.headers.push_back({"Retry-After", seconds});
+    return response;
+}
+
+Field Admission::cookie(std::string_view token, const Door& door) const {
     constexpr std::string_view year = "31536000";
     std::string value = cookie_name(door);
     value.append("=").append(token).append("; HttpOnly; SameSite=Strict; Path=/; Max-Age=").append(year);
     return {"Set-Cookie", std::move(value) + (door.is_encrypted ? "; Secure" : "")};
+}
+
+Field Admission::no_cookie(const Door& door) const {
+    return {"Set-Cookie",
+            cookie_name(door) + "=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0" + (door.is_encrypted ? "; Secure" : "")};
 }
 
 }    // namespace anogate::http

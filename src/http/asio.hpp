@@ -1,6 +1,6 @@
 // Asio for connections of any protocol.
 #pragma once
-#include <link/asio.hpp>
+#include <sys/asio.hpp>
 
 #include <boost/asio/basic_socket_acceptor.hpp>
 #include <boost/asio/buffer.hpp>

@@ -1,6 +1,7 @@
 #include <http/certificate.hpp>
-#include <link/errors.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/errors.hpp>
+#include <sys/unique_fd.hpp>
+#include <sys/write_all.hpp>
 
 #include <openssl/bio.h>
 #include <openssl/err.h>
@@ -84,7 +85,7 @@ Expected<void> write_new(const std::string& path, BIO& text, mode_t mode) {
     const auto size = static_cast<std::size_t>(BIO_get_mem_data(&text, &bytes));
     const UniqueFd fd{::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode)};
     if (!fd) return Unexpected{error_text(path, errno)};
-    if (::write(fd.get(), bytes, size) == static_cast<ssize_t>(size) && ::fsync(fd.get()) == 0) return {};
+    if (write_all(fd.get(), {bytes, size})) return {};
     const int error = errno;
     ::unlink(path.c_str());
     return Unexpected{error_text(path, error)};

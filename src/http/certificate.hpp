@@ -1,6 +1,6 @@
 // Makes a self-signed certificate for TLS: browsers ask once whether to trust it.
 #pragma once
-#include <link/expected.hpp>
+#include <sys/expected.hpp>
 
 #include <string>
 #include <vector>

@@ -4,7 +4,7 @@
 #include <http/response_reader.hpp>
 #include <http/seconds_text.hpp>
 #include <http/stream.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <sys/socket.h>
 #include <sys/un.h>

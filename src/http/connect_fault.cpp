@@ -1,6 +1,6 @@
 #include <http/connect_fault.hpp>
 #include <http/socket_path.hpp>
-#include <link/errors.hpp>
+#include <sys/errors.hpp>
 
 #include <grp.h>
 #include <pwd.h>

@@ -2,20 +2,22 @@
 #pragma once
 #include <http/asio.hpp>
 #include <http/stream.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <functional>
 #include <memory>
 
 namespace anogate::http {
 
-/// Accepts connections until it is destroyed.
+/// Accepts connections until it is destroyed. Clients that are gone already are not admitted.
 class Listener {
 public:
+    using HasPlace = std::function<bool()>;
     using Admit = std::function<void(Socket socket)>;
 
-    /// `fd` must listen; `family`: AF_UNIX, AF_INET or AF_INET6. `admit` may throw std::bad_alloc: the connection is closed then.
-    Listener(asio::io_context& io, UniqueFd fd, int family, Admit admit);
+    /// `fd` must listen; `family`: AF_UNIX, AF_INET or AF_INET6. While `has_place` returns false, clients wait in the kernel's queue. `admit` may
+    /// throw std::bad_alloc: the connection is closed then.
+    Listener(asio::io_context& io, UniqueFd fd, int family, HasPlace has_place, Admit admit);
     ~Listener();
     Listener(const Listener&) = delete;
     Listener& operator=(const Listener&) = delete;

@@ -1,6 +1,6 @@
 #include <http/local_socket.hpp>
-#include <link/errors.hpp>
-#include <link/own_folder.hpp>
+#include <sys/errors.hpp>
+#include <sys/own_folder.hpp>
 
 #include <fcntl.h>
 #include <grp.h>
@@ -13,7 +13,7 @@
 namespace anogate::http {
 namespace {
 
-constexpr int backlog = 128;    // clients that connect while the loop is busy
+constexpr int backlog = SOMAXCONN;    // clients that wait for a place
 constexpr char another_path[] = " (give another path by --control, or --control none)";
 constexpr char in_use[] = ": another program is using it (give this one another by --control)";
 

@@ -1,8 +1,8 @@
 // A listening Unix socket and its file. Never touches files of other users; removes the file only while it is ours.
 #pragma once
-#include <link/descriptor.hpp>
-#include <link/held_folder.hpp>
-#include <link/path_claim.hpp>
+#include <sys/descriptor.hpp>
+#include <sys/held_folder.hpp>
+#include <sys/path_claim.hpp>
 
 #include <sys/types.h>
 

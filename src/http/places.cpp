@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 
 namespace anogate::http {
 namespace {
@@ -14,6 +13,16 @@ constexpr std::size_t one_is_kept_in = 8;    // of the places, for clients that 
 using Visitors = std::span<const Visitor>;
 
 template <class Among>
+std::size_t number_of(Visitors visitors, Among among) {
+    return static_cast<std::size_t>(std::count_if(visitors.begin(), visitors.end(), among));
+}
+
+template <class Among>
+std::size_t number_of(Visitors visitors, const Party& party, Among among) {
+    return number_of(visitors, [&](const Visitor& v) { return v.party == party && among(v); });
+}
+
+template <class Among>
 std::optional<std::size_t> longest(Visitors visitors, Among among) {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < visitors.size(); ++i)
@@ -21,102 +30,40 @@ std::optional<std::size_t> longest(Visitors visitors, Among among) {
     return found;
 }
 
-/// The first to give way among those without a complete request.
+/// The party that has most visitors of `among`, if more than `more_than`.
 template <class Among>
-std::optional<std::size_t> easiest(Visitors visitors, Among among) {
-    const auto all = [&](Asking asking) { return [&among, asking](const Visitor& v) { return among(v) && v.asking == asking; }; };
-    const auto nothing = std::count_if(visitors.begin(), visitors.end(), all(Asking::nothing));
-    const auto half = std::count_if(visitors.begin(), visitors.end(), all(Asking::half));
-    return longest(visitors, all(half > nothing ? Asking::half : nothing > 0 ? Asking::nothing : Asking::unheard));
+std::optional<Party> crowd(Visitors visitors, std::size_t more_than, Among among) {
+    std::optional<Party> found;
+    for (const Visitor& visitor : visitors) {
+        if (!among(visitor)) continue;
+        const std::size_t has = number_of(visitors, visitor.party, among);
+        if (has > more_than) found = visitor.party, more_than = has;
+    }
+    return found;
 }
 
-using Held = std::map<std::uint64_t, std::size_t>;    // party or client → its number of places
-
-auto most_of(const Held& held) {
-    return std::max_element(held.begin(), held.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-}
-
-/// The share of each in all places that are held.
-std::size_t share_of(const Held& held) {
-    std::size_t places = 0;
-    for (const auto& [who, has] : held) places += has;
-    return std::max<std::size_t>(places / held.size(), 1);
-}
-
-/// The party that must give up a place.
-struct Giver {
-    std::uint64_t who = 0;
-    bool whole = false;    // complete requests may be given up too
-};
-
-/// `held` includes `newcomer`, perhaps with 0 places. std::nullopt: nobody is above the share.
-std::optional<Giver> giver_among(const Held& held, std::uint64_t newcomer) {
-    const std::size_t share = share_of(held);
-    if (held.at(newcomer) >= share) return Giver{newcomer, false};
-    const auto most = most_of(held);
-    return most->second > share ? std::optional{Giver{most->first, true}} : std::nullopt;
-}
-
+/// The oldest of `among` of the party that has most of those.
 template <class Among>
-std::optional<std::size_t> given_by(Visitors visitors, Among among, bool whole) {
-    const auto easy = easiest(visitors, among);
-    return easy || !whole ? easy : longest(visitors, among);
+std::optional<std::size_t> oldest_of_crowd(Visitors visitors, std::size_t more_than, Among among) {
+    const auto whose = crowd(visitors, more_than, among);
+    if (!whose) return {};
+    return longest(visitors, [&](const Visitor& v) { return v.party == *whose && among(v); });
 }
-
-bool is_of_network(const Visitor& visitor) { return visitor.party.user == unknown_user; }
 
 bool is_whole(const Visitor& visitor) { return visitor.asking == Asking::whole; }
 bool controls(const Visitor& visitor) { return visitor.may == Access::control; }
-
-template <class Among>
-Held held_by_clients(Visitors visitors, Among among) {
-    Held held;
-    for (const Visitor& visitor : visitors)
-        if (is_of_network(visitor) && among(visitor)) ++held[visitor.party.client];
-    return held;
-}
-
-/// Of the network's clients with most visitors that fulfil `among`: the first to give way, in the order of gives_way().
-template <class Among>
-std::optional<std::size_t> of_crowd(Visitors visitors, Among among, bool whole) {
-    const Held held = held_by_clients(visitors, among);
-    if (held.empty()) return {};
-    const auto of_those = [&, most = most_of(held)->second](const Visitor& v) {
-        return is_of_network(v) && among(v) && held.at(v.party.client) == most;
-    };
-    return given_by(visitors, of_those, whole);
-}
-
-/// A client of the network without a complete request; clients that may control come last.
-std::optional<std::size_t> easy_client(Visitors visitors) {
-    const auto easy = of_crowd(
-        visitors, [](const Visitor& v) { return !is_whole(v) && !controls(v); }, false);
-    return easy ? easy
-                : of_crowd(
-                      visitors, [](const Visitor& v) { return !is_whole(v); }, false);
-}
-
 bool looks(const Visitor& visitor) { return is_whole(visitor) && !controls(visitor); }
 
-/// One of the network's places for another of its clients. A complete request of a client that controls is never given up.
-std::optional<std::size_t> for_client(Visitors visitors, std::uint64_t newcomer) {
-    if (const auto easy = easy_client(visitors)) return easy;
-    const auto is_his = [newcomer](const Visitor& v) { return is_of_network(v) && v.party.client == newcomer; };
-    const auto may_control = [&](const Visitor& v) { return is_his(v) && controls(v); };
-    if (std::any_of(visitors.begin(), visitors.end(), may_control)) return of_crowd(visitors, looks, true);
-    Held held = held_by_clients(visitors, is_of_network);
-    held.try_emplace(newcomer);
-    const Held looking = held_by_clients(visitors, looks);
-    const std::size_t share = share_of(held);
-    const bool takes = !looking.empty() && held.at(newcomer) < share && most_of(looking)->second > share;
-    return takes ? of_crowd(visitors, looks, true) : std::nullopt;
-}
-
-/// One of the network's places for a user of this machine.
-std::optional<std::size_t> for_user(Visitors visitors) {
-    if (const auto easy = easy_client(visitors)) return easy;
-    const auto looker = of_crowd(visitors, looks, true);
-    return looker ? looker : of_crowd(visitors, is_of_network, true);
+/// The first to give way among those of `easy`.
+template <class Easy>
+std::optional<std::size_t> easiest(Visitors visitors, Easy easy) {
+    const auto whose = crowd(visitors, 0, easy);
+    if (!whose) return {};
+    const auto all = [&](Asking asking) {
+        return [&, asking](const Visitor& v) { return v.party == *whose && easy(v) && v.asking == asking; };
+    };
+    const std::size_t nothing = number_of(visitors, all(Asking::nothing)), half = number_of(visitors, all(Asking::half));
+    return longest(visitors, all(half > nothing ? Asking::half : nothing > 0 ? Asking::nothing : Asking::unheard));
 }
 
 }    // namespace
@@ -126,31 +73,38 @@ Party party_of(std::uint32_t user, const Door& door) {
     return {unknown_user, std::hash<std::string>{}(client_network(door.peer))};
 }
 
-std::optional<std::size_t> gives_way(Visitors visitors, const Party& party, bool first) {
-    Held held{{party.user, 0}};
-    for (const Visitor& visitor : visitors) ++held[visitor.party.user];
-    const auto giver = giver_among(held, party.user);
-    if (giver && giver->who == unknown_user)
-        return party.user == unknown_user ? for_client(visitors, party.client) : for_user(visitors);
-    if (giver)
-        return given_by(
-            visitors, [who = giver->who](const Visitor& v) { return v.party.user == who; }, giver->whole);
-    const auto anybody = [](const Visitor&) { return true; };
-    return given_by(visitors, anybody, first);
+std::optional<std::size_t> gives_way(Visitors visitors, ano::TimePoint connected_before) {
+    const auto is_easy = [connected_before](const Visitor& v) {
+        return !is_whole(v) && (v.asking != Asking::unheard || v.since < connected_before);
+    };
+    if (const auto easy = easiest(visitors, [&](const Visitor& v) { return is_easy(v) && !controls(v); })) return easy;
+    if (const auto easy = easiest(visitors, is_easy)) return easy;
+    if (const auto looker = oldest_of_crowd(visitors, 0, looks)) return looker;
+    return oldest_of_crowd(visitors, 0, [](const Visitor& v) { return is_whole(v) && v.lasts; });
 }
 
-bool has_place(Visitors visitors, std::size_t places, Access access) {
-    if (access == Access::control) return true;
-    const std::size_t kept = places / one_is_kept_in;
-    const auto look = std::count_if(visitors.begin(), visitors.end(), looks);
-    const auto whole = std::count_if(visitors.begin(), visitors.end(), is_whole);
-    return static_cast<std::size_t>(look) <= places - kept && static_cast<std::size_t>(whole) <= places - (kept > 0 ? 1 : 0);
+PlaceFor request_place(Visitors visitors, std::size_t places, const Party& party, Access access) {
+    const std::size_t for_all = places - places / one_is_kept_in;
+    if (access == Access::control || number_of(visitors, looks) <= for_all) return {true, {}};
+    const auto leaves = oldest_of_crowd(visitors, number_of(visitors, party, looks), looks);
+    return {leaves.has_value(), leaves};
 }
 
-std::optional<std::size_t> leaves_room(Visitors visitors, std::size_t places) {
-    const auto whole = std::count_if(visitors.begin(), visitors.end(), is_whole);
-    if (places < one_is_kept_in || static_cast<std::size_t>(whole) < places) return {};
-    return of_crowd(visitors, looks, true);
+PlaceFor stream_place(Visitors visitors, std::size_t streams, const Party& party, Access access) {
+    constexpr std::size_t one_in = 4;    // is kept for clients that may control
+    const bool may_control = access == Access::control;
+    const auto views = [](const Visitor& v) { return v.streams && !controls(v); };
+    const auto is_equal = [&](const Visitor& v) { return v.streams && controls(v) == may_control; };
+    const bool is_full = number_of(visitors, [](const Visitor& v) { return v.streams; }) >= streams;
+    if (!is_full && (may_control || number_of(visitors, views) < streams - streams / one_in)) return {true, {}};
+    if (may_control)
+        if (const auto viewer = oldest_of_crowd(visitors, 0, views)) return {true, viewer};
+    const auto leaves = oldest_of_crowd(visitors, number_of(visitors, party, is_equal) + 1, is_equal);
+    return {leaves.has_value(), leaves};
+}
+
+std::optional<std::size_t> oldest_stream(Visitors visitors) {
+    return longest(visitors, [](const Visitor& v) { return v.streams; });
 }
 
 }    // namespace anogate::http

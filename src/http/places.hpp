@@ -1,4 +1,4 @@
-// Which connection is closed for a new one when the server has no free place.
+// Who has a place at the server, and who leaves for another.
 #pragma once
 #include <ano/time.hpp>
 #include <http/door.hpp>
@@ -18,11 +18,11 @@ enum class Asking : std::uint8_t {
     whole,      // a complete request, which is being answered
 };
 
-/// The connections of a party are counted together: each user of this machine is a party, and all clients from the network together
-/// are one. Within that one, places are shared among its clients.
+/// The connections of a party are counted together: those of a user of this machine, or of a client of the network.
 struct Party {
     std::uint32_t user = 0;      // unknown_user: the network
     std::uint64_t client = 0;    // of the network: which client
+    bool operator==(const Party&) const = default;
 };
 Party party_of(std::uint32_t user, const Door& door);
 
@@ -31,30 +31,36 @@ struct Visitor {
     Party party{};
     Asking asking = Asking::nothing;
     ano::TimePoint since{};         // when it connected or last made progress
-    std::optional<Access> may{};    // what its last request was allowed; std::nullopt: none was judged yet
+    std::optional<Access> may{};    // what it has shown that it may do; std::nullopt: nothing was judged yet
+    bool streams = false;           // its answer is a stream or a WebSocket, which stays
+    bool lasts = false;             // its answer, no stream, has taken more than a moment
 };
 
-/// All places are taken by `visitors`, and a client of `party` connects. Returns the index of the visitor whose place it gets;
-/// std::nullopt: it is refused.
+/// All places of a door are taken by `visitors`, and somebody connects. Returns whose place he gets; std::nullopt: nobody's yet, since all
+/// are requests of those who may control, which will soon be answered.
 ///
-/// Each party has the same share. A party with its full share gets a place only from itself; one with less gets a place of the party
-/// that is furthest above its share. The order of giving way: first idle clients and those with half a request, of these two sorts
-/// the one with more clients, so that a crowd of one sort does not displace the other; then clients not heard yet. Within a sort, the
-/// one that was silent longest. A complete request gives way to a party below its share, never to its own party. `first` (root and
-/// our own user) gets a place even if there are more parties than places.
-///
-/// Among clients of the network: a client without a complete request gives way to any other; first one of the client with most of
-/// them. A complete request gives way to a client below its share and to one that has shown that it may control; the complete request
-/// of a client that may control gives way to no client of the network.
-std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, const Party& party, bool first);
+/// Who has no complete request leaves first: first those of the party with most of them; clients that may control come last. Of a party's, idle
+/// clients and those with half a request, of these two sorts the one with more clients, so that a crowd of one sort does not displace the
+/// other; then clients not heard yet that connected before `connected_before`. Within a sort, the one that was silent longest. If all have complete requests, one leaves that
+/// may not control: of the party with most of those, the oldest; and if there is none, one whose answer lasts.
+std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, ano::TimePoint connected_before = ano::TimePoint::max());
 
-/// Whether the request of one of `visitors` with `access` may keep its place while it is answered. One place in eight is reserved for
-/// clients that may control, so that they find a place however many clients only view. One more place is kept free for requests that
-/// are not judged yet.
-bool has_place(std::span<const Visitor> visitors, std::size_t places, Access access);
+/// Whether there is a place, and who leaves it.
+struct PlaceFor {
+    bool is_free = false;
+    std::optional<std::size_t> leaves{};
+};
 
-/// A client that controls has taken the last place: which viewing client must leave, so that the next one can connect. std::nullopt:
-/// none.
-std::optional<std::size_t> leaves_room(std::span<const Visitor> visitors, std::size_t places);
+/// For a request of one of `visitors` that was just judged. One place in eight is kept for who may control. If the others are all taken by complete requests, a party with fewer than another gets one of
+/// the party with most of them: the oldest.
+PlaceFor request_place(std::span<const Visitor> visitors, std::size_t places, const Party& party, Access access);
+
+/// For a stream or WebSocket. `streams` places are for streams and WebSockets, so that others find one however many stay; a quarter of those is kept for clients
+/// that may control. If none is free, a client that controls gets that of one that only views, else a client that has fewer of its right than
+/// another gets one of the client with most of them: the oldest.
+PlaceFor stream_place(std::span<const Visitor> visitors, std::size_t streams, const Party& party, Access access);
+
+/// The stream that has sent nothing for the longest time; std::nullopt: there is none.
+std::optional<std::size_t> oldest_stream(std::span<const Visitor> visitors);
 
 }    // namespace anogate::http

@@ -40,7 +40,11 @@ struct Request {
     std::uint32_t user = unknown_user;    // the client's user at a Unix socket
     Door door;
     Access access = Access::control;    // what it may do
+    std::string token{};                // a right one by which it may do so; empty: none was needed, or none came
     std::optional<Access> judged{};     // the same, if it was judged before the body came
+    bool is_foreign = false;            // a browser sends it for a page of another site
+    std::optional<Field> also{};        // a header of its answer
+    ano::Duration slowed{};             // instead of 401 it gets 429 with this time: too many wrong cookies came from its address
     std::uint64_t body_to_come = 0;     // bytes, while only the head is here
     ano::TimePoint came_at{};           // when it was read completely
 

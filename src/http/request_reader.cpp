@@ -1,4 +1,4 @@
-#include <link/asio.hpp>
+#include <sys/asio.hpp>
 
 #include <http/growing_body.hpp>
 #include <http/request_reader.hpp>
@@ -52,10 +52,14 @@ struct RequestReader::Parser : beast::request_parser<GrowingBody> {
     std::uint64_t max_body = 0;     // bytes
     std::uint64_t in_chunks = 0;    // so far
 
-    /// Whether the end of the body is unknown: it must not be mistaken for the next request (RFC 9112, 6.3).
+    /// Whether the end of the body is unknown, or what it means: it must not be mistaken for the next request (RFC 9112, 6.3), nor a compressed
+    /// body for a plain one.
     bool length_is_unknown() {
         const auto& message = get();
-        return message.count(beast::field::transfer_encoding) > 0 && (!chunked() || message.version() == 10);
+        const auto codings = message.count(beast::field::transfer_encoding);
+        if (codings == 0) return false;
+        const bool is_plain = codings == 1 && boost::beast::iequals(message[beast::field::transfer_encoding], "chunked");
+        return !is_plain || !chunked() || message.version() == 10;
     }
 };
 
@@ -76,6 +80,10 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
     if (fault_ || !parser_->is_header_done()) return used;
     if (parser_->length_is_unknown()) {
         fault_ = {400, "the only Transfer-Encoding is chunked, in HTTP/1.1"};
+        return used;
+    }
+    if (parser_->get().count(beast::field::content_type) > 1) {
+        fault_ = {400, "a request has one Content-Type"};    // the readers of two would disagree on what the body is
         return used;
     }
     head_ = read_head();

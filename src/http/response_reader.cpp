@@ -1,4 +1,4 @@
-#include <link/asio.hpp>
+#include <sys/asio.hpp>
 
 #include <http/growing_body.hpp>
 #include <http/response_reader.hpp>

@@ -75,9 +75,14 @@ void allow(std::vector<std::string_view>& allowed, std::string_view method) {
     if (method == "GET") allowed.emplace_back("HEAD");
 }
 
-Response not_allowed(const std::vector<std::string_view>& allowed) {
+std::string list_of(const std::vector<std::string_view>& methods) {
     std::string list;
-    for (const std::string_view method : allowed) list.append(list.empty() ? "" : ", ").append(method);
+    for (const std::string_view method : methods) list.append(list.empty() ? "" : ", ").append(method);
+    return list;
+}
+
+Response not_allowed(const std::vector<std::string_view>& allowed) {
+    const std::string list = list_of(allowed);
     Response response = error(405, "this path answers " + list + " only");
     response.headers.push_back({"Allow", list});
     return response;
@@ -95,7 +100,23 @@ std::string_view text(Access access) noexcept {
     return names[static_cast<std::size_t>(access)];
 }
 
+bool says_nothing(const Request& request) {
+    std::string body = request.body;
+    std::erase_if(body, [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; });
+    return !request.stored && (body.empty() || body == "{}");
+}
+
+// What the server as a whole answers (RFC 9110, 9.3.7).
+Response Routes::options() const {
+    std::vector<std::string_view> allowed;
+    for (const Row& row : rows_) allow(allowed, row.method);
+    Response response;
+    response.headers.push_back({"Allow", list_of(allowed) + ", OPTIONS"});
+    return response;
+}
+
 Response Routes::answer(Request& request) const {
+    if (request.method == "OPTIONS" && request.target == "*") return options();
     const Target target = split(request.target);
     std::vector<std::string_view> allowed;
     for (const Row& row : rows_) {
@@ -104,11 +125,15 @@ Response Routes::answer(Request& request) const {
             allow(allowed, row.method);
             continue;
         }
+        if (request.is_foreign && (row.starts_job || row.method != "GET"))
+            return error(403, "a page of another site may not start or change anything here; control.origins has those that may");
         if (request.access < row.access) return not_permitted(request.access, row.access);
         if (!read_parameters(row.pattern, target.path, request.parameters)) return error(400, bad_encoding("path", target.path));
         auto query = parse_query(target.query);
         if (!query) return error(400, bad_encoding("query", target.query));
         request.query = std::move(*query);
+        if (!row.takes_body && !says_nothing(request))
+            return error(400, "this path takes no body, or an empty object: nothing was done");
         return row.function(request);
     }
     return allowed.empty() ? not_found(target.path) : not_allowed(allowed);

@@ -15,6 +15,9 @@ namespace anogate::http {
 /// 401 or 403 for a client with the access `given` where `needed` is required.
 Response not_permitted(Access given, Access needed);
 
+/// Whether a body asks for nothing: it is empty, or an empty JSON object.
+bool says_nothing(const Request& request);
+
 /// Rows of method, pattern and function, with their documentation. A pattern is a path such as /links/{name}, where {name} stands for
 /// any non-empty segment. If several patterns fit, the one added first counts. A row for GET answers HEAD as well.
 class Routes {
@@ -25,18 +28,26 @@ public:
         Access access = Access::control;    // the access that a client needs
         std::string answers;                // what it answers, in a clause for the documentation
         Function function;
-        std::uint64_t body = 0;    // maximum bytes of a request's body; 0: the default
+        std::uint64_t body = 0;     // maximum bytes of a request's body; 0: the default
+        bool starts_job = false;    // a GET that sends frames, or may: not for pages of other sites
+        bool takes_body = true;     // false: a body that says something is refused, since it asks for what is not done
     };
 
     void add(Row row) { rows_.push_back(std::move(row)); }
+    /// A row that takes no body.
+    void add_without_body(Row row) {
+        row.takes_body = false;
+        add(std::move(row));
+    }
     /// A row without documentation, for clients that may do everything.
     void add(std::string method, std::string pattern, Function function) {
-        rows_.push_back({std::move(method), std::move(pattern), Access::control, {}, std::move(function), 0});
+        rows_.push_back({std::move(method), std::move(pattern), Access::control, {}, std::move(function), 0, false, true});
     }
     const std::vector<Row>& rows() const noexcept { return rows_; }
 
     /// The answer of the matching row's function, or an error: 400 for a bad encoding in path or query, 404 with the nearest pattern,
-    /// 405 with the methods of the path, 401 or 403 for a client without the needed access. The function may move from `request`.
+    /// 405 with the methods of the path, 401 or 403 for a client without the needed access, 403 for a page of another site that starts or changes
+    /// something. The function may move from `request`.
     Response answer(Request& request) const;
     Response answer(Request&& request) const { return answer(request); }
     /// The row that answers it; nullptr: none does.
@@ -44,6 +55,7 @@ public:
 
 private:
     Response not_found(std::string_view path) const;
+    Response options() const;
 
     std::vector<Row> rows_;
 };

@@ -19,8 +19,9 @@ public:
     /// False: there is no room. A message larger than the whole queue is never taken.
     bool push(WebSocket::Message message, WebSocket::Kind kind) {
         if (message->size() > max_bytes_ - bytes_) return false;
-        bytes_ += message->size();
+        const std::size_t size = message->size();
         entries_.push_back({std::move(message), kind});
+        bytes_ += size;
         return true;
     }
     bool empty() const noexcept { return entries_.empty(); }

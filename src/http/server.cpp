@@ -1,5 +1,6 @@
 #include <http/server.hpp>
 #include <http/tcp_door.hpp>
+#include <sys/descriptors_left.hpp>
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -15,6 +16,9 @@ constexpr long max_large_bodies = 2;
 constexpr ano::Duration memory_stays = std::chrono::milliseconds{1};
 constexpr ano::Duration finish_look = std::chrono::milliseconds{5};
 
+/// What links may need is left to them.
+bool has_descriptors() { return descriptors_left() >= descriptors_of_links(); }
+
 Response no_place() { return try_again("all places are taken by those who ask just now"); }
 
 }    // namespace
@@ -23,36 +27,89 @@ Server::Server(asio::io_context& io, const ServerLimits& limits, HasMemory has_m
     : io_{io}, limits_{limits}, has_memory_{std::move(has_memory)} {}
 
 Server::Outcome Server::start(const std::string& path) {
-    LocalSocket::Outcome outcome = local_.listen(path);
+    LocalSocket::Outcome outcome = local_socket_.listen(path);
     if (!outcome.error.empty()) return {std::move(outcome.error), outcome.in_use, {}};
-    local_listener_ = std::make_unique<Listener>(io_, std::move(outcome.fd), AF_UNIX,
-                                                 [this](Socket socket) { admit(stream_of(std::move(socket))); });
+    local_listener_ = std::make_unique<Listener>(
+        io_, std::move(outcome.fd), AF_UNIX, [this] { return has_place(local_); },
+        [this](Socket socket) { admit(stream_of(std::move(socket))); });
     return {{}, false, std::move(outcome.notice)};
 }
 
 Expected<std::uint16_t> Server::start(const Network& network) {
     auto made = listen_tcp(network.address, network.port);
     if (!made) return Unexpected{std::move(made.error())};
-    const auto admit_one = [this, network](Socket socket) {
+    network_settings_ = network;
+    const auto admit_one = [this](Socket socket) {
         Door door{};
         door.is_network = true;
-        door.is_encrypted = network.tls != nullptr;
-        door.needs_token = network.needs_token;
+        door.is_encrypted = network_settings_.tls != nullptr;
+        door.needs_token = network_settings_.needs_token;
         prepare_tcp(socket.native_handle(), door);
-        admit(network.tls ? network.tls->stream(std::move(socket), std::move(door))
-                          : stream_of(std::move(socket), std::move(door)));
+        admit(network_settings_.tls ? network_settings_.tls->stream(std::move(socket), std::move(door))
+                                    : stream_of(std::move(socket), std::move(door)));
     };
-    network_listener_ = std::make_unique<Listener>(io_, std::move(made->fd), made->family, admit_one);
+    const auto may_come = [this] { return !handshakes_wait() && has_place(network_); };
+    network_listener_ = std::make_unique<Listener>(io_, std::move(made->fd), made->family, may_come, admit_one);
     return made->port;
 }
 
-tl::expected<Access, Response> Server::judge(const Request& request) { return admission_.judge(request, ano::Clock::now()); }
+void Server::stop_network() {
+    network_listener_.reset();
+    dismiss_those([](const Session& session) { return session.is_of_network(); });
+}
 
-std::optional<Response> Server::crowded_out(Access access) {
-    const std::vector<Visitor> all = visitors();
-    if (!has_place(all, limits_.connections, access)) return no_place();
-    if (const auto looker = leaves_room(all, limits_.connections)) send_away(*looker);
+void Server::set_rules(AdmissionRules rules) {
+    admission_.set(std::move(rules));
+    dismiss_those([this](const Session& session) {
+        return !session.token().empty() && !admission_.still_allows(session.token(), session.may());
+    });
+}
+
+void Server::dismiss_those(const std::function<bool(const Session& session)>& wanted) {
+    for_each_session([&](const auto& session) {
+        if (wanted(*session)) session->dismiss();
+    });
+}
+
+tl::expected<Access, Response> Server::judge(Request& request) { return admission_.judge(request, ano::Clock::now()); }
+
+std::optional<Response> Server::crowded_out(const Party& party, Access access) {
+    remember(party, access);
+    Room& room = room_of(party);
+    const PlaceFor place = request_place(room.visitors(), room.places.connections, party, access);
+    if (!place.is_free) return no_place();
+    if (place.leaves) send_away(room, *place.leaves);
     return std::nullopt;
+}
+
+// An address that has controlled is likely to do so again: until it is heard, it goes before others.
+void Server::remember(const Party& party, Access access) {
+    constexpr std::size_t most = 16;
+    if (access != Access::control || party.user != unknown_user) return;
+    std::erase(controllers_, party);
+    controllers_.push_back(party);
+    if (controllers_.size() > most) controllers_.pop_front();
+}
+
+bool Server::may_control(const Party& party, const Request* head) {
+    if (head) return admission_.shows_control(*head);
+    return std::find(controllers_.begin(), controllers_.end(), party) != controllers_.end();
+}
+
+std::optional<Response> Server::no_room_to_stay(const Party& party, Access access, bool streams) {
+    Room& room = room_of(party);
+    const auto words = [] {
+        return try_again("this program may open too few files for more streams and waiting clients (ulimit -n)");
+    };
+    if (streams) {
+        constexpr std::size_t for_short_ones = 8;    // descriptors, beside those of links
+        if (descriptors_left() < descriptors_of_links() + for_short_ones) return words();
+        const PlaceFor place = stream_place(room.visitors(), room.places.streams, party, access);
+        if (!place.is_free) return try_again("too many streams and WebSockets: try again when one has ended");
+        if (place.leaves) send_away(room, *place.leaves);
+        return std::nullopt;
+    }
+    return access == Access::control || has_descriptors() ? std::nullopt : std::optional{words()};
 }
 
 bool Server::has_memory() {
@@ -67,21 +124,24 @@ bool Server::still_has_memory() { return ano::Clock::now() - memory_seen_at_ < m
 Response Server::answer(Request& request) {
     memory_seen_at_ = {};
     admission_.forget_token(request);
-    return routes_.answer(request);
+    request.is_foreign = admission_.is_foreign(request);
+    Response response = routes_.answer(request);
+    return response.status == 401 && request.slowed > ano::Duration{} ? slow_down(request.slowed) : std::move(response);
 }
 
 void Server::admit(std::unique_ptr<Stream> stream) {
     if (!has_memory()) return refuse(std::move(stream), try_again("there is too little memory for a request just now"));
-    if (!make_place(stream->user(), stream->door())) return refuse(std::move(stream), no_place());
+    Room& room = room_of(party_of(stream->user(), stream->door()));
+    if (!make_place(room)) return refuse(std::move(stream), no_place());
     SessionOwner& owner = *this;
     auto session = std::make_shared<Session>(io_, owner, std::move(stream), limits_.session);
-    sessions_.push_back(session);
+    room.sessions.push_back(session);
     session->start();
 }
 
 // A large body is accepted only from a client with access to that path, and only a few at a time. Missing access is reported before a
 // body that is too large.
-tl::expected<BodyRoom, Response> Server::room_for_body(const Request& head) {
+tl::expected<BodyRoom, Response> Server::room_for_body(Request& head) {
     const std::uint64_t usual = limits_.session.request.body;
     if (head.body_to_come <= usual) return BodyRoom{usual};
     auto access = judge(head);
@@ -101,41 +161,86 @@ tl::expected<std::shared_ptr<void>, Response> Server::place_for_body() {
     if (large_bodies_.use_count() > max_large_bodies) {
         std::shared_ptr<Session> slowest;
         std::optional<ano::TimePoint> since;
-        for (const auto& session : sessions_) {
-            const auto one = session.lock();
-            const auto waits = one ? one->body_waits_since() : std::nullopt;
+        for_each_session([&](const std::shared_ptr<Session>& one) {
+            const auto waits = one->body_waits_since();
             if (waits && (!since || *waits < *since)) slowest = one, since = waits;
-        }
+        });
         if (slowest) slowest->give_up_body();
     }
     if (large_bodies_.use_count() <= max_large_bodies) return large_bodies_;
     return tl::unexpected{try_again("other large bodies are on their way: ask again later")};
 }
 
-std::vector<Visitor> Server::visitors() {
-    std::erase_if(sessions_, [](const auto& session) { return session.expired(); });
+std::vector<Visitor> Server::Room::visitors() {
+    std::erase_if(sessions, [](const auto& session) { return session.expired(); });
     std::vector<Visitor> visitors;
-    for (const auto& session : sessions_) visitors.push_back(session.lock()->visitor(ano::Clock::now()));
+    for (const auto& session : sessions) visitors.push_back(session.lock()->visitor(ano::Clock::now()));
     return visitors;
 }
 
-bool Server::make_place(std::uint32_t user, const Door& door) {
-    const std::vector<Visitor> all = visitors();
-    if (all.size() < limits_.connections) return true;
-    const auto place = gives_way(all, party_of(user, door), user == 0 || user == ::geteuid());
-    if (!place) return false;
-    send_away(*place);
-    return true;
+// What may be closed meanwhile is left out.
+template <class Call>
+void Server::for_each_session(Call call) {
+    for (Room* const room : {&local_, &network_})
+        for (const auto& session : std::vector{room->sessions})
+            if (const auto alive = session.lock()) call(alive);
 }
 
-void Server::send_away(std::size_t place) {
-    const auto leaves = sessions_[place].lock();
-    sessions_.erase(sessions_.begin() + static_cast<std::ptrdiff_t>(place));
+bool Server::is_full(const Room& room, std::size_t visitors) const {
+    return visitors >= room.places.connections || (visitors >= room.places.in_need && !has_descriptors());
+}
+
+std::optional<std::size_t> Server::who_leaves(const Room& room, const std::vector<Visitor>& visitors) const {
+    const auto place = gives_way(visitors, ano::Clock::now() - room.places.hearing);
+    return place || has_descriptors() ? place : oldest_stream(visitors);
+}
+
+// To accept takes a descriptor already.
+bool Server::has_place(Room& room) {
+    for (Room* const one : {&network_, &local_})
+        if (const auto leaves = descriptors_left() == 0 ? who_leaves(*one, one->visitors()) : std::nullopt)
+            send_away(*one, *leaves);
+    const std::vector<Visitor> all = room.visitors();
+    return descriptors_left() > 0 && (!is_full(room, all.size()) || who_leaves(room, all));
+}
+
+// Each costs a millisecond of the loop. Others wait in the kernel's queue, where they cost nothing when they leave.
+bool Server::handshakes_wait() {
+    constexpr int most = 8;
+    int wait = 0;
+    for_each_session([&wait](const auto& session) { wait += session->awaits_handshake() ? 1 : 0; });
+    return wait >= most;
+}
+
+bool Server::make_place(Room& room) {
+    if (!has_descriptors())    // links have taken what was left to them
+        for (Room* const one : {&network_, &local_}) make_room(*one, one->places.in_need + 1);
+    make_room(room, 0);
+    // Whoever was accepted when there were descriptors stays, though he has taken the last that is not kept.
+    return room.visitors().size() < room.places.connections;
+}
+
+// Of those that are `at_least` nobody has to leave.
+void Server::make_room(Room& room, std::size_t at_least) {
+    for (;;) {
+        const std::vector<Visitor> all = room.visitors();
+        if (all.size() < at_least || !is_full(room, all.size())) return;
+        const auto place = who_leaves(room, all);
+        if (!place) return;
+        send_away(room, *place);
+    }
+}
+
+void Server::send_away(Room& room, std::size_t place) {
+    const auto leaves = room.sessions[place].lock();
+    room.sessions.erase(room.sessions.begin() + static_cast<std::ptrdiff_t>(place));
     turns_.leave(leaves);
     leaves->leave(no_place());
 }
 
+// The last words would take a descriptor for a while.
 void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {
+    if (!has_descriptors()) return stream->close();
     std::erase_if(farewells_, [](const auto& farewell) { return farewell.expired(); });
     const std::size_t max_farewells = has_memory() ? limits_.farewells : limits_.farewells_in_need;
     while (farewells_.size() >= max_farewells && !farewells_.empty()) {
@@ -150,8 +255,8 @@ void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {
     }
 }
 
-void Server::wait_for_turn(std::shared_ptr<Session> session) {
-    if (turns_.wait(std::move(session))) give_turn();
+void Server::wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) {
+    if (turns_.wait(std::move(session), party, access == Access::control)) give_turn();
 }
 
 // Posts twice: between the two the loop polls the system, and handlers that became ready run before the second.
@@ -167,7 +272,7 @@ void Server::give_turn() {
 }
 
 void Server::shut() {
-    if (local_listener_) local_.remove();    // before closing: the file must not lead nowhere
+    if (local_listener_) local_socket_.remove();    // before closing: the file must not lead nowhere
     local_listener_.reset();
     network_listener_.reset();
     turns_.clear();
@@ -175,16 +280,13 @@ void Server::shut() {
 
 void Server::finish(ano::Duration patience) {
     shut();
-    const auto all = sessions_;
-    for (const auto& session : all)
-        if (const auto alive = session.lock()) alive->finish();
+    for_each_session([](const auto& session) { session->finish(); });
     look_whether_finished(ano::Clock::now() + patience);
 }
 
 void Server::look_whether_finished(ano::TimePoint until) {
     if (ano::Clock::now() >= until) close_those(false);
-    std::erase_if(sessions_, [](const auto& session) { return session.expired(); });
-    if (sessions_.empty()) return stop();
+    if (local_.visitors().empty() && network_.visitors().empty()) return stop();
     finish_check_.expires_after(finish_look);
     finish_check_.async_wait([this, until](error_code ec) {
         if (!ec) look_whether_finished(until);
@@ -194,16 +296,17 @@ void Server::look_whether_finished(ano::TimePoint until) {
 void Server::no_more_answers() { close_those(true); }
 
 void Server::close_those(bool awaiting_answer) {
-    const auto all = sessions_;
-    for (const auto& session : all)
-        if (const auto alive = session.lock(); alive && alive->awaits_answer() == awaiting_answer) alive->close();
+    for_each_session([awaiting_answer](const auto& session) {
+        if (session->awaits_answer() == awaiting_answer) session->close();
+    });
 }
 
 void Server::stop() {
     finish_check_.cancel();
     shut();
-    for (const auto& session : std::exchange(sessions_, {}))
-        if (const auto alive = session.lock()) alive->close();
+    for_each_session([](const auto& session) { session->close(); });
+    local_.sessions.clear();
+    network_.sessions.clear();
     for (const auto& farewell : std::exchange(farewells_, {}))
         if (const auto alive = farewell.lock()) alive->close();
 }

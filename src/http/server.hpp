@@ -1,4 +1,4 @@
-// The HTTP server: accepts connections, shares places and turns among them, and closes them.
+// The HTTP server: accepts connections, gives them places and turns, and closes them.
 #pragma once
 #include <http/admission.hpp>
 #include <http/asio.hpp>
@@ -19,15 +19,26 @@
 
 namespace anogate::http {
 
+/// The places of one sort of door.
+struct DoorPlaces {
+    std::size_t connections = 0;
+    std::size_t streams = 0;    // of the connections: streams and WebSockets, which stay
+    std::size_t in_need = 0;    // the same as `connections` while there are few descriptors; there are no streams then
+    ano::Duration hearing{};    // for so long who just connected keeps his place
+};
+
 struct ServerLimits {
-    std::size_t connections = 32;
-    std::size_t farewells = 32;           // closing connections that still get their last answer
-    std::size_t farewells_in_need = 4;    // the same while memory is short
+    // 20 may wait for devices (DeviceService::waiting_places): beside them and the streams some stay free.
+    DoorPlaces local{44, 20, 3, std::chrono::milliseconds{100}};
+    DoorPlaces network{44, 20, 1, std::chrono::milliseconds{5}};    // so many come that who is silent must not hold up others
+    std::size_t farewells = 32;                                     // closing connections that still get their last answer
+    std::size_t farewells_in_need = 4;                              // the same while memory is short
     ano::Duration farewell = std::chrono::seconds{1};
     SessionLimits session;
 };
 
-/// Between two requests the loop does its other work. The request that has waited longest is next.
+/// Between two requests the loop does its other work. Users of the Unix socket and clients of the network have places of their own. Who finds
+/// none waits in the kernel's queue; since who may control is never asked to leave, that is only behind others who may.
 class Server : private SessionOwner {
 public:
     /// Whether the system has memory for one request and its answer.
@@ -60,8 +71,15 @@ public:
     };
     /// Listens there. Returns the port, or the error; after that it may be called again.
     Expected<std::uint16_t> start(const Network& network);
+    /// Listens there no more; its clients get the answers that are being made, and nothing else.
+    void stop_network();
+    /// For clients that connect from now on.
+    void set_tls(std::shared_ptr<Tls> tls) { network_settings_.tls = std::move(tls); }
+    /// Replaces the rules. Whoever asked with a token that allows less now is dismissed.
+    void set_rules(AdmissionRules rules);
     /// The rules for network doors: tokens and names.
     Admission& admission() noexcept { return admission_; }
+    const Admission& admission() const noexcept { return admission_; }
     /// Adds a client with any sort of connection.
     void admit(std::unique_ptr<Stream> stream);
     /// As stop(), but answers in progress are completed within `patience`, and those that are not made yet are waited for until
@@ -74,19 +92,37 @@ public:
     void stop();
 
 private:
-    std::vector<Visitor> visitors();
-    bool make_place(std::uint32_t user, const Door& door);
-    void send_away(std::size_t place);
+    /// The sessions of one sort of door.
+    struct Room {
+        DoorPlaces places;
+        std::vector<std::weak_ptr<Session>> sessions{};
+
+        std::vector<Visitor> visitors();
+    };
+    Room& room_of(const Party& party) noexcept { return party.user == unknown_user ? network_ : local_; }
+    bool is_full(const Room& room, std::size_t visitors) const;
+    std::optional<std::size_t> who_leaves(const Room& room, const std::vector<Visitor>& visitors) const;
+    bool has_place(Room& room);
+    bool handshakes_wait();
+    bool make_place(Room& room);
+    void make_room(Room& room, std::size_t at_least);
+    void send_away(Room& room, std::size_t place);
+    void remember(const Party& party, Access access);
+    template <class Call>
+    void for_each_session(Call call);
+    void dismiss_those(const std::function<bool(const Session& session)>& wanted);
     void shut();
     void look_whether_finished(ano::TimePoint until);
     void close_those(bool awaiting_answer);
     void give_turn();
 
-    void wait_for_turn(std::shared_ptr<Session> session) override;
-    tl::expected<Access, Response> judge(const Request& request) override;
-    std::optional<Response> crowded_out(Access access) override;
+    void wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) override;
+    tl::expected<Access, Response> judge(Request& request) override;
+    std::optional<Response> crowded_out(const Party& party, Access access) override;
+    bool may_control(const Party& party, const Request* head) override;
+    std::optional<Response> no_room_to_stay(const Party& party, Access access, bool streams) override;
     Response answer(Request& request) override;
-    tl::expected<BodyRoom, Response> room_for_body(const Request& head) override;
+    tl::expected<BodyRoom, Response> room_for_body(Request& head) override;
     tl::expected<std::shared_ptr<void>, Response> place_for_body() override;
     void refuse(std::unique_ptr<Stream> stream, const Response& words) override;
     std::unique_ptr<BodyKeeper> keeper() override { return make_keeper_ ? make_keeper_() : nullptr; }
@@ -102,10 +138,12 @@ private:
     std::shared_ptr<int> large_bodies_ = std::make_shared<int>();    // its use count - 1 is the number of large bodies
     Routes routes_;
     Admission admission_;
-    LocalSocket local_;
+    LocalSocket local_socket_;
+    Network network_settings_;
     std::unique_ptr<Listener> local_listener_, network_listener_;
-    std::vector<std::weak_ptr<Session>> sessions_;
-    Turns<std::shared_ptr<Session>> turns_;    // sessions with a complete request
+    Room local_{limits_.local}, network_{limits_.network};
+    std::deque<Party> controllers_;                   // clients of the network that have controlled, the latest last
+    Turns<std::shared_ptr<Session>, Party> turns_;    // sessions with a complete request
     std::deque<std::weak_ptr<Farewell>> farewells_;
 };
 

@@ -11,6 +11,7 @@ namespace {
 using ano::Clock;
 
 constexpr std::size_t some_of_body = 1024;
+constexpr unsigned too_many = 429;    // the status
 
 }    // namespace
 
@@ -23,9 +24,30 @@ Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stre
       stream_{std::move(stream)},
       deadline_{io},
       user_{stream_->user()},
-      party_{party_of(user_, stream_->door())} {}
+      party_{party_of(user_, stream_->door())},
+      is_of_network_{stream_->door().is_network} {}
 
-void Session::start() { await_request(); }
+// Too little memory for a client is the end of its connection, not of the program.
+template <class Function>
+void Session::guarded(Function function) {
+    try {
+        function();
+    } catch (const std::bad_alloc&) {
+        close();
+    }
+}
+
+void Session::start() {
+    if (owner_.may_control(party_, nullptr)) may_ = Access::control;
+    const bool hello_first = stream_->await_hello([self = shared_from_this()](error_code ec) {
+        if (!self->stream_) return;
+        if (ec) return self->close();
+        self->awaits_handshake_ = true;
+        self->owner_.wait_for_turn(self, self->party_, self->may_.value_or(Access::open));
+    });
+    if (!hello_first) return await_request();
+    expect_progress();
+}
 
 void Session::close() {
     end_deadline();
@@ -34,6 +56,7 @@ void Session::close() {
     if (const auto socket = web_socket_.lock()) socket->end();
     if (stream_) stream_->close();
     stream_.reset();
+    request_.reset();
     needed_.reset();
     room_for_body_ = {};
 }
@@ -47,16 +70,23 @@ void Session::finish() {
     sending_.keep_alive = false;
 }
 
+void Session::dismiss() {
+    if (web_socket_.expired()) finish();
+    else close();
+}
+
 void Session::leave(const Response& words) {
     const bool is_answered = asking_ == Asking::whole && !awaits_turn_;
     if (!stream_ || asking_ == Asking::nothing || is_answered) return close();
+    if (asking_ == Asking::unheard && stream_->door().is_encrypted) return close();    // words would cost a handshake
     refuse(words);
 }
 
 Visitor Session::visitor(ano::TimePoint now) const {
     bool stalled = !awaits_turn_ && !part_awaited_ && !answer_awaited_ && now - since_ >= limits_.stalled_after;
     if (const auto socket = web_socket_.lock()) stalled = socket->is_stalled_since(now - limits_.stalled_after);
-    return {party_, stalled ? Asking::nothing : asking_, since_, may_};
+    const bool lasts = !awaits_turn_ && !streams_ && now - whole_at_ >= limits_.stalled_after;
+    return {party_, stalled ? Asking::nothing : asking_, since_, may_, streams_, lasts};
 }
 
 // Some of the next request may be here.
@@ -97,8 +127,8 @@ void Session::await_deadline() {
         if (!self || ec) return;
         self->deadline_runs_ = false;
         if (!self->patient_until_) return;
-        if (Clock::now() < *self->patient_until_) return self->await_deadline();
-        self->lost_patience();
+        const bool is_patient = Clock::now() < *self->patient_until_;
+        self->guarded([&] { is_patient ? self->await_deadline() : self->lost_patience(); });
     });
 }
 
@@ -115,7 +145,7 @@ void Session::read() {
     if (std::exchange(reading_, true)) return;
     stream_->read_some(asio::buffer(room_), [self = shared_from_this()](error_code ec, std::size_t size) {
         self->reading_ = false;
-        if (self->stream_) self->came(ec, size);
+        if (self->stream_) self->guarded([&] { self->came(ec, size); });
     });
 }
 
@@ -183,11 +213,34 @@ void Session::hear() {
     whole_at_ = Clock::now();
     awaits_turn_ = true;
     expect_nothing();
-    owner_.wait_for_turn(shared_from_this());
+    try {
+        came_whole();
+    } catch (const std::bad_alloc&) {
+        return refuse_for_memory();
+    }
+    if (const auto words = owner_.crowded_out(party_, *may_)) return refuse(*words);
+    owner_.wait_for_turn(shared_from_this(), party_, *may_);
+}
+
+// It is judged before its turn, which depends on what it may do.
+void Session::came_whole() {
+    Request& request = request_.emplace(reader_->take());
+    request.user = user_;
+    request.door = stream_->door();
+    request.came_at = whole_at_;
+    request.judged = room_for_body_.judged;
+    if (keeper_) request.stored = keeper_->whole();
+    keeper_.reset();
+    auto access = owner_.judge(request);
+    token_ = std::move(request.token);
+    may_ = request.access = access.value_or(Access::open);
+    if (!access) unanswered_ = std::move(access.error());
+    also_ = std::move(request.also);
 }
 
 // Called once a request, so that it is not judged twice.
-bool Session::has_room(const Request& head) {
+bool Session::has_room(Request& head) {
+    if (owner_.may_control(party_, &head)) may_ = Access::control;
     auto room = owner_.room_for_body(head);
     if (!room) refusal_ = std::move(room.error());
     else room_for_body_ = std::move(*room);
@@ -204,9 +257,9 @@ void Session::say_go_on() {
         if (!self->stream_) return;
         if (ec) return self->close();
         self->written_ += size;
-        if (self->written_ < words.size()) return self->say_go_on();
-        self->written_ = 0;
-        self->read();
+        const bool is_said = self->written_ == words.size();
+        if (is_said) self->written_ = 0;
+        self->guarded([&] { is_said ? self->read() : self->say_go_on(); });
     });
 }
 
@@ -233,7 +286,8 @@ bool Session::puts_body() {
     if (!keeper_) keeper_ = owner_.keeper();
     if (!keeper_) return false;
     is_kept_ = true;
-    keeper_->put(reader_->take_body(), [self = shared_from_this()](const std::string& fault) { self->put_body(fault); });
+    keeper_->put(reader_->take_body(),
+                 [self = shared_from_this()](const std::string& fault) { self->guarded([&] { self->put_body(fault); }); });
     return true;
 }
 
@@ -248,32 +302,33 @@ void Session::put_body(const std::string& fault) {
 
 void Session::take_turn() {
     if (!stream_) return;
+    if (std::exchange(awaits_handshake_, false)) return stream_->has_left() ? close() : await_request();
     if (!owner_.still_has_memory()) return refuse_for_memory();
     awaits_turn_ = false;
     expect_progress();
     try {
-        answer(reader_->take());
+        Request request = *std::exchange(request_, std::nullopt);
+        answer(request);
     } catch (const std::bad_alloc&) {
         if (stream_) refuse_for_memory();
     }
 }
 
-void Session::answer(Request request) {
-    request.user = user_;
-    request.door = stream_->door();
-    request.came_at = whole_at_;
-    request.judged = room_for_body_.judged;
-    if (keeper_) request.stored = keeper_->whole();
-    keeper_.reset();
+void Session::answer(Request& request) {
     sending_ = {request.version, request.keep_alive};
     const bool head_only = request.method == "HEAD";
-    auto access = owner_.judge(request);
-    may_ = access.value_or(Access::open);
-    if (!access) return send(std::move(access.error()), head_only);
-    request.access = *access;
-    if (const auto words = owner_.crowded_out(*access)) return refuse(*words);
-    Response response = owner_.answer(request);
-    if (!stream_) return;    // the answer was that all ends
+    const bool guesses = unanswered_ || request.slowed > ano::Duration{};
+    auto no_answer = std::exchange(unanswered_, std::nullopt);
+    Response response = no_answer ? std::move(*no_answer) : owner_.answer(request);
+    if (!stream_) return;                            // the answer was that all ends
+    if (guesses && response.status == too_many) {    // whoever guesses needs a connection for each
+        if (also_) response.headers.push_back(*std::exchange(also_, std::nullopt));
+        return refuse(response);
+    }
+    const bool streams = response.web_socket || (response.producer && !response.length);
+    if (streams || response.patient)
+        if (auto no = owner_.no_room_to_stay(party_, request.access, streams)) return send(std::move(*no), head_only);
+    streams_ = streams;
     if (response.web_socket) {
         Response fault = web_socket_fault(request);
         if (fault.status == 200 && reading_) fault = error(400, "a WebSocket does not follow a stream on one connection");
@@ -284,16 +339,18 @@ void Session::answer(Request request) {
             return;
         }
         response = std::move(fault);
+        streams_ = false;
     }
     if (!response.later) return send(std::move(response), head_only);
     if (response.patient) {
         await_answer(std::move(response.needed));    // reading holds us, until the client is gone
         return response.later([weak = weak_from_this(), head_only](Response known) {
-            if (const auto self = weak.lock(); self && self->stream_) self->send(std::move(known), head_only);
+            if (const auto self = weak.lock(); self && self->stream_)
+                self->guarded([&] { self->send(std::move(known), head_only); });
         });
     }
     response.later([self = shared_from_this(), head_only](Response known) {    // meanwhile nobody else holds us
-        if (self->stream_) self->send(std::move(known), head_only);
+        if (self->stream_) self->guarded([&] { self->send(std::move(known), head_only); });
     });
 }
 
@@ -308,6 +365,7 @@ void Session::await_answer(std::shared_ptr<void> needed) {
 void Session::send(Response response, bool head_only) {
     if (std::exchange(answer_awaited_, false)) expect_progress();
     needed_.reset();
+    if (also_) response.headers.push_back(*std::exchange(also_, std::nullopt));
     if (response.producer && !response.length && sending_.version == 10)
         sending_.keep_alive = false;    // the end of the body is that of the connection
     sending_.chunked = response.producer && !response.length && sending_.version != 10;
@@ -334,10 +392,14 @@ void Session::write() {
             if (!self->stream_) return;
             if (ec) return self->close();
             self->written_ += size;
-            if (self->written_ == self->head_.size() + self->body_.size() + self->shared_->size()) return self->wrote();
-            self->expect_progress();
-            self->write();
+            self->guarded([&self] { self->wrote_some(); });
         });
+}
+
+void Session::wrote_some() {
+    if (written_ == head_.size() + body_.size() + shared_->size()) return wrote();
+    expect_progress();
+    write();
 }
 
 void Session::wrote() {
@@ -348,6 +410,7 @@ void Session::wrote() {
     if (producer_) return next_part();
     body_ = std::string{};    // who is idle holds no answer
     asking_ = Asking::nothing;
+    streams_ = false;
     if (sending_.keep_alive) return await_request();
     stream_->end_output();
     close();
@@ -382,12 +445,17 @@ bool Session::takes_part(bool is_last) {
 // From anywhere, also from within next(): so the loop calls the producer.
 void Session::wake() {
     if (std::exchange(woken_, true)) return;
-    asio::post(io_, [weak = weak_from_this()] {
-        const auto self = weak.lock();
-        if (!self) return;
-        self->woken_ = false;
-        if (self->stream_ && std::exchange(self->part_awaited_, false)) self->next_part();
-    });
+    try {
+        asio::post(io_, [weak = weak_from_this()] {
+            const auto self = weak.lock();
+            if (!self) return;
+            self->woken_ = false;
+            if (self->stream_ && std::exchange(self->part_awaited_, false)) self->guarded([&self] { self->next_part(); });
+        });
+    } catch (const std::bad_alloc&) {
+        woken_ = false;
+        if (stream_) stream_->close();    // what is under way on it ends, and with it the session
+    }
 }
 
 void Session::refuse_for_memory() noexcept {
@@ -402,6 +470,7 @@ void Session::refuse(const Response& words) {
     end_deadline();
     keeper_.reset();
     producer_.reset();
+    request_.reset();
     needed_.reset();
     room_for_body_ = {};
     stream_->cancel();

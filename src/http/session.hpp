@@ -5,7 +5,7 @@
 #include <http/request_reader.hpp>
 #include <http/response.hpp>
 #include <http/stream.hpp>
-#include <link/expected.hpp>
+#include <sys/expected.hpp>
 
 #include <array>
 #include <memory>
@@ -25,7 +25,7 @@ struct SessionLimits {
     ano::Duration slow_body = std::chrono::seconds{3};
     /// Bytes of a large body that are collected before they are given to its keeper.
     std::size_t part_of_body = std::size_t{256} * 1024;
-    /// A client that has taken nothing of an answer for this time counts as idle.
+    /// A client that has taken nothing of an answer for this time counts as idle; an answer that takes longer lasts.
     ano::Duration stalled_after = std::chrono::seconds{1};
 };
 
@@ -40,17 +40,21 @@ struct BodyRoom {
 class SessionOwner {
 public:
     virtual ~SessionOwner() = default;
-    /// Calls take_turn() when it is the session's turn.
-    virtual void wait_for_turn(std::shared_ptr<Session> session) = 0;
+    /// Calls take_turn() when it is the session's turn. Those that may control come first, then each party in turn.
+    virtual void wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) = 0;
     /// What a request may do, or the answer that refuses it.
-    virtual tl::expected<Access, Response> judge(const Request& request) = 0;
-    /// For a request with `access`, which the session's visitor() already has: the last answer of the session if too many such requests
-    /// are being answered; std::nullopt: go on.
-    virtual std::optional<Response> crowded_out(Access access) = 0;
+    virtual tl::expected<Access, Response> judge(Request& request) = 0;
+    /// For a request with `access`, which the session's visitor() already has: the last answer of the session if there are too many such
+    /// requests; std::nullopt: go on.
+    virtual std::optional<Response> crowded_out(const Party& party, Access access) = 0;
+    /// Whether a request with this head, or nullptr, the next one of the party, is likely to be one that may control. What decides is judge().
+    virtual bool may_control(const Party& party, const Request* head) = 0;
+    /// Before an answer that stays: a stream, or one that waits for a job (`streams` is false). The answer that refuses it; std::nullopt: go on.
+    virtual std::optional<Response> no_room_to_stay(const Party& party, Access access, bool streams) = 0;
     /// Takes what it needs out of `request`.
     virtual Response answer(Request& request) = 0;
     /// What is allowed for the body of `head`, or the answer that refuses it before it comes.
-    virtual tl::expected<BodyRoom, Response> room_for_body(const Request& head) = 0;
+    virtual tl::expected<BodyRoom, Response> room_for_body(Request& head) = 0;
     /// A place for a large body, to be held as long as that; or the answer if all of the few places are taken.
     virtual tl::expected<std::shared_ptr<void>, Response> place_for_body() = 0;
     /// For a large body; nullptr: it is held in memory.
@@ -70,14 +74,21 @@ public:
     Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits);
 
     void start();
-    /// Its turn: the request is answered.
+    /// Its turn: the request is answered, or the handshake begins.
     void take_turn();
+    bool awaits_handshake() const noexcept { return stream_ && awaits_handshake_; }
     /// Closes at once; destroys the producer or the user of the WebSocket.
     void close();
     /// The server is stopping: completes the current answer, or the next part of a stream; everything else ends at once.
     void finish();
     /// A client waits for an answer that is not made yet (Response::patient).
     bool awaits_answer() const noexcept { return answer_awaited_; }
+    /// As finish(), for a client that may not ask any more; a WebSocket ends at once.
+    void dismiss();
+    /// The token of the current or the last request; empty: there was none.
+    const std::string& token() const noexcept { return token_; }
+    Access may() const noexcept { return may_.value_or(Access::open); }
+    bool is_of_network() const noexcept { return is_of_network_; }
     /// Gives its place to another client. Sends `words` unless it is in the middle of an answer.
     void leave(const Response& words);
     Visitor visitor(ano::TimePoint now) const;
@@ -90,19 +101,23 @@ private:
     void await_request();
     void read();
     void came(error_code ec, std::size_t size);
+    template <class Function>
+    void guarded(Function function);
     void refuse_for_memory() noexcept;
     void input_ended();
     void hear();
-    bool has_room(const Request& head);
+    bool has_room(Request& head);
     void say_go_on();
     bool puts_body();
     bool has_place_for(std::size_t held);
     void body_came(std::size_t size);
     void put_body(const std::string& fault);
-    void answer(Request request);
+    void came_whole();
+    void answer(Request& request);
     void await_answer(std::shared_ptr<void> needed);
     void send(Response response, bool head_only);
     void write();
+    void wrote_some();
     void wrote();
     void next_part();
     bool takes_part(bool is_last);
@@ -123,10 +138,17 @@ private:
     bool deadline_runs_ = false;                     // deadline_ is set, to patient_until_ or earlier
     std::uint32_t user_;
     Party party_;
-    std::optional<Access> may_;    // what the current or the last request may do
+    bool is_of_network_;
+    std::string token_{};
+    std::optional<Access> may_;             // what the current or the last request may do
+    std::optional<Request> request_;        // complete, and waits for its turn
+    std::optional<Response> unanswered_;    // why it is refused instead
+    std::optional<Field> also_;             // a header of its answer
 
     Asking asking_ = Asking::unheard;
     bool awaits_turn_ = false;    // has a complete request
+    bool awaits_handshake_ = false;
+    bool streams_ = false;    // the answer is a stream or a WebSocket
     bool reading_ = false;
     bool input_ended_ = false;
     ano::TimePoint since_;         // when it connected or last made progress

@@ -1,6 +1,6 @@
 #include <http/socket_path.hpp>
-#include <link/errors.hpp>
-#include <link/own_folder.hpp>
+#include <sys/errors.hpp>
+#include <sys/own_folder.hpp>
 
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 #include <http/tcp_door.hpp>
-#include <link/errors.hpp>
+#include <sys/errors.hpp>
 
 #include <arpa/inet.h>
 #include <netdb.h>

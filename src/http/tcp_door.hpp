@@ -1,8 +1,8 @@
 // TCP sockets of the server.
 #pragma once
 #include <http/door.hpp>
-#include <link/expected.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/expected.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <cstdint>
 #include <string>

@@ -2,12 +2,13 @@
 #include <http/tls.hpp>
 
 #include <http/asio_ssl.hpp>
-#include <link/errors.hpp>
+#include <sys/errors.hpp>
 
 #include <cerrno>
 #include <utility>
 #include <vector>
 
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -44,6 +45,15 @@ public:
     TlsStream(Socket socket, asio::ssl::context& context, std::shared_ptr<const void> keep, Door door)
         : keep_{std::move(keep)}, state_{std::make_shared<Encrypted>(std::move(socket), context)}, door_{std::move(door)} {}
 
+    bool await_hello(std::function<void(error_code)> then) override {
+        state_->ssl.lowest_layer().async_wait(Socket::wait_read,
+                                              [state = state_, then = std::move(then)](error_code ec) { then(ec); });
+        return true;
+    }
+    bool has_left() const override {
+        pollfd look{state_->ssl.lowest_layer().native_handle(), POLLRDHUP, 0};
+        return ::poll(&look, 1, 0) == 1;
+    }
     void read_some(asio::mutable_buffer into, Done done) override {
         state_->shake_hands([state = state_, into, done = std::move(done)](error_code ec) mutable {
             if (ec) return done(ec, 0);
@@ -90,6 +100,12 @@ std::string fault_of_file(const std::string& file) {
     return S_ISREG(facts.st_mode) ? "" : file + ": is not a file";
 }
 
+std::string fault_of_secret(const std::string& file) {
+    struct stat facts {};
+    if (::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
+    return (facts.st_mode & S_IRWXO) == 0 ? "" : file + ": everybody on this computer may read it; chmod o= " + file;
+}
+
 }    // namespace
 
 Tls::Tls(std::shared_ptr<Context> context) : context_{std::move(context)} {}
@@ -102,6 +118,7 @@ Expected<std::unique_ptr<Tls>> Tls::load(const std::string& certificate, const s
                           SSL_OP_ALL | SSL_OP_NO_TLSv1 | SSL_OP_NO_TLSv1_1 | SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION);
     for (const std::string& file : {certificate, key})
         if (std::string fault = fault_of_file(file); !fault.empty()) return Unexpected{std::move(fault)};
+    if (std::string fault = fault_of_secret(key); !fault.empty()) return Unexpected{std::move(fault)};
     context->ssl.set_password_callback(
         [](std::size_t, asio::ssl::context::password_purpose) { return std::string{}; });    // never asks at the terminal
     error_code ec;

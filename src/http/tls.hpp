@@ -1,7 +1,7 @@
 // Encrypted streams: TLS 1.2 and 1.3 by OpenSSL.
 #pragma once
 #include <http/stream.hpp>
-#include <link/expected.hpp>
+#include <sys/expected.hpp>
 
 #include <memory>
 #include <string>
@@ -11,11 +11,11 @@ namespace anogate::http {
 /// A certificate and its key, read by load(). May be destroyed before its streams.
 class Tls {
 public:
-    /// PEM files: the certificate with its intermediate certificates, and the key without a password.
+    /// PEM files: the certificate with its intermediate certificates, and the key without a password, which others may not read.
     static Expected<std::unique_ptr<Tls>> load(const std::string& certificate, const std::string& key);
     ~Tls();
 
-    /// The server's side of a connected socket. The handshake is done with the first read or write.
+    /// The server's side of a connected socket. The handshake is done with the first read or write; await_hello() says when it can be.
     std::unique_ptr<Stream> stream(Socket socket, Door door) const;
 
 private:

@@ -1,6 +1,7 @@
 #include <http/token_file.hpp>
-#include <link/errors.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/errors.hpp>
+#include <sys/unique_fd.hpp>
+#include <sys/write_all.hpp>
 
 #include <fcntl.h>
 #include <sys/random.h>
@@ -8,6 +9,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 
@@ -30,6 +36,25 @@ std::optional<std::string> random_token() {
     return text;
 }
 
+std::string draft_of(const std::string& path, pid_t process) { return path + "." + std::to_string(process); }
+
+// Drafts of processes that ended while they made the file.
+void remove_old_drafts(const std::string& path) {
+    namespace fs = std::filesystem;
+    std::error_code ec;
+    const std::string begin = fs::path{path}.filename().string() + ".";
+    const fs::path folder = fs::absolute(path, ec).parent_path();
+    for (fs::directory_iterator entry{folder, ec}; !ec && entry != fs::directory_iterator{}; entry.increment(ec)) {
+        const std::string name = entry->path().filename().string();
+        if (!name.starts_with(begin)) continue;
+        pid_t process = 0;
+        const auto [end, fault] = std::from_chars(name.data() + begin.size(), name.data() + name.size(), process);
+        if (fault != std::errc{} || end != name.data() + name.size() || process <= 0) continue;
+        const bool may_be_written = process != ::getpid() && (::kill(process, 0) == 0 || errno != ESRCH);
+        if (!may_be_written) ::unlink(entry->path().c_str());
+    }
+}
+
 // Written under another name first, so that the file always has both tokens.
 Expected<void> make(const std::string& path) {
     namespace fs = std::filesystem;
@@ -40,11 +65,10 @@ Expected<void> make(const std::string& path) {
     if (!view || !control) return failed();
     const std::string text = "# Who gives one of these may look, or do everything: Authorization: Bearer TOKEN\nview " + *view +
                              "\ncontrol " + *control + "\n";
-    const std::string draft = path + "." + std::to_string(::getpid());
+    const std::string draft = draft_of(path, ::getpid());
     const UniqueFd fd{::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR)};
     if (!fd) return failed();
-    const bool written = ::write(fd.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-                         ::fsync(fd.get()) == 0 && ::link(draft.c_str(), path.c_str()) == 0;
+    const bool written = write_all(fd.get(), text) && ::link(draft.c_str(), path.c_str()) == 0;
     const int error = errno;
     ::unlink(draft.c_str());
     if (!written && error != EEXIST) return Unexpected{error_text(path, error)};    // EEXIST: made by another process
@@ -103,12 +127,28 @@ Expected<std::vector<Token>> parse_tokens(std::string_view text) {
 }
 
 Expected<std::vector<Token>> read_or_make_tokens(const std::string& path) {
+    remove_old_drafts(path);
     UniqueFd fd = open_to_read(path);
     if (!fd && errno == ENOENT) {
         if (auto made = make(path); !made) return Unexpected{std::move(made.error())};
         fd = open_to_read(path);
     }
     return read_tokens(fd, path);
+}
+
+// Of where it is, not of what is in it: a digest of a weak token could be tried out.
+std::string id_of_token_file(const std::string& path) {
+    struct stat facts {};
+    ::stat(path.c_str(), &facts);
+    std::error_code ec;
+    const std::string text = std::filesystem::absolute(path, ec).lexically_normal().string() + '\n' +
+                             std::to_string(facts.st_dev) + '\n' + std::to_string(facts.st_ino);
+    constexpr std::uint32_t basis = 2166136261, prime = 16777619;    // FNV-1a
+    std::uint32_t digest = basis;
+    for (const char c : text) digest = (digest ^ static_cast<unsigned char>(c)) * prime;
+    char digits[9];
+    std::snprintf(digits, sizeof digits, "%08x", digest);
+    return digits;
 }
 
 Expected<void> check_tokens(const std::string& path) {

@@ -1,39 +1,82 @@
 // A queue of those that wait for their turn.
 #pragma once
 #include <algorithm>
-#include <deque>
+#include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace anogate::http {
 
-/// First in, first out. The owner calls next() for one turn at a time, and lets the loop do its other work in between.
-template <class Who>
+/// Those that go first come before all others. Of equals, each client (`of`) gets one turn after the other: however many of a client
+/// wait, between two of them everybody else has one. The owner calls next() for one turn at a time, and lets the loop do its other work
+/// in between.
+template <class Who, class Client>
 class Turns {
 public:
     /// True: no call of next() is scheduled; the caller must schedule one.
-    bool wait(Who who) {
-        waiting_.push_back(std::move(who));
+    bool wait(Who who, const Client& of, bool goes_first) {
+        (goes_first ? first_ : others_).wait(std::move(who), of);
         return !std::exchange(arranged_, true);
     }
     /// Removes `who` from the queue.
-    void leave(const Who& who) { std::erase(waiting_, who); }
+    void leave(const Who& who) {
+        first_.leave(who);
+        others_.leave(who);
+    }
     /// The scheduled call: returns who is next. If is_arranged() afterwards, the caller must schedule the next call.
     std::optional<Who> next() {
-        std::optional<Who> who;
-        if (!waiting_.empty()) {
-            who = std::move(waiting_.front());
-            waiting_.pop_front();
-        }
-        arranged_ = !waiting_.empty();
+        auto who = first_.next();
+        if (!who) who = others_.next();
+        arranged_ = !first_.is_empty() || !others_.is_empty();
         return who;
     }
     bool is_arranged() const noexcept { return arranged_; }
     /// A scheduled call of next() still comes and returns std::nullopt.
-    void clear() noexcept { waiting_.clear(); }
+    void clear() noexcept {
+        first_.clear();
+        others_.clear();
+    }
 
 private:
-    std::deque<Who> waiting_;
+    /// In rounds; in each, a client has one turn.
+    class Line {
+    public:
+        void wait(Who who, const Client& of) {
+            const bool was_in_this = std::find(served_.begin(), served_.end(), of) != served_.end();
+            std::uint64_t round = was_in_this ? round_ + 1 : round_;
+            for (const One& one : waiting_)
+                if (one.of == of) round = std::max(round, one.round + 1);
+            waiting_.push_back({std::move(who), of, round});
+        }
+        void leave(const Who& who) {
+            std::erase_if(waiting_, [&](const One& one) { return one.who == who; });
+        }
+        std::optional<Who> next() {
+            const auto first = std::min_element(waiting_.begin(), waiting_.end(),
+                                                [](const One& a, const One& b) { return a.round < b.round; });
+            if (first == waiting_.end()) return std::nullopt;
+            if (std::exchange(round_, first->round) != round_) served_.clear();
+            served_.push_back(first->of);
+            std::optional<Who> who{std::move(first->who)};
+            waiting_.erase(first);
+            return who;
+        }
+        bool is_empty() const noexcept { return waiting_.empty(); }
+        void clear() noexcept { waiting_.clear(); }
+
+    private:
+        struct One {
+            Who who;
+            Client of;
+            std::uint64_t round;
+        };
+        std::vector<One> waiting_;      // in the order in which they came
+        std::vector<Client> served_;    // in this round
+        std::uint64_t round_ = 0;
+    };
+
+    Line first_, others_;
     bool arranged_ = false;
 };
 

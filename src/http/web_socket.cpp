@@ -1,4 +1,4 @@
-#include <link/asio.hpp>
+#include <sys/asio.hpp>
 
 #include <http/open_web_socket.hpp>
 #include <http/send_queue.hpp>
@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <new>
 #include <utility>
 
 namespace anogate::http {
@@ -63,7 +64,11 @@ private:
     template <class Handler>
     static Stream::Done done(Handler&& handler) {
         auto held = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));
-        return [held](error_code ec, std::size_t size) { std::move (*held)(ec, size); };
+        return [held](error_code ec, std::size_t size) {
+            try {
+                std::move (*held)(ec, size);
+            } catch (const std::bad_alloc&) {}    // Beast's operation is gone, and so is the WebSocket when its other one ends
+        };
     }
 
     asio::io_context* io_;
@@ -118,7 +123,7 @@ public:
         socket_.async_accept(beasts(request), [self = shared_from_this()](error_code ec) {
             if (!self->user_) return;
             if (ec) return self->end();
-            self->begin();
+            self->guarded([&self] { self->begin(); });
         });
     }
 
@@ -137,14 +142,18 @@ public:
                 self->answer_.headers.push_back({std::string{field.name_string()}, std::string{field.value()}});
             self->answer_.body = std::move(answer->body());
             if (ec) self->end_for({});
-            else self->begin();
+            else self->guarded([&self] { self->begin(); });
         });
     }
 
     bool send(Message message, Kind kind) override {
-        if (!user_ || closing_ || !queue_.push(std::move(message), kind)) return false;
-        if (!writing_) write();
-        return true;
+        if (!user_ || closing_) return false;
+        bool is_taken = false;
+        attempt([&] {
+            is_taken = queue_.push(std::move(message), kind);
+            if (is_taken && !writing_) write();
+        });
+        return is_taken && !closing_;
     }
     std::size_t waiting() const noexcept override { return queue_.bytes(); }
     std::uint64_t reads() const noexcept override { return socket_.next_layer().reads(); }
@@ -152,11 +161,13 @@ public:
     void close(std::uint16_t code, std::string_view reason) override {
         if (!user_ || std::exchange(closing_, true)) return;
         begun_at_ = ano::Clock::now();
-        watch();
         constexpr std::size_t max_reason = 123;    // bytes that fit into a control frame
         websocket::close_reason why{websocket::close_code{code}};
         why.reason.assign(reason.data(), std::min(reason.size(), max_reason));
-        socket_.async_close(why, [self = shared_from_this()](error_code) { self->end_for({}); });
+        attempt([&] {
+            watch();
+            socket_.async_close(why, [self = shared_from_this()](error_code) { self->end_for({}); });
+        });
     }
 
     void end() override {
@@ -193,6 +204,22 @@ private:
         user->opened(*this);
     }
 
+    // Too little memory for a client is its end, not that of the program.
+    template <class Function>
+    void guarded(Function function) {
+        try {
+            function();
+        } catch (const std::bad_alloc&) {
+            end_for({});
+        }
+    }
+
+    // The read that is under way, or the one that follows, fails now.
+    void give_up() noexcept override {
+        closing_ = true;
+        socket_.next_layer().stream().close();
+    }
+
     // Ended by itself: calls ended_.
     void end_for(const error_code& ec) {
         if (!user_) return;
@@ -205,14 +232,17 @@ private:
         socket_.async_read(buffer_, [self = shared_from_this()](error_code ec, std::size_t) {
             if (!self->user_) return;
             if (ec) return self->end_for(ec);
-            const auto user = self->user_;
-            const auto data = self->buffer_.cdata();
-            if (!self->closing_)
-                user->heard({static_cast<const char*>(data.data()), data.size()},
-                            self->socket_.got_text() ? Kind::text : Kind::binary);
-            self->buffer_.clear();
-            if (self->user_) self->read();
+            self->guarded([&self] { self->heard(); });
         });
+    }
+
+    void heard() {
+        const auto user = user_;
+        const auto data = buffer_.cdata();
+        if (!closing_)
+            user->heard({static_cast<const char*>(data.data()), data.size()}, socket_.got_text() ? Kind::text : Kind::binary);
+        buffer_.clear();
+        if (user_) read();
     }
 
     void write() {
@@ -226,11 +256,14 @@ private:
             if (!self->user_) return;
             if (ec) return self->end_for(ec);
             self->queue_.pop();
-            if (self->closing_) return;
-            if (!self->queue_.empty()) return self->write();
-            const auto user = self->user_;
-            user->sent_all();
+            if (!self->closing_) self->guarded([&self] { self->wrote(); });
         });
+    }
+
+    void wrote() {
+        if (!queue_.empty()) return write();
+        const auto user = user_;
+        user->sent_all();
     }
 
     // One timer as long as something is being sent, not one for each write.
@@ -243,7 +276,7 @@ private:
             self->watching_ = false;
             if (!self->user_ || (!self->writing_ && !self->closing_)) return;
             if (self->is_stalled_since(ano::Clock::now() - self->limits_.stuck)) return self->end_for(beast::error::timeout);
-            self->watch();
+            self->guarded([&self] { self->watch(); });
         });
     }
 

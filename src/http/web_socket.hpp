@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <string>
 #include <string_view>
 
@@ -34,9 +35,25 @@ public:
     virtual std::uint64_t reads() const noexcept = 0;
     /// Sends a close frame with code and reason; drops what waits. heard() is not called any more.
     virtual void close(std::uint16_t code, std::string_view reason) = 0;
+
+    /// Calls `function`, which makes and sends messages, from outside of the user's functions. Without memory for that the connection ends
+    /// soon, and nothing else.
+    template <class Function>
+    void attempt(Function function) {
+        try {
+            function();
+        } catch (const std::bad_alloc&) {
+            give_up();
+        }
+    }
+
+protected:
+    /// Ends the connection as soon as the loop runs: the user may be running now.
+    virtual void give_up() noexcept = 0;
 };
 
-/// The server's code behind a WebSocket. Destroyed when the connection has ended, or the server stops.
+/// The server's code behind a WebSocket. Destroyed when the connection has ended, or the server stops. Its functions may throw std::bad_alloc:
+/// then the connection ends.
 class WebSocketUser {
 public:
     virtual ~WebSocketUser() = default;

@@ -10,8 +10,12 @@
 
 namespace anogate {
 
+/// What to do about an interface that is bus-off.
+std::string bus_off_text(const std::string& interface);
+
 class CanBus {
 public:
+    static constexpr std::size_t error_kinds = 6;
     enum class State : std::uint8_t { active, warning, passive, off };
 
     /// `frame` must be an error frame.
@@ -37,6 +41,8 @@ private:
 
     State state_ = State::active;
     std::array<Seen, events> seen_{};
+    std::int64_t error_frames_ = 0;
+    std::array<std::int64_t, error_kinds> kinds_{};
 };
 
 }    // namespace anogate

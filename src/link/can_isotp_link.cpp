@@ -1,8 +1,8 @@
 #include <link/can_link.hpp>
 #include <link/datagram_batch.hpp>
-#include <link/errors.hpp>
 #include <link/feed.hpp>
-#include <link/thread_signals.hpp>
+#include <sys/errors.hpp>
+#include <sys/thread_signals.hpp>
 
 #include <fcntl.h>
 #include <sys/socket.h>

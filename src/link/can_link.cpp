@@ -17,7 +17,9 @@ using namespace std::chrono_literals;
 
 constexpr Duration first_pause = 1ms;    // a queue of 10 frames drains in 2.2 ms at 500 kbit/s
 constexpr Duration max_pause = 20ms;
-constexpr Duration patience = 1s;    // blocked for longer than this: the bus itself has a fault
+constexpr int max_error_frames = 64;         // at a time: a bad bus brings thousands a second
+constexpr Duration carrier_follows = 5ms;    // drivers report bus-off and a restart before the interface changes
+constexpr Duration patience = 1s;            // blocked for longer than this: the bus itself has a fault
 
 }    // namespace
 
@@ -29,6 +31,7 @@ CanLink::CanLink(LinkId id, LinkSettings settings, const LinkContext& context)
       errors_{context.io},
       reconnect_{context, *this, [this] { return open(); }},
       again_{context.alarms, [this] { write(); }},
+      carrier_look_{context.alarms, [this] { look_at_carrier(); }},
       pause_{first_pause} {}
 
 void CanLink::start() {
@@ -74,6 +77,7 @@ void CanLink::stop_reading() {
 void CanLink::stop() {
     reconnect_.stop();
     again_.cancel();
+    carrier_look_.cancel();
     pacing_.stop();
     errors_.close();
     close_wire();
@@ -87,18 +91,27 @@ void CanLink::watch_bus() {
 }
 
 void CanLink::read_errors() {
-    can_frame frame{};
-    const ssize_t n = ::recv(errors_.fd(), &frame, sizeof frame, 0);
-    if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
-    if (n < static_cast<ssize_t>(CAN_MTU)) return errors_.close();    // the interface is down or gone
     const TimePoint now = context_.host.now();
-    bus_.note(frame, now);
-    if (bus_.state() == CanBus::State::off) {
-        if (!is_open() || !can_bus_is_off(can().interface)) return;
-        if (auto usable = check_can_interface(can()); !usable) fail(std::move(usable.error()));
-    } else if (!is_open()) {
-        reconnect_.try_soon();
+    for (int i = 0; i < max_error_frames; ++i) {
+        can_frame frame{};
+        const ssize_t n = ::recv(errors_.fd(), &frame, sizeof frame, 0);
+        if (n < 0 && (errno == EAGAIN || errno == EINTR)) break;
+        if (n < static_cast<ssize_t>(CAN_MTU)) return errors_.close();    // the interface is down or gone
+        bus_.note(frame, now);
     }
+    const bool is_off = bus_.state() == CanBus::State::off;
+    if (is_open() == is_off) carrier_look_.set_no_later(now + carrier_follows);
+}
+
+void CanLink::look_at_carrier() {
+    if (!is_open()) return reconnect_.try_now();
+    if (bus_.state() != CanBus::State::off || !can_bus_is_off(can().interface)) return;
+    if (auto usable = check_can_interface(can()); !usable) fail(std::move(usable.error()));
+}
+
+// Not every driver reports that the controller is back.
+void CanLink::heard_on_bus() noexcept {
+    if (bus_.state() == CanBus::State::off) bus_.came_up();
 }
 
 void CanLink::wait_for_room(bool kernel_tells) {

@@ -4,10 +4,10 @@
 #include <gateway/can_stream.hpp>
 #include <link/can_bus.hpp>
 #include <link/can_socket.hpp>
-#include <link/descriptor.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
+#include <sys/descriptor.hpp>
 
 #include <memory>
 
@@ -39,6 +39,8 @@ protected:
     /// Nothing more can be sent now: calls write() when there is room. `kernel_tells`: the kernel reports when (EAGAIN); otherwise
     /// it does not (ENOBUFS: the interface's own queue is full, perhaps with frames of other programs).
     void wait_for_room(bool kernel_tells);
+    /// A frame of the bus was received.
+    void heard_on_bus() noexcept;
     /// Something was sent.
     void found_room() noexcept;
 
@@ -56,12 +58,14 @@ private:
     Opened<void> open();
     void watch_bus();
     void read_errors();
+    void look_at_carrier();
 
     Descriptor errors_;    // a separate socket: error frames are needed with either framing, and while the link is down
     CanBus bus_;
     Channel* channel_ = nullptr;
     Reconnect reconnect_;
     Alarm again_;
+    Alarm carrier_look_;
     Duration pause_;        // until the next try when the kernel does not report room
     bool woken_ = false;    // called because there was room; nothing was sent since
     std::optional<TimePoint> blocked_since_;

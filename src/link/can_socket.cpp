@@ -1,7 +1,8 @@
 #include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
+#include <link/can_bus.hpp>
 #include <link/can_socket.hpp>
-#include <link/errors.hpp>
+#include <sys/errors.hpp>
 
 #include <linux/can.h>
 #include <linux/can/error.h>
@@ -130,9 +131,7 @@ Opened<void> check_can_interface(const CanSettings& can) {
     if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return NotOpened{error_of("not_can", name + " is not a CAN interface", can)};
     if (::ioctl(any.get(), SIOCGIFFLAGS, &request) != 0) return NotOpened{can_error(can, errno)};
     if ((request.ifr_flags & IFF_UP) == 0) return NotOpened{can_error(can, ENETDOWN)};
-    if (can_bus_is_off(name))
-        return NotOpened{error_of(
-            "bus_off", name + " is bus-off: check wiring, termination and bit rate; restart-ms makes it come back", can)};
+    if (can_bus_is_off(name)) return NotOpened{error_of("bus_off", bus_off_text(name), can)};
     if (can.fd && ::ioctl(any.get(), SIOCGIFMTU, &request) == 0 && request.ifr_mtu < static_cast<int>(CANFD_MTU))
         return NotOpened{error_of(
             "no_can_fd",
@@ -184,7 +183,7 @@ Opened<UniqueFd> open_can_isotp(const CanSettings& can, UniqueFd stored) {
 Opened<UniqueFd> open_can_errors(const CanSettings& can) {
     auto socket = raw_socket();
     if (!socket) return socket;
-    const can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
+    const can_err_mask_t errors = CAN_ERR_MASK;
     ::setsockopt(socket->get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
     ::setsockopt(socket->get(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors);
     return bound(std::move(*socket), can);

@@ -2,7 +2,7 @@
 #pragma once
 #include <gateway/can_settings.hpp>
 #include <link/link_error.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <string>
 

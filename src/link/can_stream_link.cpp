@@ -72,6 +72,7 @@ Opened<UniqueFd> CanStreamLink::open_wire(UniqueFd stored) { return open_can_str
 void CanStreamLink::read() {
     const int count = batch_->receive(fd());
     if (count < 0) return fail(can_error(can(), errno));
+    if (count > 0) heard_on_bus();
     const LoopWatch& loop = context_.host.turn();
     const ClockReading asked = loop.before();
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {

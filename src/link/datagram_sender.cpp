@@ -62,7 +62,9 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         for (std::size_t datagram = 0; static_cast<int>(datagram) < sent; ++datagram) {
             for (std::size_t i = 0; i < room_->frames_in[datagram]; ++i, ++frame) {
                 spent += room_->frames[frame].size();
-                pacing.sent(room_->frames[frame].size(), now);
+                if (way.tap) [[unlikely]]
+                    way.tap->sent(room_->frames[frame]);
+                pacing.sent(room_->frames[frame].size(), pacing.pauses() ? ano::Clock::now() : now);
                 outbox.sent_frame();
             }
         }

@@ -3,6 +3,7 @@
 #include <gateway/outbox.hpp>
 #include <link/ip_socket.hpp>
 #include <link/pacing.hpp>
+#include <link/raw_port.hpp>
 
 #include <array>
 #include <chrono>
@@ -37,6 +38,7 @@ public:
         // For sockets with an error queue: reads the reports about earlier datagrams and returns whether there were any.
         const std::function<bool()>* take_reports = nullptr;
         std::size_t max_bytes = SIZE_MAX;    // in all; the rest stays in the outbox
+        RawTap* tap = nullptr;               // is told of every frame that is sent
     };
 
     DatagramSender() : room_{new Room} {}

@@ -1,7 +1,7 @@
-#include <link/errors.hpp>
 #include <link/half_duplex.hpp>
 #include <link/termios.hpp>
-#include <link/thread_signals.hpp>
+#include <sys/errors.hpp>
+#include <sys/thread_signals.hpp>
 
 #include <sys/eventfd.h>
 

@@ -2,8 +2,8 @@
 // everything else, including the line, is done in the loop.
 #pragma once
 #include <ano/time.hpp>
-#include <link/descriptor.hpp>
-#include <link/expected.hpp>
+#include <sys/descriptor.hpp>
+#include <sys/expected.hpp>
 
 #include <atomic>
 #include <functional>

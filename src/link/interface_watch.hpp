@@ -1,9 +1,9 @@
 // Watches the interface of a link-local address: it may go, and come back with another index.
 #pragma once
-#include <link/alarm.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/reconnect.hpp>
+#include <sys/alarm.hpp>
 
 #include <functional>
 #include <string>

@@ -1,5 +1,5 @@
-#include <link/errors.hpp>
 #include <link/ip_socket.hpp>
+#include <sys/errors.hpp>
 
 #include <ifaddrs.h>
 #include <linux/sock_diag.h>
@@ -15,7 +15,7 @@ namespace anogate {
 namespace {
 
 constexpr int small_send_buffer = 8 << 10;    // bytes; a larger datagram is accepted when nothing else waits
-constexpr int ip_receive_buffer = 1 << 20;    // bytes; the kernel limits it to net.core.rmem_max
+constexpr int ip_receive_buffer = 4 << 20;    // bytes; the kernel limits it to net.core.rmem_max, except for root
 
 IpAddress address_of(const sockaddr_in6& in) noexcept {
     IpAddress address{true, {}, in.sin6_scope_id};
@@ -193,7 +193,8 @@ LinkError bind_error(const Endpoint& local, int error) {
 void set_options(int fd) noexcept {
     const int on = 1;
     ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
-    ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &ip_receive_buffer, sizeof ip_receive_buffer);
+    if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &ip_receive_buffer, sizeof ip_receive_buffer) != 0)
+        ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &ip_receive_buffer, sizeof ip_receive_buffer);
     ::setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);    // Stamp
 }
 

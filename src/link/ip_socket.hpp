@@ -2,7 +2,7 @@
 #pragma once
 #include <gateway/ip.hpp>
 #include <link/link_error.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <sys/socket.h>
 

@@ -5,6 +5,7 @@
 #include <gateway/settings.hpp>
 #include <link/link_error.hpp>
 #include <link/stored_link.hpp>
+#include <record/decoding.hpp>
 
 #include <functional>
 #include <optional>
@@ -17,6 +18,7 @@
 namespace anogate {
 
 class Link;
+class RawPort;
 
 /// The gateway as its links see it. A link calls it from the loop only.
 class LinkHost {
@@ -62,9 +64,10 @@ using LinkFacts = std::vector<std::pair<std::string_view, std::variant<std::stri
 /// Received data that belongs to no channel.
 struct UnassignedTraffic {
     ReceiveCounters received;
-    std::uint64_t v7_frames = 0;    // frames of the previous protocol version
-    std::uint64_t gateways = 0;     // other gateways' listening ports that sent here
-    std::uint64_t no_place = 0;     // datagrams of unknown senders refused because max_peers is reached
+    std::uint64_t v7_frames = 0;                 // frames of the previous protocol version
+    std::uint64_t gateways = 0;                  // other gateways' listening ports that sent here
+    std::uint64_t no_place = 0;                  // datagrams of unknown senders refused because max_peers is reached
+    const ano::FrameParser* parser = nullptr;    // that refused them; nullptr: none
 };
 
 /// One serial port, UDP socket, CAN interface and so on. Reads, writes and reports; it takes no routing decisions.
@@ -97,13 +100,19 @@ public:
     virtual int storable_wire() const { return -1; }
     /// The peers that the next run of the program should know.
     virtual std::vector<StoredPeer> peers() const { return {}; }
+    /// Since when the peer of `channel` only listens: a host that sent a single datagram. std::nullopt: it is none.
+    virtual std::optional<TimePoint> listening_since(ChannelId) const { return std::nullopt; }
     virtual LinkFacts facts() const { return {}; }
     /// A problem while the link is up ("the peer refuses"); empty: none.
     virtual LinkError trouble() const { return {}; }
     /// Whether nothing more will be received: a recording is at its end.
     virtual bool is_over() const { return false; }
+    /// What decodes the frames of the recording that it plays, when it is up; nullptr: it plays none.
+    virtual DecodingPtr decoding() const { return nullptr; }
     /// What was received and refused before it belonged to a channel.
     virtual UnassignedTraffic unassigned_traffic() const { return {}; }
+    /// Its bytes as they are on the wire; nullptr: a kind whose bytes can't be shown or written by hand.
+    virtual RawPort* raw_port() { return nullptr; }
 
 private:
     LinkId id_;

@@ -1,7 +1,7 @@
 // What every link uses: the loop, the shared timer, the gateway, and the shared buffers for datagrams.
 #pragma once
-#include <link/asio_fwd.hpp>
 #include <link/link.hpp>
+#include <sys/asio_fwd.hpp>
 
 namespace anogate {
 

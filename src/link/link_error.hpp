@@ -1,6 +1,6 @@
 // Why a link is not up.
 #pragma once
-#include <link/expected.hpp>
+#include <sys/expected.hpp>
 
 #include <string>
 #include <string_view>

@@ -1,12 +1,12 @@
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
-#include <link/errors.hpp>
 #include <link/make_link.hpp>
-#include <link/own_folder.hpp>
 #include <link/pty_link.hpp>
 #include <link/pty_settings.hpp>
-#include <link/terminal_path.hpp>
 #include <link/termios.hpp>
+#include <sys/errors.hpp>
+#include <sys/own_folder.hpp>
+#include <sys/terminal_path.hpp>
 
 #include <fcntl.h>
 #include <grp.h>
@@ -178,7 +178,7 @@ LinkError PtyLink::why_gone(int error) const { return error_text(device_, error 
 
 LinkFacts PtyLink::facts() const {
     LinkFacts facts{{"path", settings().as<PtySettings>().path}, {"device", device_}};
-    if (pacing().is_on()) facts.push_back({"paced", std::int64_t{pacing().rate()}});
+    if (pacing().rate() > 0) facts.push_back({"paced", std::int64_t{pacing().rate()}});
     return facts;
 }
 
@@ -215,6 +215,7 @@ constinit const LinkKind pty_kind{
             const std::string& path = link.as<PtySettings>().path;
             return path.substr(path.rfind('/') + 1);
         },
+    .has_uart = [](const LinkSettings&) { return true; },    // a program that stands for a device, such as a simulator
     .path =
         [](const LinkSettings& link) {
             return LinkPath{link.as<PtySettings>().path, true};

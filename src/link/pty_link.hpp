@@ -1,8 +1,8 @@
 // Makes a pseudo-terminal and links a path to it, for programs that expect a serial port.
 #pragma once
-#include <link/path_claim.hpp>
 #include <link/pty_settings.hpp>
 #include <link/stream_link.hpp>
+#include <sys/path_claim.hpp>
 
 namespace anogate {
 
@@ -15,6 +15,7 @@ public:
     void stop() override;
     std::size_t unsent() const override;
     LinkFacts facts() const override;
+    bool write_raw(std::span<const std::uint8_t> bytes) override { return up_ && StreamLink::write_raw(bytes); }
 
 private:
     Opened<UniqueFd> open_wire() override;

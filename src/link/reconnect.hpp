@@ -2,8 +2,8 @@
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/backoff.hpp>
-#include <link/alarm.hpp>
 #include <link/link_error.hpp>
+#include <sys/alarm.hpp>
 
 #include <functional>
 #include <string>

@@ -1,9 +1,9 @@
 #include <config/config_error.hpp>
 #include <gateway/backoff.hpp>
-#include <link/errors.hpp>
 #include <link/replay_file.hpp>
-#include <link/thread_signals.hpp>
 #include <record/recording_reader.hpp>
+#include <sys/errors.hpp>
+#include <sys/thread_signals.hpp>
 
 #include <fcntl.h>
 #include <sys/eventfd.h>
@@ -73,6 +73,7 @@ struct ReplayFile::Batch {
     std::vector<std::uint8_t> bytes;    // the frames, one behind the other
     std::vector<Entry> entries;
     std::vector<std::string> new_links;
+    DecodingPtr decoding;    // of all of them
 
     std::size_t weight() const { return bytes.size() + entries.size() * sizeof(Entry); }
 };
@@ -163,7 +164,12 @@ private:
             const auto* const frame = std::get_if<RecordedFrame>(&*item);
             if (frame == nullptr) continue;
             looked_at += frame->frame.bytes().size();
-            if (const auto due = plan.due(*frame)) add(*frame, *due, *batch);
+            const auto due = plan.due(*frame);
+            if (!due) continue;
+            if (!batch->entries.empty() && batch->decoding != reader.head().decoding)
+                deliver(std::exchange(batch, std::make_shared<Batch>()), plan);
+            batch->decoding = reader.head().decoding;
+            add(*frame, *due, *batch);
         }
         const bool has_more = looked_at >= max_batch_bytes && !plan.is_over();
         if (reader.position() > 0) deliver(std::move(batch), plan);
@@ -306,6 +312,7 @@ std::optional<ReplayFile::Frame> ReplayFile::next() {
         batch_ = std::move(shared_->batches.front());
         shared_->batches.pop_front();
         taken_ = at_ = 0;
+        decoding_ = batch_->decoding;
         for (std::string& link : batch_->new_links) links_.push_back(std::move(link));
     }
     const Batch::Entry& entry = batch_->entries[taken_];

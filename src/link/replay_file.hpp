@@ -7,11 +7,11 @@
 //          file.stop();
 #pragma once
 #include <ano/time.hpp>
-#include <link/asio_fwd.hpp>
-#include <link/descriptor.hpp>
 #include <link/link_error.hpp>
 #include <link/replay_settings.hpp>
 #include <record/replay.hpp>
+#include <sys/asio_fwd.hpp>
+#include <sys/descriptor.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -60,6 +60,8 @@ public:
     /// is played.
     LinkError error() const;
     ReplayPlan::KeptBack kept_back() const;
+    /// What decodes the frame that next() gave last.
+    const DecodingPtr& decoding() const noexcept { return decoding_; }
     /// Names of the recorded links of the frames so far; passed through printable(), because they get into the log and the status.
     const std::vector<std::string>& links() const noexcept { return links_; }
 
@@ -75,6 +77,7 @@ private:
     std::size_t taken_ = 0;             // number of its frames
     std::size_t at_ = 0;                // offset of the next frame in its bytes
     std::vector<std::string> links_;
+    DecodingPtr decoding_;
 };
 
 }    // namespace anogate

@@ -53,6 +53,7 @@ void ReplayLink::look() {
         return context_.host.link_down(*this, file_.error());
     }
     if (!std::exchange(is_up_, true)) {
+        if (file_.next()) decoding_ = file_.decoding();
         context_.host.link_up(*this);
     }
     if (!due_.is_set()) step();
@@ -78,9 +79,17 @@ bool ReplayLink::say_next() {
     if (due > now) return due_.set(due), false;
     if (now - due > too_late) begun_at_ = now - frame->due;
     position_ = frame->due;
+    note_decoding();
     say(*frame);
     file_.take();
     return true;
+}
+
+// A frame is decoded by what was in force where it was recorded.
+void ReplayLink::note_decoding() {
+    if (decode_alike(decoding_, file_.decoding())) return;
+    decoding_ = file_.decoding();
+    context_.host.link_up(*this);
 }
 
 void ReplayLink::note_none() {
@@ -113,7 +122,7 @@ void ReplayLink::say(const ReplayFile::Frame& said) {
     const ano::FrameView frame = said.frame;
     channel->arrived_at = context_.host.now();
     channel->beside.bytes_in += frame.bytes().size();
-    if (frame.data().size() > settings().max_data) {
+    if (frame.data().size() > ano::max_data_of(frame.id(), settings().max_data)) {
         ++channel->beside.bad_length;
         channel->beside.skipped_bytes += frame.bytes().size();
         return;

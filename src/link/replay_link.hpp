@@ -1,8 +1,8 @@
 // Plays a recording as if its devices were connected.
 #pragma once
-#include <link/alarm.hpp>
 #include <link/link_context.hpp>
 #include <link/replay_file.hpp>
+#include <sys/alarm.hpp>
 
 #include <cstddef>
 #include <vector>
@@ -20,6 +20,7 @@ public:
     LinkFacts facts() const override;
     LinkError trouble() const override;
     bool is_over() const override { return is_over_; }
+    DecodingPtr decoding() const override { return decoding_; }
 
 private:
     const ReplaySettings& replay() const { return settings().as<ReplaySettings>(); }
@@ -29,11 +30,13 @@ private:
     bool say_next();
     bool must_wait(TimePoint now);
     void note_none();
+    void note_decoding();
     void say(const ReplayFile::Frame& frame);
     Channel* channel_of(std::size_t link);
 
     LinkContext context_;
     ReplayFile file_;
+    DecodingPtr decoding_;    // of the frames that are played now
     Alarm due_;
     std::vector<Channel*> channels_;    // by the number of the recorded link; nullptr: no channel was free
     bool is_up_ = false;

@@ -1,13 +1,14 @@
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
 #include <config/unlikely.hpp>
-#include <link/device_holder.hpp>
-#include <link/device_permission.hpp>
-#include <link/errors.hpp>
 #include <link/make_link.hpp>
+#include <link/port_identity.hpp>
 #include <link/serial_link.hpp>
 #include <link/serial_settings.hpp>
 #include <link/termios.hpp>
+#include <sys/device_holder.hpp>
+#include <sys/device_permission.hpp>
+#include <sys/errors.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -21,8 +22,8 @@ namespace anogate {
 namespace {
 
 std::string busy_text(const std::string& device) {
-    const std::string holder = device_holder(device);
-    return device + " is in use" + (holder.empty() ? " by another program" : " by " + holder);
+    const auto holder = device_holder(device);
+    return device + " is in use by " + (holder ? holder->text() : "another program");
 }
 
 /// The error for an absent port, with a suggestion for "ttyUSB0" and "/dev/ttyUSB0:115200", as other programs write it.
@@ -58,6 +59,21 @@ LinkError open_error(const std::string& device, int error) {
     }
 }
 
+// Programs that do not lock the port: what it receives goes to one of both, byte by byte.
+LinkError of_shared_port(const std::string& device, const DeviceHolder& holder) {
+    return {"shared_port",
+            holder.text() + " has " + device + " open as well, without a lock, and takes a part of what comes: end it",
+            {{"device", device}, {"program", holder.program}, {"pid", std::to_string(holder.pid)}}};
+}
+
+LinkError of_other_adapter(const std::string& device, const SocketWatch& socket) {
+    return {"other_adapter",
+            device + " was the adapter in the USB socket " + socket.from() + " and is the one in " + socket.to() + " now, and " +
+                socket.twin() +
+                " is of the same kind: is this the right device? Use its name in /dev/serial/by-path/ (anoctl ports)",
+            {{"device", device}, {"from", socket.from()}, {"to", socket.to()}, {"twin", socket.twin()}}};
+}
+
 }    // namespace
 
 Opened<UniqueFd> SerialLink::open_port() {
@@ -85,7 +101,17 @@ Opened<UniqueFd> SerialLink::open_wire() {
     if (is_stored) go_on_from(std::move(*stored));
     else terminal::discard_input(fd->get());
     wire_ = fd->get();
+    shared_with_ = device_holder(device, OtherSide::does_not_count);
+    socket_.opened("/", device);
     return fd;
+}
+
+LinkError SerialLink::trouble() const {
+    const std::string& device = settings().as<SerialSettings>().device;
+    if (wire_ < 0) return {};
+    if (!socket_.twin().empty()) return of_other_adapter(device, socket_);
+    if (shared_with_ && shared_with_->is_there()) return of_shared_port(device, *shared_with_);
+    return {};
 }
 
 Expected<void> SerialLink::make_ready(int fd, bool is_stored) {
@@ -150,7 +176,8 @@ std::uint32_t SerialLink::byte_rate() const {
 // For a USB modem class device (cdc_acm) the rate has no meaning: it is as fast as USB.
 std::uint32_t SerialLink::line_rate() const {
     const Pace pace = settings().as<SerialSettings>().pace;
-    if (pace == Pace::off || (pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
+    const bool is_off = pace == Pace::off && settings().gap == Duration{};    // a gap begins when the line has sent the frame
+    if (is_off || (pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
     return byte_rate();
 }
 
@@ -158,7 +185,7 @@ LinkFacts SerialLink::facts() const {
     LinkFacts facts{{"device", settings().as<SerialSettings>().device},
                     {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().as<SerialSettings>().baud : actual_baud_}}};
     if (rs485_) facts.push_back({"rs485", rs485_by_driver_ ? "by the driver and a GPIO line" : "by a GPIO line"});
-    if (pacing().is_on()) facts.push_back({"paced", std::int64_t{pacing().rate()}});
+    if (pacing().rate() > 0) facts.push_back({"paced", std::int64_t{pacing().rate()}});
     return facts;
 }
 
@@ -238,6 +265,7 @@ constinit const LinkKind serial_kind{
     .make = make_link_of<SerialLink>,
     .usual_name = name_of_port,
     .line_rate = rate_of_port,
+    .has_uart = [](const LinkSettings&) { return true; },
     .path =
         [](const LinkSettings& link) {
             return LinkPath{link.as<Serial>().device, false};

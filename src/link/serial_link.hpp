@@ -1,10 +1,13 @@
 // A serial port. Waited for while it is absent, unplugged or in use.
 #pragma once
 #include <link/half_duplex.hpp>
+#include <link/port_identity.hpp>
 #include <link/serial_settings.hpp>
 #include <link/stream_link.hpp>
+#include <sys/device_holder.hpp>
 
 #include <memory>
+#include <optional>
 
 namespace anogate {
 
@@ -15,6 +18,7 @@ public:
     /// To be called before start() for RS-485: `send(true)` switches the transceiver to sending, `send(false)` back.
     void half_duplex(bool active_low, std::function<void(bool)> send);
     LinkFacts facts() const override;
+    LinkError trouble() const override;
     int storable_wire() const override { return wire_; }
 
 private:
@@ -32,6 +36,8 @@ private:
 
     int wire_ = -1;    // the open descriptor; -1: none
     std::uint32_t actual_baud_ = 0;
+    std::optional<DeviceHolder> shared_with_;    // has the port open as well
+    SocketWatch socket_;
 
     std::unique_ptr<HalfDuplex> rs485_;    // nullptr: full duplex
     bool rs485_active_low_ = false;

@@ -12,6 +12,8 @@
 namespace anogate {
 namespace {
 
+constexpr ano::Duration busy_for = std::chrono::milliseconds{5};    // with one question, where only one_at_a_time is set
+
 // Simulated devices share their wake-ups.
 ano::TimePoint begin_of_step(ano::TimePoint now) {
     return ano::TimePoint{now.time_since_epoch() / ano::world::SimulatedDevice::step * ano::world::SimulatedDevice::step};
@@ -25,7 +27,10 @@ ano::world::Faults faults_of(const SimSettings& sim) {
             .delay = sim.delay.value_or(none),
             .jitter = sim.jitter.value_or(none),
             .deaf_after = sim.deaf_after,
-            .slow = sim.slow.value_or(none)};
+            .restart_after = sim.restart_after,
+            .slow = sim.slow.value_or(sim.one_at_a_time ? busy_for : none),
+            .one_at_a_time = sim.one_at_a_time,
+            .vendor_parser = sim.parser == SimParser::vendor};
 }
 
 }    // namespace
@@ -40,7 +45,14 @@ SimLink::SimLink(LinkId id, LinkSettings settings, const LinkContext& context)
 
 void SimLink::start() {
     const SimSettings& sim = settings().as<SimSettings>();
-    const ano::world::Settings world{.id = sim.dev_id, .hz = sim.hz, .seed = sim.seed};
+    const ano::world::Settings world{.id = sim.dev_id,
+                                     .hz = sim.hz,
+                                     .seed = sim.seed,
+                                     .parameters = sim.parameters,
+                                     .texts = sim.texts,
+                                     .firmware = sim.firmware,
+                                     .any_address = sim.any_address,
+                                     .euler = sim.euler};
     const ano::TimePoint begin = begin_of_step(context_.host.now());
     line_ = std::make_unique<ano::world::FaultyLine>(ano::world::make_device(sim.device, world, begin), faults_of(sim), sim.seed,
                                                      begin);
@@ -71,8 +83,9 @@ void SimLink::hear(std::span<const std::uint8_t> said) {
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) {
-        line_->take(ano::FrameView{next[0]}, context_.host.now(), say_later_);
-        channel.outbox.sent_frame();
+        line_->take(next[0], context_.host.now(), say_later_);
+        if (channel.outbox.zeros() > 0) channel.outbox.sent(next[0].size());
+        else channel.outbox.sent_frame();
     }
     if (!answers_.empty()) answer_.set(context_.host.now());
     if (tick_.is_set()) tick_.set(line_->due());    // an answer may be due later
@@ -106,7 +119,17 @@ constexpr Key<LinkSettings> sim_keys[] = {
     choice<own<SimSettings>, &SimSettings::device>("device", ano::world::kinds, "the device to simulate") | needed,
     integer<own<SimSettings>, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion"),
     address<own<SimSettings>, &SimSettings::dev_id>("dev_id", 1, 253, "the address of the device (default: the usual one)"),
+    boolean<own<SimSettings>, &SimSettings::any_address>(
+        "any_address", "acts on frames for every address and answers them, as the oldest devices do (default: no)"),
     integer<own<SimSettings>, &SimSettings::seed>("seed", 0, UINT32_MAX, "the same seed, the same noise, weather and faults"),
+    choice<own<SimSettings>, &SimSettings::parameters>(
+        "parameters", "typed|minmax|scaled", "how it describes its parameters; minmax and scaled are those of older devices"),
+    choice<own<SimSettings>, &SimSettings::texts>("texts", "en|utf8|gbk",
+                                                  "its names and texts: English, or Chinese in UTF-8 or GBK"),
+    choice<own<SimSettings>, &SimSettings::firmware>("firmware", "little|reading",
+                                                     "the byte order of the codes of a firmware upgrade"),
+    choice<own<SimSettings>, &SimSettings::euler>(
+        "euler", "document|lx", "the signs of its Euler angles; lx: pitch and yaw are opposite to its quaternion"),
     integer<own<SimSettings>, &SimSettings::loss>("loss", 1, 100, "% of all frames are lost, both ways (default: none)"),
     duration<own<SimSettings>, &SimSettings::delay>("delay", 1, max_late,
                                                     "each frame is under way so long, both ways (default: 0)"),
@@ -118,8 +141,16 @@ constexpr Key<LinkSettings> sim_keys[] = {
                                                      "% of all frames have a wrong bit, both ways (default: none)"),
     duration<own<SimSettings>, &SimSettings::deaf_after>("deaf_after", 1, day,
                                                          "the device hears nothing after so long (default: never)"),
+    duration<own<SimSettings>, &SimSettings::restart_after>(
+        "restart_after", 1, day, "the device restarts after so long, with its stored values (default: never)"),
     duration<own<SimSettings>, &SimSettings::slow>("slow", 1, max_late,
                                                    "the device takes so long over each frame; 20 may wait (default: 0)"),
+    boolean<own<SimSettings>, &SimSettings::one_at_a_time>(
+        "one_at_a_time", "none waits: frames that come while it is busy (slow, or 5ms) are lost"),
+    choice<own<SimSettings>, &SimSettings::parser>(
+        "parser", "search|vendor",
+        "how the device finds frames; vendor: a damaged LEN makes it deaf for up to 198 "
+        "bytes, as many real devices"),
 };
 
 }    // namespace
@@ -136,6 +167,7 @@ constinit const LinkKind sim_kind{
     .settings = [] { return KindSettings{SimSettings{}}; },
     .make = make_link_of<SimLink>,
     .usual_name = [](const LinkSettings& link) { return link.as<SimSettings>().device; },
+    .has_uart = [](const LinkSettings& link) { return link.as<SimSettings>().parser == SimParser::vendor; },
 };
 
 }    // namespace anogate

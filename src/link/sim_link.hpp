@@ -1,7 +1,7 @@
 // A simulated device inside the process, as if it were connected.
 #pragma once
-#include <link/alarm.hpp>
 #include <link/link_context.hpp>
+#include <sys/alarm.hpp>
 #include <world/faulty_line.hpp>
 
 #include <memory>

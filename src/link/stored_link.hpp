@@ -3,7 +3,7 @@
 #include <gateway/arrival.hpp>
 #include <gateway/ip.hpp>
 #include <gateway/peer_book.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <poll.h>
 

@@ -17,7 +17,7 @@ void StreamLink::start() {
 
 void StreamLink::opened() {
     reconnect_.came_up(context_.host.now());
-    pacing().start(settings().rate != 0 ? settings().rate : line_rate(), settings().latency);
+    pacing().start(settings().rate != 0 ? settings().rate : line_rate(), settings().latency, settings().gap);
     resume_reading();
     came_up();
 }

@@ -5,7 +5,7 @@
 
 namespace anogate {
 
-class StreamLink : public Link, protected StreamSession {
+class StreamLink : public Link, public RawPort, protected StreamSession {
 public:
     StreamLink(LinkId id, LinkSettings settings, const LinkContext& context);
 
@@ -13,6 +13,9 @@ public:
     void stop_reading() override;
     void stop() override;
     void flush(Channel&) override { write(); }
+    RawPort* raw_port() override { return this; }
+    void set_tap(RawTap* tap) override { StreamSession::set_tap(tap); }
+    bool write_raw(std::span<const std::uint8_t> bytes) override { return StreamSession::write_raw(bytes); }
 
 protected:
     /// The open, non-blocking descriptor.

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t frames_per_write = 64;
 constexpr int reads_per_turn = 16;    // then other links have their turn
+constexpr std::size_t max_raw = 64 * 1024;
 
 }    // namespace
 
@@ -60,6 +61,7 @@ void StreamSession::close() noexcept {
     descriptor_.close();
     pacing_.stop();
     expiry_.cancel();
+    raw_.clear();
     is_opening_ = false;
 }
 
@@ -88,6 +90,8 @@ void StreamSession::read() {
         const LoopWatch& loop = context_.host.turn();
         channel_->arrived_at = arrival_.unstamped(loop);
         channel_->parser.commit(static_cast<std::size_t>(n), loop.now());
+        if (tap_) [[unlikely]]
+            tap_->received(room.first(static_cast<std::size_t>(n)));
         deliver();
         if (!is_open()) return;
         if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind()) break;    // a terminal gives at most 4 KB a read
@@ -104,8 +108,45 @@ ssize_t StreamSession::write_some(std::span<const iovec> pieces) {
     return ::writev(fd(), pieces.data(), static_cast<int>(pieces.size()));
 }
 
+void StreamSession::tell_sent(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes) {
+    for (const auto frame : frames) {
+        if (bytes == 0) return;
+        const std::size_t taken = std::min(bytes, frame.size());
+        tap_->sent(frame.first(taken));
+        bytes -= taken;
+    }
+}
+
+bool StreamSession::write_raw(std::span<const std::uint8_t> bytes) {
+    if (!is_open() || is_opening_ || raw_.size() + bytes.size() > max_raw) return false;
+    raw_.insert(raw_.end(), bytes.begin(), bytes.end());
+    write();
+    return true;
+}
+
+// Not inside a frame that has left in part. False: the wire takes no more, or it is gone.
+bool StreamSession::write_raw_first() {
+    while (!raw_.empty() && !channel_->outbox.has_begun()) {
+        const iovec piece{raw_.data(), raw_.size()};
+        const ssize_t n = write_some({&piece, 1});
+        if (n > 0) {
+            const std::span<const std::uint8_t> taken{raw_.data(), static_cast<std::size_t>(n)};
+            if (tap_) tap_->sent(taken);
+            raw_.erase(raw_.begin(), raw_.begin() + n);
+            pacing_.sent(static_cast<std::size_t>(n), context_.host.now());
+        } else if (n == 0 || errno == EAGAIN) {
+            descriptor_.when_writable([this] { write(); });
+            return false;
+        } else if (errno != EINTR) {
+            failed(errno);
+            return false;
+        }
+    }
+    return true;
+}
+
 void StreamSession::write() {
-    if (is_opening_) return;
+    if (is_opening_ || (!raw_.empty() && !write_raw_first())) return;
     std::array<std::span<const std::uint8_t>, frames_per_write> frames;
     std::array<iovec, frames_per_write> pieces;
     Outbox& outbox = channel_->outbox;
@@ -118,9 +159,13 @@ void StreamSession::write() {
         if (count == 0) return;
         const ssize_t n = write_some(std::span{pieces}.first(count));
         if (n > 0) {
+            if (tap_) [[unlikely]]
+                tell_sent(std::span{frames}.first(count), static_cast<std::size_t>(n));
             outbox.sent(static_cast<std::size_t>(n));
-            pacing_.sent(static_cast<std::size_t>(n), now);
-            if (pacing_.is_on()) pacing_.correct(held_by_driver(), now);
+            const TimePoint written = pacing_.pauses() ? context_.host.now() : now;
+            pacing_.sent(static_cast<std::size_t>(n), written);
+            if (pacing_.is_on()) pacing_.correct(held_by_driver(), written);
+            if (!raw_.empty() && !write_raw_first()) return;    // it waited for the end of a frame
         } else if (n == 0 || errno == EAGAIN) {
             outbox.set_congested();
             descriptor_.when_writable([this] { write(); });

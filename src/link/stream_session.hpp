@@ -1,16 +1,18 @@
 // A byte stream that carries the frames of one channel, from its opening to its end.
 #pragma once
 #include <gateway/arrival.hpp>
-#include <link/descriptor.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
+#include <link/raw_port.hpp>
 #include <link/stored_link.hpp>
+#include <sys/descriptor.hpp>
 
 #include <sys/types.h>
 #include <sys/uio.h>
 
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace anogate {
 
@@ -39,6 +41,9 @@ public:
     void resume_reading();
     /// Nothing more will come: handles the bytes after the last complete frame.
     void end_of_input();
+    /// As RawPort.
+    void set_tap(RawTap* tap) noexcept { tap_ = tap; }
+    bool write_raw(std::span<const std::uint8_t> bytes);
 
 protected:
     /// Work before frames can be exchanged, such as connecting or a handshake. Called by open(), and again when the descriptor can be
@@ -70,12 +75,16 @@ private:
     void begin_input();
     void read();
     void deliver();
+    bool write_raw_first();
+    void tell_sent(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes);
 
     Descriptor descriptor_;
     Arrival arrival_;
     Channel* channel_ = nullptr;
     Alarm expiry_;
     Pacing pacing_;
+    RawTap* tap_ = nullptr;
+    std::vector<std::uint8_t> raw_;    // written by hand; leaves before the next frame
     bool is_opening_ = false;
     std::optional<StoredLink> stored_;
 };

@@ -1,7 +1,7 @@
 // termios2 and BOTHER come with the kernel's headers, which can't be included beside <termios.h>.
-#include <link/errors.hpp>
 #include <link/serial_settings.hpp>
 #include <link/termios.hpp>
+#include <sys/errors.hpp>
 
 #include <asm/termbits.h>
 #include <fcntl.h>

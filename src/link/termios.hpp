@@ -1,8 +1,8 @@
 // Functions for the kernel's terminal interface: any integer rate, raw mode, modem lines.
 #pragma once
 #include <gateway/settings.hpp>
-#include <link/expected.hpp>
 #include <link/serial_settings.hpp>
+#include <sys/expected.hpp>
 
 #include <atomic>
 #include <string>

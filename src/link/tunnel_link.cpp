@@ -1,5 +1,5 @@
 #include <config/link_kind.hpp>
-#include <gateway/ring_watch.hpp>
+#include <gateway/loop_guard.hpp>
 #include <link/tunnel_link.hpp>
 #include <link/udp_settings.hpp>
 

@@ -2,12 +2,12 @@
 #include <gateway/listening_notice.hpp>
 #include <link/datagram_batch.hpp>
 #include <link/datagram_sender.hpp>
-#include <link/errors.hpp>
 #include <link/feed.hpp>
 #include <link/make_link.hpp>
 #include <link/udp_keys.hpp>
 #include <link/udp_link.hpp>
 #include <link/udp_settings.hpp>
+#include <sys/errors.hpp>
 
 #include <net/if.h>
 #include <netinet/in.h>
@@ -53,7 +53,7 @@ Opened<void> UdpLink::open() {
     reconnect_.came_up(now);
     trouble_ = {};
     local_ = local_endpoint(socket->get());
-    pacing_.start(settings().rate, settings().latency);
+    pacing_.start(settings().rate, settings().latency, settings().gap);
     if (pacing_.is_on()) keep_send_buffer_small(socket->get());
     descriptor_.open(std::move(*socket));
     descriptor_.read_with([this] { read(); });
@@ -188,6 +188,8 @@ void UdpLink::read() {
         const auto at = static_cast<std::size_t>(i);
         if (!connected_ && own(context_.batch.sender(at), now)) continue;
         trouble_ = {};
+        if (tap_) [[unlikely]]
+            tap_->received(context_.batch.datagram(at));
         channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
         feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { take(frame); });
     }
@@ -221,8 +223,8 @@ void UdpLink::deliver() {
 
 void UdpLink::flush(Channel& channel) {
     if (!descriptor_.is_open()) return;
-    const DatagramSender::Way way{descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr,
-                                  SIZE_MAX};
+    const DatagramSender::Way way{
+        descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr, SIZE_MAX, tap_};
     const SendReport report = context_.sender.send_all(way, channel.outbox, pacing_, context_.host.now());
     note(report);
     switch (report.result) {
@@ -232,6 +234,16 @@ void UdpLink::flush(Channel& channel) {
     case SendResult::no_memory: again_.set(context_.host.now() + no_memory_pause); return;
     case SendResult::broken: return fail(error_text("the way to " + settings().as<UdpSettings>().peer.text(), report.error));
     }
+}
+
+bool UdpLink::write_raw(std::span<const std::uint8_t> bytes) {
+    if (!descriptor_.is_open()) return false;
+    const int fd = descriptor_.fd();
+    const ssize_t n = connected_ ? ::send(fd, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL)
+                                 : ::sendto(fd, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, to_.get(), to_.size);
+    if (n < 0) return false;
+    if (tap_) tap_->sent(bytes);
+    return true;
 }
 
 void UdpLink::note(const SendReport& report) {

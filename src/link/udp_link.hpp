@@ -1,20 +1,20 @@
 // One fixed UDP peer, which may be a broadcast address or a multicast group.
 #pragma once
 #include <gateway/arrival.hpp>
-#include <link/descriptor.hpp>
 #include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
 #include <link/udp_settings.hpp>
+#include <sys/descriptor.hpp>
 
 namespace anogate {
 
 struct SendReport;
 
 /// An absent peer is no error: its refusals are counted and shown.
-class UdpLink final : public Link {
+class UdpLink final : public Link, public RawPort {
 public:
     UdpLink(LinkId id, LinkSettings settings, const LinkContext& context);
 
@@ -29,6 +29,10 @@ public:
     }
     LinkFacts facts() const override;
     LinkError trouble() const override;
+    RawPort* raw_port() override { return this; }
+    void set_tap(RawTap* tap) override { tap_ = tap; }
+    /// As one datagram.
+    bool write_raw(std::span<const std::uint8_t> bytes) override;
 
 private:
     Opened<void> open();
@@ -53,6 +57,7 @@ private:
     Alarm rejoin_;
     InterfaceWatch interface_watch_;
     Pacing pacing_;
+    RawTap* tap_ = nullptr;
     bool connected_ = false;    // false for broadcast and multicast
     SocketAddress to_;
     unsigned to_interface_ = 0;    // of the peer's address; 0: none

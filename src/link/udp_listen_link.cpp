@@ -4,16 +4,17 @@
 #include <link/datagram_batch.hpp>
 #include <link/datagram_sender.hpp>
 #include <link/error_queue.hpp>
-#include <link/errors.hpp>
 #include <link/feed.hpp>
 #include <link/make_link.hpp>
 #include <link/udp_keys.hpp>
 #include <link/udp_listen_link.hpp>
 #include <link/udp_listen_peer.hpp>
 #include <link/udp_settings.hpp>
+#include <sys/errors.hpp>
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 namespace anogate {
 namespace {
@@ -22,9 +23,16 @@ constexpr Duration quiet = std::chrono::milliseconds{100};
 constexpr Duration look_slack = std::chrono::seconds{1};
 constexpr Duration look_at_suspect = std::chrono::seconds{1};    // how often a peer may be asked whether it is a gateway
 
+// While datagrams wait for their turn, the socket is read again after this time: its buffer must not get full.
+constexpr Duration turn = std::chrono::microseconds{500};
+constexpr int max_batches = 16;                                    // in a turn: other links wait meanwhile
+constexpr Duration at_the_end = std::chrono::milliseconds{100};    // for what waits when reading ends
+
 PeerBook::Options book_options(const UdpListenSettings& udp) {
     const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
-    return {udp.peer_timeout, udp.max_peers, udp.max_per_address ? *udp.max_per_address : quarter};
+    const std::size_t kept = udp.max_peers / 4u;
+    const std::size_t for_trusted = udp.trusted.empty() ? 0 : (kept + 1) / 2;
+    return {udp.peer_timeout, udp.max_peers, udp.max_per_address ? *udp.max_per_address : quarter, kept, for_trusted};
 }
 
 // From the system each time, so that the number of one sender does not help to guess another's.
@@ -55,6 +63,7 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       look_{context.alarms, [this] { forget_overdue_peers(); }, look_slack},
       interface_watch_{context, [this](LinkError why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush_all(); }},
+      next_turn_{context.alarms, [this] { read(); }},
       probe_{{this->settings().max_data, 0, quiet}},
       book_{book_options(this->settings().as<UdpListenSettings>())},
       random_{random_number},
@@ -88,6 +97,7 @@ Opened<void> UdpListenLink::open() {
 
 void UdpListenLink::fail(LinkError why) {
     descriptor_.close();
+    next_turn_.cancel();
     interface_watch_.stop();
     pacing_.stop();
     while (!peers_.empty()) forget(*peers_.back());
@@ -95,6 +105,8 @@ void UdpListenLink::fail(LinkError why) {
 }
 
 void UdpListenLink::stop_reading() {
+    if (descriptor_.is_open()) take_waiting(at_the_end);
+    next_turn_.cancel();
     descriptor_.stop_reading();
     reconnect_.stop();
 }
@@ -102,19 +114,32 @@ void UdpListenLink::stop_reading() {
 void UdpListenLink::stop() {
     reconnect_.stop();
     look_.cancel();
+    next_turn_.cancel();
     interface_watch_.stop();
     pacing_.stop();
+    waiting_.clear();
     peers_.clear();
     book_.clear();
     descriptor_.close();
 }
 
+// Reads first, so that no datagram is lost in the kernel while those of others are forwarded.
 void UdpListenLink::read() {
+    if (!descriptor_.is_open()) return;
+    turn_ends_ = ano::Clock::now() + turn;
+    for (int batches = 1; read_batch() && is_crowded() && batches < max_batches;) ++batches;
+    if (!descriptor_.is_open()) return;
+    take_waiting(turn);
+    context_.host.flush();
+}
+
+// False: the socket was found empty, or has failed.
+bool UdpListenLink::read_batch() {
     const int count = context_.batch.receive(descriptor_.fd());
     if (count <= 0) {
         const int error = count < 0 ? errno : 0;
-        if (take_reports() || error == 0 || error == ENOMEM || may_be_reported(error)) return;
-        return fail(error_text(local_.text(), error));
+        if (!take_reports() && error != 0 && error != ENOMEM && !may_be_reported(error)) fail(error_text(local_.text(), error));
+        return false;
     }
     const LoopWatch& loop = context_.host.turn();
     const ClockReading asked = loop.before();
@@ -123,23 +148,33 @@ void UdpListenLink::read() {
         const auto at = static_cast<std::size_t>(i);
         take(context_.batch.sender(at), context_.batch.datagram(at), context_.batch.arrived_at(at, arrival_, loop), now);
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
-    context_.host.flush();
+    if (static_cast<std::size_t>(count) == DatagramBatch::max_datagrams) return true;
+    arrival_.found_empty(asked);
+    return false;
 }
 
 void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at,
                          TimePoint now) {
     const Endpoint endpoint = endpoint_of(sender);
     Peer* peer = find(endpoint);
-    if (!peer) peer = admit(endpoint, datagram, now);
+    const bool is_new = !peer;
+    if (is_new) peer = admit(endpoint, datagram, now);
     if (!peer) return;
     latest_ = peer;
-    peer->channel.arrived_at = arrived_at;
-    if (peer->far) peer->far->came(datagram.size(), now);
-    feed_datagram(peer->channel.parser, datagram, now, [&](ano::FrameView frame) { take(*peer, frame, now); });
+    // The first datagram of a peer does not wait: what it sent before its channel was opened is no copy of what left by it.
+    if (is_crowded() && !is_new) store(*peer, datagram, arrived_at);
+    else take(*peer, datagram, arrived_at, now);
+}
+
+// The peer may be forgotten here.
+void UdpListenLink::take(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now) {
+    peer.channel.arrived_at = arrived_at;
+    if (std::exchange(peer.came, true)) book_.came(peer.channel.id);
+    if (peer.far) peer.far->came(datagram.size(), now);
+    feed_datagram(peer.channel.parser, datagram, now, [&](ano::FrameView frame) { take(peer, frame, now); });
     delivered();
-    if (const auto due = peer->channel.parser.deadline()) peer->expiry.set(*due);
-    end_of_datagram(*peer, now);
+    await_rest(peer);
+    end_of_datagram(peer, now);
 }
 
 void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
@@ -147,15 +182,15 @@ void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
         if (joins_gateways()) return;
         heard_notice(peer.endpoint, *notice, now);
         peer.is_gateway = peer.is_gateway || check_.is_refused(peer.endpoint);
-        if (now >= peer.silenced_until && check_.is_suspended(peer.endpoint, now))
-            peer.silenced_until = now + ListenerCheck::suspended_for;
+        peer.suspended_until = check_.suspended_until(peer.endpoint, now);
         return;
     }
-    if (peer.is_gateway || now < peer.silenced_until) {
-        ++peer.channel.routed.denied_in;
+    if (peer.is_gateway || now < peer.suspended_until) {
+        ++(peer.is_gateway ? peer.channel.routed.denied_in : peer.channel.routed.suspended);
         return;
     }
     book_.heard(peer.channel.id, frame.source(), now);
+    if (is_command_of_host(frame)) book_.commanded(peer.channel.id);
     if (!ano::address::is_host(frame.source())) ask_suspect(peer, now);
     if (peer.far && peer.far->heard(frame, now)) return;
     deliver(peer.channel, peer.endpoint, frame);
@@ -226,8 +261,13 @@ void UdpListenLink::expire(Peer& peer) {
         delivered();
         context_.host.flush();
     }
-    if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
+    await_rest(peer);
     if (peer.is_gateway) look_.set_no_later(now);    // not forgotten here: its own alarm is calling
+}
+
+// Of an incomplete frame.
+void UdpListenLink::await_rest(Peer& peer) {
+    if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
 }
 
 void UdpListenLink::flush(Channel& channel) {

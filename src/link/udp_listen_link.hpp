@@ -3,13 +3,14 @@
 #include <gateway/arrival.hpp>
 #include <gateway/listener_check.hpp>
 #include <gateway/peer_book.hpp>
-#include <link/descriptor.hpp>
+#include <gateway/turn_shares.hpp>
 #include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
 #include <link/udp_settings.hpp>
+#include <sys/descriptor.hpp>
 
 namespace anogate {
 
@@ -27,8 +28,9 @@ public:
     LinkError trouble() const override;
     int storable_wire() const override { return descriptor_.fd(); }
     std::vector<StoredPeer> peers() const override;
+    std::optional<TimePoint> listening_since(ChannelId channel) const override { return book_.listening_since(channel); }
     UnassignedTraffic unassigned_traffic() const override {
-        return {unassigned_, probe_.counters().v7_frames, gateways_, no_place_};
+        return {unassigned_, probe_.counters().v7_frames, gateways_, no_place_, &probe_};
     }
     std::uint16_t local_port() const override {
         return descriptor_.is_open() ? local_.port : settings().as<UdpListenSettings>().local.port;
@@ -61,13 +63,20 @@ private:
     void restore_peers(std::vector<StoredPeer> peers, TimePoint now);
     void fail(LinkError why);
     void read();
+    bool read_batch();
     void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
+    void take(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
+    bool is_crowded() const;
+    void store(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at);
+    void take_waiting(Duration time);
+    Peer& peer_of(ChannelId channel) noexcept;
     void take(Peer& peer, ano::FrameView frame, TimePoint now);
     Peer* find(const Endpoint& endpoint) noexcept;
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
     bool can_be_peer(const Endpoint& sender, TimePoint now);
-    bool is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now);
-    Peer* make_peer(const Endpoint& endpoint, TimePoint now);
+    bool is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands);
+    PeerBook::Rank rank_of(const Endpoint& endpoint, bool commands) const;
+    Peer* make_peer(const Endpoint& endpoint, TimePoint now, PeerBook::Rank rank);
     void refuse(std::span<const std::uint8_t> datagram);
     bool is_far(const IpAddress& address, TimePoint now);
     void end_of_datagram(Peer& peer, TimePoint now);
@@ -79,6 +88,7 @@ private:
     bool is_near(const IpAddress& address, TimePoint now);
     bool take_reports();
     void expire(Peer& peer);
+    void await_rest(Peer& peer);
     void flush_all();
 
     LinkContext context_;
@@ -91,6 +101,10 @@ private:
     std::size_t first_served_ = 0;    // the peer that sends first when more may go; each in turn
     std::vector<std::unique_ptr<Peer>> peers_;
     Peer* latest_ = nullptr;    // the last sender, found without a search
+    ChannelSet waiting_;        // the peers with datagrams that were read and wait for their turn
+    TurnShares shares_;
+    TimePoint turn_ends_{};    // what is read later waits
+    Alarm next_turn_;
     ano::FrameParser probe_;    // for senders that are not peers yet
     ReceiveCounters unassigned_;
     PeerBook book_;

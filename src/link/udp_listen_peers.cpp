@@ -27,10 +27,12 @@ void UdpListenLink::restore_peers(std::vector<StoredPeer> peers, TimePoint now) 
               [](const StoredPeer& a, const StoredPeer& b) { return a.memory.heard_at > b.memory.heard_at; });
     for (const StoredPeer& stored : peers) {
         if (find(stored.endpoint) || !allowed(stored.endpoint, now) || !can_be_peer(stored.endpoint, now)) continue;
-        const PeerBook::Place place = book_.place_for(stored.endpoint, now);
+        const PeerBook::Rank rank = rank_of(stored.endpoint, stored.memory.commands);
+        const PeerBook::Place place = book_.place_for(stored.endpoint, now, rank);
         if (!place.free || place.gives_way) continue;
-        Peer* const peer = make_peer(stored.endpoint, now);
+        Peer* const peer = make_peer(stored.endpoint, now, rank);
         if (!peer) return;
+        peer->came = true;
         if (stored.is_proven) peer->far.reset();
         peer->channel.heard_at = stored.memory.heard_at;
         book_.remember(peer->channel.id, stored.memory);
@@ -49,20 +51,26 @@ UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
 // An unknown sender must be allowed and must send a V8 frame; it may replace another peer.
 UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now) try {
     if (!allowed(endpoint, now) || !can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
-    if (!is_welcome(endpoint, datagram, now)) return nullptr;
+    bool commands = false;
+    if (!is_welcome(endpoint, datagram, now, commands)) return nullptr;
     if (check_.is_refused(endpoint)) {    // a gateway that does not know yet that it is refused
         say(endpoint, check_.question_back(endpoint, now));
         return refuse(datagram), nullptr;
     }
-    if (check_.is_suspended(endpoint, now)) return refuse(datagram), nullptr;
-    const PeerBook::Place place = book_.place_for(endpoint, now);
+    if (check_.is_suspended(endpoint, now)) {
+        ++unassigned_.suspended;
+        unassigned_.bytes_in += datagram.size();
+        return nullptr;
+    }
+    const PeerBook::Rank rank = rank_of(endpoint, commands);
+    const PeerBook::Place place = book_.place_for(endpoint, now, rank);
     if (!place.free) {
         ++no_place_;
         return refuse(datagram), nullptr;
     }
     if (place.gives_way)
         forget(**std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == *place.gives_way; }));
-    Peer* peer = make_peer(endpoint, now);
+    Peer* peer = make_peer(endpoint, now, rank);
     if (!peer) refuse(datagram);
     return peer;
 } catch (const std::bad_alloc&) {
@@ -75,7 +83,7 @@ void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
 }
 
 // A peer needs about 100 KB, so there may be no memory for it.
-UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now) {
+UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now, PeerBook::Rank rank) {
     const bool near = is_near(endpoint.address, now), far = is_far(endpoint.address, now);
     Channel* channel = context_.host.open_channel(*this, endpoint.text());
     if (!channel) return nullptr;
@@ -89,7 +97,7 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
     }
     channel->heard_at = now;         // its first frame may still wait behind a false header
     context_.host.link_up(*this);    // for the new channel
-    book_.add(channel->id, endpoint, near, now);
+    book_.add(channel->id, endpoint, near, now, rank);
     look_.set_no_later(book_.next_look(now));
     return peers_.back().get();
 }
@@ -102,6 +110,11 @@ bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
     return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
         return network.address == sender.address;
     });
+}
+
+PeerBook::Rank UdpListenLink::rank_of(const Endpoint& endpoint, bool commands) const {
+    if (contains(settings().as<UdpListenSettings>().trusted, endpoint.address)) return PeerBook::Rank::trusted;
+    return commands ? PeerBook::Rank::commands : PeerBook::Rank::ordinary;
 }
 
 bool UdpListenLink::is_far(const IpAddress& address, TimePoint now) {
@@ -124,7 +137,8 @@ bool UdpListenLink::is_near(const IpAddress& address, TimePoint now) {
     return contains(networks_, address);
 }
 
-bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now) {
+// `commands` becomes true when it holds a command of a host.
+bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands) {
     const ano::ParserCounters before = probe_.counters();
     bool found = false;
     std::uint64_t unwelcome = 0;
@@ -133,8 +147,10 @@ bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint
         if (const auto notice = listening_notice(frame)) {
             is_notice = true;
             if (!joins_gateways()) heard_notice(sender, *notice, now);
-        } else if (found || welcomes(sender, frame)) found = true;
-        else ++unwelcome;
+        } else if (found || welcomes(sender, frame)) {
+            found = true;
+            commands = commands || is_command_of_host(frame);
+        } else ++unwelcome;
     };
     feed_datagram(probe_, datagram, now, look);
     probe_.finish();
@@ -153,6 +169,8 @@ bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint
 void UdpListenLink::forget(Peer& peer) {
     if (latest_ == &peer) latest_ = nullptr;
     Channel& channel = peer.channel;
+    if (peer.waiting) channel.routed.over_share += peer.waiting->count();
+    waiting_.erase(channel.id);
     book_.remove(channel.id);
     check_.forget(peer.endpoint);
     std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });

@@ -152,7 +152,7 @@ bool GatewayDevice::begin_save(ano::FrameView frame) {
     const std::string why = saves_.size() < max_saves ? deeds_.save(written_) : "others wait for the disk already";
     if (!done(why, "save")) return true;
     const ano::Checks checks = frame.checks();
-    saves_.push_back({frame.source(), asker_->link, {frame.id(), checks.sum, checks.add}});
+    saves_.push_back({frame.source(), asker_->link, {frame.id(), checks.sum, checks.add}, asker_->is_ourselves});
     return true;
 }
 
@@ -164,6 +164,7 @@ void GatewayDevice::saved(const std::string& fault, ano::TimePoint now) {
     now_ = now;
     if (!fault.empty()) {
         ++counters_.refused;
+        if (first.is_ourselves) deeds_.refuse_ourselves("the parameters are not saved: " + fault);
         deeds_.warn("the parameters are not saved: " + fault);
         return log("the parameters are not saved: " + fault, LogColor::red, now);
     }

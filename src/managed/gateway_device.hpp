@@ -48,7 +48,7 @@ public:
     virtual std::string start_recording() = 0;
     virtual std::string stop_recording() = 0;
     virtual std::vector<LinkSummary> summaries() = 0;
-    /// Tells the control interface why its present request is refused; the protocol has no such answer.
+    /// Tells the control interface why its present request, or its save that waited for the disk, is refused; the protocol has no such answer.
     virtual void refuse_ourselves(const std::string& why) = 0;
     /// Writes a line to the log of the program.
     virtual void warn(const std::string& line) = 0;
@@ -127,6 +127,7 @@ private:
         std::uint8_t address;
         Link link;
         std::array<std::uint8_t, 3> check;
+        bool is_ourselves = false;
     };
     struct Listener {    // gets summaries
         std::uint8_t address;

@@ -1,5 +1,6 @@
 #include <ano/address.hpp>
 #include <ano/traffic.hpp>
+#include <ano_json/strict_json.hpp>
 #include <managed/managed_parameters.hpp>
 
 #include <nlohmann/json.hpp>
@@ -237,8 +238,9 @@ std::string WrittenValues::text() const {
 
 std::optional<WrittenValues> WrittenValues::parse(std::string_view text) try {
     WrittenValues values;
-    const Json all = Json::parse(text);
-    for (const auto& [key, written] : all.at("parameters").items())
+    const auto all = ano::strict_json<Json>(text);
+    if (!all) return std::nullopt;
+    for (const auto& [key, written] : all->at("parameters").items())
         values.values_[key] = {written.at("value").get<double>(), written.at("file").get<std::string>()};
     return values;
 } catch (const Json::exception&) {

@@ -1,5 +1,6 @@
 #include <record/csv.hpp>
 
+#include <ano/hex.hpp>
 #include <ano/messages.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/text.hpp>
@@ -61,6 +62,12 @@ bool CsvWriter::has_column(std::string_view field) const {
     return std::any_of(columns_.begin(), columns_.end(), [&](const Column& c) { return c.field == field; });
 }
 
+bool CsvWriter::has_column(const ano::Field& f) const {
+    const int last = is_number(f.type) && f.count > 1 ? f.count - 1 : -1;
+    return std::any_of(columns_.begin(), columns_.end(),
+                       [&](const Column& c) { return c.field == f.name && c.element == last && c.unit == f.unit; });
+}
+
 void CsvWriter::write_heading(std::string& out) const {
     out += "time [s],link,peer,frame_direction,frame_cause,from,to";
     for (const Column& column : columns_) {
@@ -90,7 +97,10 @@ void CsvWriter::write(const RecordedFrame& frame, std::string& out) const {
         else if (value.is_array() && element < value.size()) out += csv_cell(value[element]);
     }
     out += ',' + csv_cell(member(json, "extra")) + ',';
-    const Json& data = member(json, "data");
+    Json whole;
+    for (const ano::Field& f : reading.fields())
+        if (!has_column(f)) whole = ano::hex(frame.frame.data());
+    const Json& data = whole.is_null() ? member(json, "data") : whole;
     const bool has_rest = data.is_null() && fields.is_object() && !has_column("data");    // of a tunnel: not a whole frame
     out += csv_cell(has_rest ? member(fields, "data") : data);
     out += '\n';

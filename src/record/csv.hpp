@@ -22,6 +22,9 @@ public:
     /// For message `id`, which need not be in the table of messages. What `options` refers to must outlive the writer.
     CsvWriter(std::uint8_t id, const ano::JsonOptions& options);
 
+    /// Of the frames that follow. The columns stay: where one is missing, the line has all of DATA.
+    void use(const ano::FlexibleLayouts& flexible) noexcept { options_.flexible = &flexible; }
+
     /// Appends the names of the columns.
     void write_heading(std::string& out) const;
     /// Appends a line; `frame` must be of this message.
@@ -35,6 +38,7 @@ private:
     };
     void add_columns(std::span<const ano::Field> fields);
     bool has_column(std::string_view field) const;
+    bool has_column(const ano::Field& field) const;
 
     ano::JsonOptions options_;
     std::vector<Column> columns_;

@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace anogate {
@@ -28,7 +29,8 @@ struct DecodedDevice {
 
     std::string topic;    // "/fc/device_5/"
     StandardMessages standard;
-    std::array<ChannelNumber, 256> channels{};    // by the id of the message
+    std::array<ChannelNumber, 256> channels{};    // by the id of the message; not of flexible ones
+    std::map<const ano::FlexibleLayout*, ChannelNumber> flexible_channels;
     std::array<ChannelNumber, standard_topics> standard_channels{};
 };
 
@@ -36,12 +38,13 @@ constexpr std::size_t max_standard = 2;    // standard messages from one frame
 
 struct DecodedLink {
     std::string name;    // in topics
+    ano::EulerSigns attitude{};
     std::array<std::unique_ptr<DecodedDevice>, 256> devices{};
 };
 
 struct DecodedChannels::State {
     DecodedEncoding encoding;
-    const ano::FlexibleLayouts* flexible;
+    DecodingPtr decoding;    // never nullptr
     std::deque<DecodedSchema> schemas;
     std::deque<DecodedChannel> channels;
     std::vector<DecodedMessage> messages;    // of the last frame
@@ -59,12 +62,13 @@ struct DecodedChannels::State {
     std::string json;
     std::array<std::string, max_standard> standard_json;
 
+    void use(DecodingPtr now);
     void decode(const RecordedFrame& frame);
     void decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device);
     void decode_standard(const ano::Reading& reading, std::uint64_t time_ns, DecodedDevice& device);
     bool is_full() const noexcept { return channels.size() == max_channels; }
     DecodedDevice* device_of(const RecordedFrame& frame);
-    const KnownMessage& message_of(const ano::Reading& reading, std::uint8_t source);
+    const KnownMessage& message_of(std::uint8_t id, const ano::FlexibleLayout* layout);
     std::uint16_t add_channel(std::string topic, std::size_t schema);
     std::size_t add_schema(const RosMessage& type, std::string json_schema);
     std::string_view encode(const TableMessage& message, const ano::Reading& reading);
@@ -74,7 +78,7 @@ struct DecodedChannels::State {
 void DecodedChannels::State::decode(const RecordedFrame& frame) {
     messages.clear();
     if (frame.direction != Direction::in) return;
-    const ano::Reading reading = ano::read(frame.frame, flexible);
+    const ano::Reading reading = ano::read(frame.frame, &decoding->layouts());
     DecodedDevice* const device = reading ? device_of(frame) : nullptr;
     if (device == nullptr) return;
     decode(reading, frame, *device);
@@ -82,10 +86,18 @@ void DecodedChannels::State::decode(const RecordedFrame& frame) {
 }
 
 void DecodedChannels::State::decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device) {
-    ChannelNumber& channel = device.channels[frame.frame.id()];
+    const std::uint8_t id = frame.frame.id();
+    const ano::FlexibleLayout* const layout = ano::is_flexible(id)
+                                                  ? decoding->layouts().find(id, frame.frame.source(), frame.frame.data())
+                                                  : nullptr;
+    ChannelNumber& channel = layout != nullptr ? device.flexible_channels[layout] : device.channels[id];
     if (!channel && is_full()) return;
-    const KnownMessage& known_message = message_of(reading, frame.frame.source());
-    if (!channel) channel = add_channel(device.topic + std::string{reading.message()->name}, known_message.schema);
+    const KnownMessage& known_message = message_of(id, layout);
+    if (!channel) {
+        std::string topic = device.topic + std::string{reading.message()->name};
+        if (layout != nullptr && layout->when()) topic += "_when_" + std::to_string(*layout->when());
+        channel = add_channel(std::move(topic), known_message.schema);
+    }
     messages.push_back({*channel, encode(known_message.message, reading)});
 }
 
@@ -107,7 +119,8 @@ void DecodedChannels::State::decode_standard(const ano::Reading& reading, std::u
 }
 
 std::string_view DecodedChannels::State::encode(const TableMessage& message, const ano::Reading& reading) {
-    if (encoding == DecodedEncoding::json) return json = json_message(reading, {.flexible = flexible});
+    if (encoding == DecodedEncoding::json)
+        return json = json_message(reading, {.flexible = &decoding->layouts(), .encoding = ano::Encoding::automatic});
     values.clear();
     message.append_values(reading, values);
     return encoder.encode(message.type(), values.values());
@@ -125,20 +138,20 @@ DecodedDevice* DecodedChannels::State::device_of(const RecordedFrame& frame) {
         if (is_full()) return nullptr;
         link = links.try_emplace(std::string{frame.link}).first;
         link->second.name = unique_name(ros_name(frame.link, "link"), link_names);
+        link->second.attitude = decoding->attitude(frame.link);
     }
     auto& device = link->second.devices[frame.frame.source()];
     if (device == nullptr) {
         if (is_full()) return nullptr;
         const std::string name = link->second.name + "/device_" + std::to_string(frame.frame.source());
         device = std::make_unique<DecodedDevice>(name, images, ++devices);
+        device->standard.set_attitude(link->second.attitude);
     }
     return device.get();
 }
 
-const KnownMessage& DecodedChannels::State::message_of(const ano::Reading& reading, std::uint8_t source) {
-    const std::uint8_t id = reading.message()->id;
-    if (ano::is_flexible(id)) {
-        const ano::FlexibleLayout* const layout = flexible->find(id, source);
+const KnownMessage& DecodedChannels::State::message_of(std::uint8_t id, const ano::FlexibleLayout* layout) {
+    if (layout != nullptr) {
         const auto found = known_flexible.find(layout);
         if (found != known_flexible.end()) return found->second;
         TableMessage message{*layout};
@@ -151,6 +164,22 @@ const KnownMessage& DecodedChannels::State::message_of(const ano::Reading& readi
         known[id] = std::make_unique<KnownMessage>(KnownMessage{std::move(message), schema});
     }
     return *known[id];
+}
+
+// Layouts are known by their address, which another one may have once they are gone.
+void DecodedChannels::State::use(DecodingPtr now) {
+    if (!now) now = std::make_shared<const Decoding>();
+    if (decoding && *decoding == *now) return;
+    decoding = std::move(now);
+    known_flexible.clear();
+    for (auto& [name, link] : links) {
+        link.attitude = decoding->attitude(name);
+        for (const auto& device : link.devices) {
+            if (!device) continue;
+            device->flexible_channels.clear();
+            device->standard.set_attitude(link.attitude);
+        }
+    }
 }
 
 std::uint16_t DecodedChannels::State::add_channel(std::string topic, std::size_t schema) {
@@ -173,13 +202,14 @@ std::optional<DecodedEncoding> decoded_encoding_called(std::string_view name) no
     return std::nullopt;
 }
 
-DecodedChannels::DecodedChannels(DecodedEncoding encoding, const ano::FlexibleLayouts* flexible)
-    : state_{std::make_unique<State>()} {
+DecodedChannels::DecodedChannels(DecodedEncoding encoding, DecodingPtr decoding) : state_{std::make_unique<State>()} {
     state_->encoding = encoding;
-    state_->flexible = flexible;
+    state_->use(std::move(decoding));
 }
 
 DecodedChannels::~DecodedChannels() = default;
+
+void DecodedChannels::use(DecodingPtr decoding) { state_->use(std::move(decoding)); }
 
 std::span<const DecodedMessage> DecodedChannels::decode(const RecordedFrame& frame) {
     state_->decode(frame);

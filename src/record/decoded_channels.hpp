@@ -9,7 +9,7 @@
 // Only received frames are decoded: sent and dropped frames were received before and would appear twice. A topic is
 // /LINK/device_ADDR/NAME, with names that ROS 2 allows. For the contents of the messages see src/ros/README.md.
 #pragma once
-#include <ano/flexible.hpp>
+#include <record/decoding.hpp>
 #include <record/recording.hpp>
 
 #include <cstddef>
@@ -50,11 +50,14 @@ class DecodedChannels {
 public:
     static constexpr std::size_t max_channels = 4096;    // messages of further channels are not decoded
 
-    /// `flexible`, which must outlive this object, has the layouts of flexible messages; those without a layout are not decoded.
-    explicit DecodedChannels(DecodedEncoding encoding, const ano::FlexibleLayouts* flexible = nullptr);
+    /// Flexible messages without a layout in `decoding` are not decoded.
+    explicit DecodedChannels(DecodedEncoding encoding, DecodingPtr decoding = {});
     ~DecodedChannels();
     DecodedChannels(const DecodedChannels&) = delete;
     DecodedChannels& operator=(const DecodedChannels&) = delete;
+
+    /// The frames that follow are decoded with this. A flexible message whose layout may have changed gets a new channel of the same topic.
+    void use(DecodingPtr decoding);
 
     /// No message for a frame that is not in the table of messages; several if standard ROS messages fit besides our own. Valid until
     /// the next call.

@@ -5,6 +5,7 @@
 //   a loss                    a message of the channel /anogate/losses before the next frame, with the time of that frame
 //   decoded messages          a channel for each link, device and message; after their frame, with its time
 //   program, both clocks      the Metadata "anogate.recording" after the Header
+//   what decodes the frames   the Metadata "anogate.decoding" after that, and again before the first frame for which it has changed
 //   totals                    the Metadata "anogate.summary" before DataEnd: links, messages, rates and losses, for programs that read
 //                             only the end of the file
 //   the end                   Footer and magic: a file without them was not ended properly
@@ -51,6 +52,8 @@ enum class Opcode : std::uint8_t {
 inline constexpr std::string_view frames_topic = "/anogate/frames";
 inline constexpr std::string_view losses_topic = "/anogate/losses";
 inline constexpr std::string_view head_name = "anogate.recording";    // program, time_ns, boottime_ns
+inline constexpr std::string_view decoding_name =
+    "anogate.decoding";    // json: Decoding::text(); after_ns: time of the frame before
 inline constexpr std::string_view counts_name = "anogate.summary";    // json
 
 template <std::unsigned_integral T>

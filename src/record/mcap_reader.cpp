@@ -16,7 +16,7 @@ std::uint64_t number_of(std::string_view text) {
 
 RecordingHead mcap::recording_head_of(std::string_view metadata) {
     return {std::string{metadata_at(metadata, "program")}, number_of(metadata_at(metadata, "time_ns")),
-            number_of(metadata_at(metadata, "boottime_ns"))};
+            number_of(metadata_at(metadata, "boottime_ns")), nullptr};
 }
 
 void McapReader::give(std::string_view bytes) {
@@ -70,15 +70,19 @@ void McapReader::take_outer(const mcap::Record& record) {
     is_behind_skipped_ = false;
     switch (record.opcode) {
     case mcap::Opcode::chunk: take_chunk(record); break;
-    case mcap::Opcode::metadata:
-        if (mcap::name_of_metadata(record.body) != mcap::head_name) break;
-        head_ = mcap::recording_head_of(record.body);
-        has_head_ = true;
-        break;
+    case mcap::Opcode::metadata: take_metadata(record.body); break;
     case mcap::Opcode::data_end:
     case mcap::Opcode::footer: is_data_over_ = true; break;
     default: take(record);
     }
+}
+
+void McapReader::take_metadata(std::string_view body) {
+    const std::string_view name = mcap::name_of_metadata(body);
+    if (name == mcap::decoding_name) head_.decoding = Decoding::parse(mcap::metadata_at(body, "json"));
+    if (name != mcap::head_name) return;
+    head_ = mcap::recording_head_of(body);
+    has_head_ = true;
 }
 
 void McapReader::take_chunk(const mcap::Record& record) {

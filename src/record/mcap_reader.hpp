@@ -44,6 +44,7 @@ public:
 private:
     void take(const mcap::Record& record);
     void take_outer(const mcap::Record& record);
+    void take_metadata(std::string_view body);
     void take_chunk(const mcap::Record& record);
     void take_index_of_skipped(const mcap::Record& record);
     void check(const mcap::Record& record);

@@ -12,7 +12,7 @@ constexpr std::uint16_t frame_schema = 1, loss_schema = 2, first_decoded_schema 
 }    // namespace
 
 McapWriter::McapWriter(const RecordingHead& head, std::string& out, RecordingOptions options)
-    : encoding_{options.encoding}, decoded_{options.encoding}, chunk_{options.packed}, last_ns_{head.time_ns} {
+    : encoding_{options.encoding}, decoded_{options.encoding, head.decoding}, chunk_{options.packed}, last_ns_{head.time_ns} {
     const std::string_view program = text_that_fits(head.program);
     record_ = mcap::magic;
     const std::size_t begun = mcap::begin_record(record_, mcap::Opcode::header);
@@ -27,6 +27,22 @@ McapWriter::McapWriter(const RecordingHead& head, std::string& out, RecordingOpt
         {{"program", program}, {"time_ns", std::to_string(head.time_ns)}, {"boottime_ns", std::to_string(head.boottime_ns)}});
     summary_.add_metadata(record_, position_);
     append(out, record_);
+    if (head.decoding && !head.decoding->is_usual()) put_decoding(*head.decoding, out);
+}
+
+void McapWriter::put_decoding(const Decoding& decoding, std::string& out) {
+    record_.clear();
+    mcap::put_metadata(record_, mcap::decoding_name, {{"json", decoding.text()}, {"after_ns", std::to_string(last_ns_)}});
+    summary_.add_metadata(record_, position_);
+    append(out, record_);
+}
+
+// Ends the chunk: the frames in it were decoded as before.
+void McapWriter::use(const DecodingPtr& decoding, std::string& out) {
+    flush(out);
+    static const Decoding usual;
+    put_decoding(decoding ? *decoding : usual, out);
+    decoded_.use(decoding);
 }
 
 void McapWriter::append(std::string& out, std::string_view bytes) {
@@ -100,7 +116,9 @@ void McapWriter::put_loss(std::uint64_t time_ns) {
     lost_names_.clear();
 }
 
+// A loss that no frame has followed yet gets the time of the last frame, lest it be missing in a file that ends here.
 void McapWriter::flush(std::string& out) {
+    if (lost_ > 0) put_loss(last_ns_);
     const std::size_t before = out.size();
     chunk_.end(out, position_, summary_);
     const auto chunk = std::string_view{out}.substr(before);
@@ -109,7 +127,6 @@ void McapWriter::flush(std::string& out) {
 }
 
 void McapWriter::end(std::string& out) {
-    if (lost_ > 0) put_loss(last_ns_);
     flush(out);
     record_.clear();
     mcap::put_metadata(record_, mcap::counts_name, {{"json", counts_.json()}});

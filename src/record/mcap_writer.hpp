@@ -26,6 +26,7 @@ public:
 
     void write(const RecordedFrame& frame, std::string& out) override;
     void write(const RecordedLoss& loss) override;
+    void use(const DecodingPtr& decoding, std::string& out) override;
     void flush(std::string& out) override;
     void end(std::string& out) override;
 
@@ -34,6 +35,7 @@ private:
     void put_decoded(const RecordedFrame& frame);
     void define(std::uint16_t channel, std::string_view topic, const mcap::SchemaRecord& schema, std::string_view encoding);
     void put(std::uint16_t channel, std::uint64_t time_ns, std::string_view data);
+    void put_decoding(const Decoding& decoding, std::string& out);
     void append(std::string& out, std::string_view bytes);
 
     DecodedEncoding encoding_;

@@ -7,10 +7,13 @@
 //                             frame of a channel tells its peer
 //   loss                      epb_dropcount of the next frame, and its comment "lost: NAMES"; after the last frame in the statistics
 //                             of an interface
+//   what decodes the frames   the comment "decoding: JSON" of the first frame, and of a frame before which it has changed; a long one
+//                             in several comments, which are put together
 //   time since the start      an option for local use: no tool shows it, and programs that save the file again drop it
 //   program, both clocks      shb_userappl and the comment of the section
 //   the end                   the statistics of every interface: a file without them was not ended properly
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -45,7 +48,9 @@ inline constexpr std::uint32_t inbound = 1, outbound = 2;    // of epb_flags, th
 inline constexpr std::string_view dropped_mark = "dropped: ";
 inline constexpr std::string_view lost_mark = "lost: ";
 inline constexpr std::string_view channel_mark = "channel ";    // "channel 3: 192.168.1.20:6000"
-inline constexpr std::string_view unix_mark = "unix time ";     // "unix time 1763898044.123456789 s, boot time 1234.567890123 s"
+inline constexpr std::string_view decoding_mark = "decoding: ";
+inline constexpr std::size_t max_decoding_part = 60'000;       // bytes; an option has 65535 at most
+inline constexpr std::string_view unix_mark = "unix time ";    // "unix time 1763898044.123456789 s, boot time 1234.567890123 s"
 inline constexpr std::string_view boot_mark = " s, boot time ";
 
 /// The name of the interface that a recording without frames gets, so that it can have an end.

@@ -217,6 +217,7 @@ void PcapngReader::take_packet(Bytes body) {
 
 void PcapngReader::read_options(Bytes options, RecordedFrame& frame) {
     RecordedLoss loss;
+    std::string decoding;
     while (const auto option = take_option(options)) {
         std::string_view text = text_in(option->value);
         const std::size_t size = option->value.size();
@@ -227,8 +228,10 @@ void PcapngReader::read_options(Bytes options, RecordedFrame& frame) {
             frame.channel = static_cast<std::uint8_t>(u32(option->value, 0));
         else if (option->code == opt_boottime && size == 8) frame.boottime_ns = u64(option->value, 0);
         else if (option->code == opt_comment && take(text, lost_mark)) loss.names = text;
+        else if (option->code == opt_comment && take(text, decoding_mark)) decoding += text;
         else if (option->code == opt_comment) read_comment(text, frame);
     }
+    if (!decoding.empty()) head_.decoding = Decoding::parse(decoding);
     if (frame.channel) frame.peer = peers_[*frame.channel];
     if (loss.count > 0) loss_ = loss;
 }

@@ -80,6 +80,7 @@ void append_interface(std::string_view name, std::string_view description, std::
 }    // namespace
 
 PcapngWriter::PcapngWriter(const RecordingHead& head, std::string& out) {
+    if (head.decoding && !head.decoding->is_usual()) decoding_ = head.decoding->text();
     Block block{section_header};
     block.number(byte_order_magic).number(std::uint16_t{1}).number(std::uint16_t{0});
     block.number(~std::uint64_t{0});    // section length: not known
@@ -120,6 +121,9 @@ void PcapngWriter::write(const RecordedFrame& frame, std::string& out) {
         peers_[*frame.channel] = peer;
         block.option(opt_comment, std::string{channel_mark} + std::to_string(*frame.channel) + ": " + std::string{peer});
     }
+    for (std::string_view rest = decoding_; !rest.empty(); rest.remove_prefix(std::min(max_decoding_part, rest.size())))
+        block.option(opt_comment, std::string{decoding_mark}.append(rest.substr(0, max_decoding_part)));
+    decoding_.clear();
     if (frame.boottime_ns > 0) block.option(opt_boottime, frame.boottime_ns);
     block.end(out);
 }

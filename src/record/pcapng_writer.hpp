@@ -25,6 +25,7 @@ public:
     /// Appends a frame, preceded by its link if that is new. `peer` is written only with `channel`.
     void write(const RecordedFrame& frame, std::string& out) override;
     void write(const RecordedLoss& loss) override;
+    void use(const DecodingPtr& decoding, std::string&) override { decoding_ = decoding ? decoding->text() : "{}"; }
     void flush(std::string&) override {}    // everything is appended at once
     void end(std::string& out) override;
 
@@ -34,12 +35,12 @@ private:
         std::uint64_t last_ns = 0;
     };
     std::uint32_t interface_of(const RecordedFrame& frame, std::string& out);
-    void append_comments(const RecordedFrame& frame, std::string& out);
     std::string take_lost_names();
 
     std::vector<Interface> interfaces_;
     std::map<std::string, std::uint32_t, std::less<>> numbers_;    // index in interfaces_, by name
     std::array<std::string, 256> peers_;                           // by channel number: the peer already written
+    std::string decoding_;                                         // not written yet
     std::uint64_t lost_ = 0;                                       // not written yet
     std::string lost_names_;
     std::uint64_t all_lost_ = 0;

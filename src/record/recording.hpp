@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <gateway/frame_record.hpp>
+#include <record/decoding.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -38,6 +39,7 @@ struct RecordingHead {
     std::string program;    // "anoctl 0.1.0"
     std::uint64_t time_ns = 0;
     std::uint64_t boottime_ns = 0;
+    DecodingPtr decoding{};    // of the frames; a reader has that of its last frame here
 };
 
 /// Texts of a recording are cut after this many bytes, and before a NUL.

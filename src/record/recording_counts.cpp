@@ -1,3 +1,4 @@
+#include <ano_json/strict_json.hpp>
 #include <record/recording_counts.hpp>
 
 #include <nlohmann/json.hpp>
@@ -119,7 +120,9 @@ std::string RecordingCounts::json() const {
 }
 
 std::optional<RecordingCounts> RecordingCounts::of_json(std::string_view text) try {
-    const CountsJson json = CountsJson::parse(text);
+    const auto strict = ano::strict_json<CountsJson>(text);
+    if (!strict) return std::nullopt;
+    const CountsJson& json = *strict;
     RecordingCounts counts;
     counts.frames = number_at(json, "frames");
     counts.bytes = number_at(json, "bytes");

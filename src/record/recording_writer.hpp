@@ -31,6 +31,8 @@ public:
     virtual void write(const RecordedFrame& frame, std::string& out) = 0;
     /// Frames that could not be recorded; written with the next frame, or at the end.
     virtual void write(const RecordedLoss& loss) = 0;
+    /// The frames that follow are decoded with this.
+    virtual void use(const DecodingPtr& decoding, std::string& out) = 0;
     /// Appends everything held back, so that a file that ends here contains all that was written.
     virtual void flush(std::string& out) = 0;
     /// Appends the end mark of the recording. Nothing may be written afterwards.

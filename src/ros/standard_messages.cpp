@@ -20,14 +20,6 @@ constexpr double metre = 0.01;                       // per centimetre
 constexpr double tesla = 1e-7;                       // per milligauss
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Rotates about x, then y, then z; positive angles are clockwise as seen along the axis.
-Rotation rotation_of(double roll, double pitch, double yaw) noexcept {
-    const double cr = std::cos(roll / 2), sr = std::sin(roll / 2);
-    const double cp = std::cos(pitch / 2), sp = std::sin(pitch / 2);
-    const double cy = std::cos(yaw / 2), sy = std::sin(yaw / 2);
-    return {cy * cp * cr + sy * sp * sr, cy * cp * sr - sy * sp * cr, cy * sp * cr + sy * cp * sr, sy * cp * cr - cy * sp * sr};
-}
-
 // The inverse rotation of `v`.
 Vector turned_back(const Rotation& q, const Vector& v) noexcept {
     const auto [w, x, y, z] = q;
@@ -156,16 +148,15 @@ std::span<const StandardTopic> StandardMessages::hear(const ano::Reading& readin
 // Ignored if the device sends quaternions too: those are more exact.
 void StandardMessages::hear_euler() {
     if (is_fresh(by_quaternion_)) return;
-    by_euler_ = {rotation_of(number("rol") * radian, number("pit") * radian, number("yaw") * radian), now_ns_};
+    by_euler_ = {ano::rotation_of_euler(number("rol"), number("pit"), number("yaw"), signs_), now_ns_};
     tell(StandardTopic::orientation);
 }
 
 // A quaternion with a length far from 1 is ignored: devices without one send zeros.
 void StandardMessages::hear_quaternion() {
-    const Rotation q{number("v0"), number("v1"), number("v2"), number("v3")};
-    const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-    if (length < 0.9 || length > 1.1) return;
-    by_quaternion_ = {{q.w / length, q.x / length, q.y / length, q.z / length}, now_ns_};
+    const auto q = ano::rotation_of_quaternion(number("v0"), number("v1"), number("v2"), number("v3"));
+    if (!q) return;
+    by_quaternion_ = {*q, now_ns_};
     tell(StandardTopic::orientation);
 }
 

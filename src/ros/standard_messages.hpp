@@ -7,6 +7,7 @@
 //              device.append_values(topic, values);                     // of standard_row(topic).type
 //          }
 #pragma once
+#include <ano/attitude.hpp>
 #include <ano/reading.hpp>
 #include <ros/image_rows.hpp>
 #include <ros/ros_message.hpp>
@@ -71,10 +72,10 @@ public:
     struct Vector {
         double x = 0, y = 0, z = 0;
     };
-    /// A quaternion: rotates a vector from the axes of the device to those of the ground.
-    struct Rotation {
-        double w = 1, x = 0, y = 0, z = 0;
-    };
+    using Rotation = ano::Rotation;
+
+    /// The signs of its Euler angles, from the next frame on.
+    void set_attitude(ano::EulerSigns signs) noexcept { signs_ = signs; }
 
 private:
     template <class T>
@@ -106,6 +107,7 @@ private:
     std::string frame_, ground_, east_north_up_, external_, camera_;
     std::array<std::string, 6> range_frames_;
 
+    ano::EulerSigns signs_{};
     Heard<Rotation> by_quaternion_, by_euler_;
     Heard<Vector> velocity_, rates_;
 

@@ -1,5 +1,5 @@
 #include <ano/messages.hpp>
-#include <ano_json/text.hpp>
+#include <ano_json/shown_text.hpp>
 #include <ros/field_comment.hpp>
 #include <ros/ros_names.hpp>
 #include <ros/table_message.hpp>
@@ -55,8 +55,7 @@ std::string text_of_address(ano::Bytes ip) {
 
 void append_text(std::string_view text, ValueList& out) {
     if (ano::is_utf8(text)) return out.push(ano::Value{text});
-    const ano::Bytes bytes{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-    out.push_copy(ano::to_utf8(bytes, ano::Encoding::utf8));
+    out.push_copy(ano::shown_text(text, ano::Encoding::automatic));
 }
 
 void append_absent(const RosField& as, ValueList& out) {
@@ -84,7 +83,8 @@ TableMessage::TableMessage(std::uint8_t id) {
 TableMessage::TableMessage(const ano::FlexibleLayout& layout) {
     layouts_.push_back({nullptr, layout.fields()});
     const ano::Message& base = *ano::find_message(layout.id());
-    build(camel_case(base.name) + (layout.source() ? "From" + std::to_string(*layout.source()) : ""));
+    build(camel_case(base.name) + (layout.source() ? "From" + std::to_string(*layout.source()) : "") +
+          (layout.when() ? "When" + std::to_string(*layout.when()) : ""));
     type_.comment = base.title;
 }
 

@@ -11,8 +11,8 @@ Car::Car(const Settings& settings, TimePoint start)
     parameters.add("SIM_ACCELERATION", acceleration_, {.info = "cm/s²", .min = 10, .max = 1000});
     parameters.add("SIM_TURN", turn_, {.info = "how fast it turns at most, degrees a second", .min = 5, .max = 180});
     parameters.add("SIM_DRIVING_TIME", driving_time_, {.info = "until the battery is empty, s", .min = 60, .max = 86'400});
-    inertial_.add_calibrations(parameters, hand_, hz(), [this] { return is_locked_; });
-    parameters.on_save([] { return true; });
+    inertial_.add_calibrations(parameters, hand_, hz(), {[this] { return is_locked_; }, [this] { return store_values(); }});
+    parameters.on_save([this] { return store_values(); });
     add_commands();
     add_streams();
 }
@@ -42,7 +42,7 @@ void Car::add_streams() {
         const Vector rates = hand_.holds() ? Vector{} : Vector{0, 0, yaw_rate_};
         say(inertial_.inertial(held_.inverse().turn({gain_, speed_ * yaw_rate_, gravity}), rates, chance()));
     });
-    every(at_rate(hz()), [this] { say(euler_of(hand_.holds() ? held_.angles() : Angles{0, 0, yaw_}, chance())); });
+    every(at_rate(hz()), [this] { say(euler_of(hand_.holds() ? held_.angles() : Angles{0, 0, yaw_}, euler_signs(), chance())); });
     every(at_rate(hz() / 2), [this] { say(inertial_.compass(hand_.holds() ? held_ : Attitude::of({0, 0, yaw_}), chance())); });
     every(at_rate(hz() / 2), [this] { movement(); });
     every(at_rate(hz() / 5), [this] { surroundings(); });

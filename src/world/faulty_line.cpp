@@ -9,9 +9,9 @@ namespace ano::world {
 FaultyLine::FaultyLine(std::unique_ptr<SimulatedDevice> device, const Faults& faults, std::uint64_t seed, TimePoint start)
     : device_{std::move(device)}, faults_{faults}, there_{~seed}, back_{seed + 1}, start_{start} {}
 
-void FaultyLine::take(FrameView frame, TimePoint now, const Send& send) {
+void FaultyLine::take(Bytes bytes, TimePoint now, const Send& send) {
     run(now, send);
-    put(frame.bytes(), Way::to_device, now, there_);
+    put(bytes, Way::to_device, now, there_);
     run(now, send);
 }
 
@@ -68,7 +68,7 @@ void FaultyLine::arrive(const Passing& passing, TimePoint at, const Send& send) 
 }
 
 void FaultyLine::wait_for_slow_device(const Passing& passing, TimePoint at) {
-    if (waiting_ == max_waiting) {
+    if (waiting_ == (faults_.one_at_a_time ? 1 : max_waiting)) {
         ++counters_.unheard;
         return;
     }
@@ -77,10 +77,29 @@ void FaultyLine::wait_for_slow_device(const Passing& passing, TimePoint at) {
     passing_.emplace(busy_until_, Passing{Way::to_slow_device, passing.bytes});
 }
 
-// The device gets no damaged frames.
+bool FaultyLine::is_restarting(TimePoint at) const noexcept {
+    return faults_.restart_after && at - start_ >= *faults_.restart_after &&
+           at - start_ < *faults_.restart_after + time_to_restart;
+}
+
+// At the first frame, in either direction, after the time.
+void FaultyLine::restart_if_due(TimePoint at) {
+    if (has_restarted_ || !faults_.restart_after || at - start_ < *faults_.restart_after) return;
+    has_restarted_ = true;
+    device_->restart();
+}
+
+void FaultyLine::say(FrameView frame, TimePoint at) {
+    restart_if_due(at);
+    if (!is_restarting(at)) put(frame.bytes(), Way::to_host, at, back_);
+}
+
+// Without the vendor's parser the device gets no damaged frames, and is not disturbed by them.
 void FaultyLine::hear(Bytes bytes, TimePoint at) {
-    const bool is_deaf = faults_.deaf_after && at - start_ >= *faults_.deaf_after;
+    restart_if_due(at);
+    const bool is_deaf = is_restarting(at) || (faults_.deaf_after && at - start_ >= *faults_.deaf_after);
     counters_.unheard += is_deaf;
+    if (!is_deaf && faults_.vendor_parser) return parser_.feed(bytes, [&](FrameView frame) { device_->take(frame, at, say_); });
     const auto frame = frame_at(bytes);
     if (!is_deaf && frame && frame->bytes().size() == bytes.size()) device_->take(*frame, at, say_);
 }

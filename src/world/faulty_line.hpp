@@ -3,6 +3,7 @@
 #pragma once
 #include "noise.hpp"
 #include "simulated_device.hpp"
+#include "vendor_parser.hpp"
 
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -17,18 +18,22 @@
 
 namespace ano::world {
 
-/// For each frame in both directions; the last two apply only to frames to the device.
+/// For each frame in both directions; those from `deaf_after` on apply only to frames to the device.
 struct Faults {
     unsigned loss = 0;         // %
     unsigned duplicate = 0;    // %
     unsigned corrupt = 0;      // %, with one wrong bit
     Duration delay{};
-    Duration jitter{};                       // maximum of a random additional delay, so that frames may overtake each other
-    std::optional<Duration> deaf_after{};    // since the start: from then on it receives nothing
-    Duration slow{};                         // time that it needs for each frame; up to 20 further ones wait
+    Duration jitter{};                          // maximum of a random additional delay, so that frames may overtake each other
+    std::optional<Duration> deaf_after{};       // since the start: from then on it receives nothing
+    std::optional<Duration> restart_after{};    // since the start: then it restarts once, silent for FaultyLine::time_to_restart
+    Duration slow{};                            // time that it needs for each frame; up to 20 further ones wait
+    bool one_at_a_time = false;    // none waits: frames that come while it is busy are lost, as if it blocked while it sends
+    bool vendor_parser = false;    // it has the vendor's parser, which a damaged LEN makes deaf
 
     bool is_none() const noexcept {
-        return !(loss || duplicate || corrupt || delay.count() || jitter.count() || deaf_after || slow.count());
+        return !(loss || duplicate || corrupt || delay.count() || jitter.count() || deaf_after || restart_after || slow.count() ||
+                 vendor_parser);
     }
 };
 
@@ -42,12 +47,15 @@ class FaultyLine {
 public:
     /// Gets bytes that arrive, and the time. They are a frame, unless they are damaged.
     using Send = std::function<void(Bytes, TimePoint)>;
-    static constexpr std::size_t max_waiting = 20;        // as devices in the field queue
+    static constexpr std::size_t max_waiting = 20;    // as devices in the field queue
+    static constexpr std::chrono::seconds time_to_restart{1};
     static constexpr std::size_t max_passing = 20'000;    // frames under way; further ones are lost
 
     FaultyLine(std::unique_ptr<SimulatedDevice> device, const Faults& faults, std::uint64_t seed, TimePoint start);
 
-    void take(FrameView frame, TimePoint now, const Send& send);
+    void take(FrameView frame, TimePoint now, const Send& send) { take(frame.bytes(), now, send); }
+    /// The same for bytes that are no frame.
+    void take(Bytes bytes, TimePoint now, const Send& send);
     void run(TimePoint now, const Send& send);
     TimePoint due() const noexcept;
 
@@ -65,6 +73,9 @@ private:
     void arrive(const Passing& passing, TimePoint at, const Send& send);
     void wait_for_slow_device(const Passing& passing, TimePoint at);
     void hear(Bytes bytes, TimePoint at);
+    void say(FrameView frame, TimePoint at);
+    void restart_if_due(TimePoint at);
+    bool is_restarting(TimePoint at) const noexcept;
 
     std::unique_ptr<SimulatedDevice> device_;
     Faults faults_;
@@ -73,8 +84,10 @@ private:
     std::multimap<TimePoint, Passing> passing_;
     TimePoint busy_until_{};
     std::size_t waiting_ = 0;
+    VendorParser parser_;
     FaultCounters counters_;
-    const SimulatedDevice::Send say_ = [this](FrameView frame, TimePoint at) { put(frame.bytes(), Way::to_host, at, back_); };
+    bool has_restarted_ = false;
+    const SimulatedDevice::Send say_ = [this](FrameView frame, TimePoint at) { say(frame, at); };
 };
 
 }    // namespace ano::world

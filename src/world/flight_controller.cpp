@@ -19,7 +19,7 @@ FlightController::FlightController(const Settings& settings, TimePoint start)
 
 void FlightController::add_streams() {
     every(at_rate(hz()), [this] { say(inertial_.inertial(flight_.body().felt(), flight_.body().rates(), chance())); });
-    every(at_rate(hz()), [this] { say(euler_of(flight_.body().angles(), chance())); });
+    every(at_rate(hz()), [this] { say(euler_of(flight_.body().angles(), euler_signs(), chance())); });
     every(at_rate(hz() / 2), [this] { say(inertial_.compass(flight_.body().attitude(), chance())); });
     every(at_rate(hz() / 2), [this] { say(quaternion_of(flight_.body().attitude())); });
     every(at_rate(hz() / 2), [this] { altitude(); });

@@ -18,9 +18,10 @@ constexpr std::array types{Type::u8,  Type::i8,  Type::u16, Type::i16, Type::u32
 
 void FlightController::add_parameters() {
     add_own_parameters();
-    inertial_.add_calibrations(device().parameters(), flight_.hand(), hz(), [this] { return flight_.may_be_turned(); });
+    inertial_.add_calibrations(device().parameters(), flight_.hand(), hz(),
+                               {[this] { return flight_.may_be_turned(); }, [this] { return store_values(); }});
     add_user_parameters();
-    device().parameters().on_save([] { return true; });    // values are kept in memory only
+    device().parameters().on_save([this] { return store_values(); });
 }
 
 void FlightController::add_own_parameters() {

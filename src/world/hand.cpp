@@ -1,6 +1,8 @@
 #include "hand.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace ano::world {
 namespace {
@@ -26,16 +28,33 @@ Attitude between(Attitude a, Attitude b, double share) noexcept {
 }    // namespace
 
 void Hand::turn_to_faces(double rest) noexcept {
-    does_ = Does::faces;
     rest_ = rest;
-    at_ = 0;
+    begin(Does::faces);
 }
 
 void Hand::turn_all_round(Vector field, double duration) noexcept {
-    does_ = Does::round;
     field_ = (1 / field.length()) * field;
     round_ = duration;
+    begin(Does::round);
+}
+
+void Hand::begin(Does what) noexcept {
+    does_ = what;
     at_ = 0;
+    until_ = rounds * duration();
+}
+
+void Hand::finish() noexcept {
+    if (does_ == Does::round) until_ = std::min(until_, at_ + round_ / 4);
+    if (does_ != Does::faces) return;
+    const double in_round = std::fmod(at_, duration());
+    const double look = rest_ + time_to_look, looks_at = duration() - look;
+    if (in_round < looks_at) {
+        until_ = at_ + duration();
+        return;
+    }
+    at_ -= in_round - looks_at;    // it stays there as if that had just begun
+    until_ = at_ + look + duration();
 }
 
 void Hand::lay(std::size_t face) noexcept {
@@ -43,12 +62,14 @@ void Hand::lay(std::size_t face) noexcept {
     face_ = face;
 }
 
-double Hand::duration() const noexcept { return does_ == Does::faces ? faces * (time_to_turn + rest_) : round_; }
+double Hand::duration() const noexcept {
+    return does_ == Does::faces ? faces * (time_to_turn + rest_) + rest_ + time_to_look : round_;
+}
 
 Attitude Hand::next(double dt) noexcept {
     if (does_ == Does::lies) return face_up(face_);
     at_ += dt;
-    if (at_ >= rounds * duration()) {
+    if (at_ >= until_) {
         let_go();
         return {};
     }
@@ -59,8 +80,9 @@ Attitude Hand::next(double dt) noexcept {
 Attitude Hand::on_faces() const noexcept {
     constexpr std::array<std::size_t, faces> order{4, 0, 2, 5, 1, 3};
     const double one = time_to_turn + rest_;
-    const auto turn = static_cast<std::size_t>(at_ / one);
-    const double moved = std::min((at_ - static_cast<double>(turn) * one) / time_to_turn, 1.0);
+    const double in_round = std::fmod(at_, duration());
+    const auto turn = std::min(static_cast<std::size_t>(in_round / one), faces - 1);
+    const double moved = std::min((in_round - static_cast<double>(turn) * one) / time_to_turn, 1.0);
     return between(face_up(order[(turn + faces - 1) % faces]), face_up(order[turn % faces]), moved);
 }
 

@@ -8,10 +8,10 @@ Imu::Imu(const Settings& settings, TimePoint start)
     auto& parameters = device().parameters();
     parameters.add("SIM_SWAY", sway_, {.info = "how far the table sways, degrees", .min = 0, .max = 30});
     parameters.add("SIM_BAR_OFFSET", barometer_offset_, {.info = "what the barometer is off by, cm", .min = -1000, .max = 1000});
-    inertial_.add_calibrations(parameters, hand_, hz(), [] { return true; });
-    parameters.on_save([] { return true; });
+    inertial_.add_calibrations(parameters, hand_, hz(), {[] { return true; }, [this] { return store_values(); }});
+    parameters.on_save([this] { return store_values(); });
     every(at_rate(hz()), [this] { say(inertial_.inertial(body_.felt(), body_.rates(), chance())); });
-    every(at_rate(hz()), [this] { say(euler_of(body_.angles(), chance())); });
+    every(at_rate(hz()), [this] { say(euler_of(body_.angles(), euler_signs(), chance())); });
     every(at_rate(hz()), [this] { say(quaternion_of(body_.attitude())); });
     every(at_rate(hz() / 2), [this] { say(inertial_.compass(body_.attitude(), chance())); });
     every(at_rate(hz() / 5), [this] {

@@ -5,24 +5,23 @@
 
 namespace ano::world {
 
-void InertialUnit::add_calibrations(device::Parameters& parameters, Hand& hand, unsigned hz,
-                                    const std::function<bool()>& may_be_turned) {
+void InertialUnit::add_calibrations(device::Parameters& parameters, Hand& hand, unsigned hz, const Owner& owner) {
     using device::Action;
     constexpr double samples_of_a_face = 90, samples_all_round = 500;
     parameters.add_accelerometer_calibration(accelerometer_.calibration);
     parameters.add_compass_calibration(compass_.calibration);
-    parameters.on(Action::clear_accelerometer, [&parameters, &hand, hz, may_be_turned] {
+    parameters.on(Action::clear_accelerometer, [&parameters, &hand, hz, may_be_turned = owner.may_be_turned] {
         if (may_be_turned()) hand.turn_to_faces(1 + samples_of_a_face / hz);
         return parameters.restore_defaults("CAL_A");
     });
-    parameters.on(Action::clear_compass, [&parameters, &hand, hz, may_be_turned] {
+    parameters.on(Action::clear_compass, [&parameters, &hand, hz, may_be_turned = owner.may_be_turned] {
         if (may_be_turned()) hand.turn_all_round(Compass::earth, samples_all_round / std::max(hz / 2, 1u));
         return parameters.restore_defaults("CAL_M");
     });
     for (const Action stored : {Action::store_accelerometer, Action::store_compass})
-        parameters.on(stored, [&hand] {
-            hand.let_go();
-            return true;
+        parameters.on(stored, [&hand, store = owner.store] {
+            hand.finish();
+            return store();
         });
 }
 

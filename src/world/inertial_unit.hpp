@@ -14,10 +14,14 @@ class InertialUnit {
 public:
     explicit InertialUnit(Noise& chance) noexcept : accelerometer_{chance}, compass_{chance}, gyroscope_{chance} {}
 
-    /// Adds the 21 parameters. When a host asks for raw values and `may_be_turned` returns true, `hand` turns the device as that
-    /// calibration needs it: long enough on each side for frames that are sent `hz` times a second, those of the compass half as
-    /// often.
-    void add_calibrations(device::Parameters& parameters, Hand& hand, unsigned hz, const std::function<bool()>& may_be_turned);
+    struct Owner {
+        std::function<bool()> may_be_turned;    // by hand, now
+        std::function<bool()> store;            // SimulatedDevice::store_values()
+    };
+    /// Adds the 21 parameters. When a host asks for raw values and the device may be turned, `hand` turns it as that calibration
+    /// needs it: long enough on each side for frames that are sent `hz` times a second, those of the compass half as often; and for
+    /// some seconds more when the host has stored it, so that it can be verified.
+    void add_calibrations(device::Parameters& parameters, Hand& hand, unsigned hz, const Owner& owner);
 
     /// The message of a device with this acceleration (m/s²) and rotation (rad/s).
     Draft<"inertial"> inertial(Vector felt, Vector rates, Noise& chance) const noexcept;

@@ -4,13 +4,16 @@
 #include "noise.hpp"
 #include "vector.hpp"
 
+#include <ano/attitude.hpp>
+
 namespace ano::world {
 
-inline Draft<"euler"> euler_of(Angles is, Noise& chance) noexcept {
+inline Draft<"euler"> euler_of(Angles is, EulerSigns signs, Noise& chance) noexcept {
+    const double sign = signs == EulerSigns::lx ? -1 : 1;
     Draft<"euler"> draft;
     fill<"rol">(draft, is.roll / degree + 0.05 * chance.normal());
-    fill<"pit">(draft, is.pitch / degree + 0.05 * chance.normal());
-    fill<"yaw">(draft, is.yaw / degree);
+    fill<"pit">(draft, sign * is.pitch / degree + 0.05 * chance.normal());
+    fill<"yaw">(draft, sign * is.yaw / degree);
     fill<"fusion_sta">(draft, 1);
     return draft;
 }

@@ -4,9 +4,27 @@
 #include <utility>
 
 namespace ano::world {
+namespace {
+
+device::Profile profile_of(const Settings& settings) {
+    device::Profile profile;
+    profile.old_layouts = settings.parameters == ParameterForm::minmax;
+    profile.scaled_values = settings.parameters == ParameterForm::scaled;
+    profile.firmware_order = settings.firmware;
+    profile.any_address = settings.any_address;
+    return profile;
+}
+
+}    // namespace
 
 SimulatedDevice::SimulatedDevice(device::Info info, const Settings& settings, TimePoint start)
-    : device_{std::move(info)}, hz_{settings.hz}, chance_{settings.seed}, start_{start}, now_{start} {
+    : device_{std::move(info), profile_of(settings)},
+      texts_{settings.texts},
+      hz_{settings.hz},
+      euler_{settings.euler},
+      chance_{settings.seed},
+      start_{start},
+      now_{start} {
     allow_images();
 }
 
@@ -34,10 +52,23 @@ void SimulatedDevice::take(FrameView frame, TimePoint now, const Send& send) {
     send_ = nullptr;
 }
 
+bool SimulatedDevice::store_values() {
+    const auto& parameters = device_.parameters();
+    stored_.clear();
+    for (std::size_t i = 0; i < parameters.count(); ++i) stored_.push_back(parameters[i].get());
+    return true;
+}
+
+void SimulatedDevice::restart() {
+    const auto& parameters = device_.parameters();
+    for (std::size_t i = 0; i < parameters.count(); ++i)
+        if (parameters[i].set) (void)parameters[i].set(i < stored_.size() ? stored_[i] : parameters[i].initial);
+}
+
 bool SimulatedDevice::is_ours(FrameView frame) const noexcept {
     const std::uint8_t to = frame.destination(), from = frame.source();
-    return (to == device_.info().id || to == address::broadcast) && from != device_.info().id && from != address::unassigned &&
-           from != address::broadcast;
+    return (to == device_.info().id || to == address::broadcast || device_.profile().any_address) && from != device_.info().id &&
+           from != address::unassigned && from != address::broadcast;
 }
 
 // Everything is done in the order in which it is due, however late run() is called.
@@ -79,7 +110,7 @@ void SimulatedDevice::take_step() {
 }
 
 void SimulatedDevice::let_go(TimePoint at) {
-    while (const auto out = device_.next()) (*send_)(out->frame, at);
+    while (const auto out = device_.next()) (*send_)(texts_.of(out->frame), at);
 }
 
 TimePoint SimulatedDevice::due() const noexcept {

@@ -2,10 +2,13 @@
 // length. No I/O and no clock: frames and a time in, frames out. The same seed and the same frames at the same times give the same
 // bytes, however often run() is called.
 #pragma once
+#include "chinese_texts.hpp"
+#include "device_forms.hpp"
 #include "fill.hpp"
 #include "noise.hpp"
 
 #include <ano/address.hpp>
+#include <ano/attitude.hpp>
 #include <ano/time.hpp>
 #include <device/device.hpp>
 
@@ -22,6 +25,11 @@ struct Settings {
     std::uint8_t id = 0;       // 0: the usual id of its kind
     unsigned hz = 50;          // attitude and inertial frames a second, 1 to 100; slower telemetry is scaled with it
     std::uint64_t seed = 1;    // for sensors, noise and weather
+    ParameterForm parameters = ParameterForm::typed;
+    TextForm texts = TextForm::en;
+    ByteOrder firmware = ByteOrder::little;    // device::Profile::firmware_order
+    bool any_address = false;                  // acts on frames for every address, as the oldest devices do
+    EulerSigns euler{};                        // lx: sends pitch and yaw of 0x03 with the opposite sign
 };
 
 class SimulatedDevice {
@@ -44,6 +52,9 @@ public:
     /// run() calls it first: if `now` is more than max_pause after the last call, the simulation continues from `now`.
     void notice_pause(TimePoint now) noexcept;
 
+    /// Loses power for a moment: the parameters have the values again that were stored last.
+    void restart();
+
     device::Device& device() noexcept { return device_; }
 
 protected:
@@ -54,6 +65,7 @@ protected:
     double time() const noexcept { return static_cast<double>(steps_) * dt; }
     unsigned hz() const noexcept { return hz_; }
     Noise& chance() noexcept { return chance_; }
+    EulerSigns euler_signs() const noexcept { return euler_; }
 
     /// Calls `say` once in every `period`, first with the first step.
     void every(Duration period, std::function<void()> say) { streams_.push_back({period, Duration::zero(), std::move(say)}); }
@@ -69,6 +81,8 @@ protected:
     /// Sends a flexible message.
     void say_flexible(std::uint8_t id, std::span<const std::uint8_t> data);
 
+    /// Stores the values of all parameters as in flash; true.
+    bool store_values();
     /// Simulates one step.
     virtual void advance() = 0;
     /// Gets the frames that the library's device does not handle, such as the sticks.
@@ -88,12 +102,15 @@ private:
     bool is_ours(FrameView frame) const noexcept;
 
     device::Device device_;
+    ChineseTexts texts_;
     unsigned hz_;
+    EulerSigns euler_;
     Noise chance_;
     TimePoint start_;
     std::uint64_t steps_ = 0;
     std::vector<Stream> streams_;
-    const Send* send_ = nullptr;    // during a call
+    std::vector<device::Value> stored_;    // empty: the defaults
+    const Send* send_ = nullptr;           // during a call
     TimePoint now_;
 };
 

@@ -270,6 +270,41 @@ TEST_F(TwoVehicles, nobody_says_in_the_name_of_another_that_it_is_a_gateway) {
     })) << "heard again after a second";
 }
 
+// Questions of so many strangers that nobody remembers when the operator was last suspended.
+TEST_F(TwoVehicles, who_asks_in_an_operators_name_silences_it_for_one_second_in_sixty_whoever_else_asks) {
+    start();
+    UdpPeer* pilot = nullptr;
+    {
+        const Inside inside{*here};
+        pilot = new UdpPeer{"10.0.0.1:0"};
+        pilot->send(two->ground(), command(0xFF, 200, 9));
+    }
+    const std::unique_ptr<UdpPeer> owner{pilot};
+    ASSERT_TRUE(until([&] { return two->carried_out(0xC0, 9) == 1; }));
+    const auto ask = [&](const Endpoint& in_the_name_of) {
+        const auto notice = anogate::frame_of({anogate::ListeningNotice::Kind::question, 12345});
+        const Inside inside{*here};
+        send_forged(in_the_name_of, two->ground(), Bytes(notice.begin(), notice.end()));
+    };
+    const auto round = [&](std::uint8_t n) {
+        ask(pilot->local());
+        for (std::uint8_t i = 0; i < 140; ++i) ask({anogate::IpAddress::v4(10, 0, 0, 100), static_cast<std::uint16_t>(1000 + i)});
+        const Inside inside{*here};
+        pilot->send(two->ground(), command(0xFF, n, 9));
+    };
+    round(0);
+    ASSERT_TRUE(until([&] { return two->gateway().count("ground", "suspended") == 1; })) << "the attack is one";
+    EXPECT_NE(two->hint().find("forge"), std::string::npos) << two->hint();
+    const auto until_time = std::chrono::steady_clock::now() + 1100ms;
+    ASSERT_TRUE(until([&] { return std::chrono::steady_clock::now() >= until_time; }));
+    for (std::uint8_t n = 1; n <= 20; ++n) {
+        round(n);
+        ASSERT_TRUE(until([&] { return two->carried_out(0xC0, 9) == 1u + n; })) << int{n};
+    }
+    EXPECT_EQ(two->gateway().count("ground", "suspended"), 1u);
+    EXPECT_TRUE(two->gateway().counters_add_up());
+}
+
 TEST_F(TwoVehicles, a_join_that_is_meant_is_a_udp_link) {
     two = std::make_unique<Vehicle>(*there, "10.0.0.2", std::vector{udp_listen("ground", "0.0.0.0:0")});
     one = std::make_unique<Vehicle>(*here, "10.0.0.1",
@@ -307,7 +342,9 @@ TEST_F(Attack, a_socket_of_our_own_is_no_peer) {
 // 16 hosts of four addresses, and one address with a new port for every frame.
 TEST_F(Attack, strangers_drive_nobody_out) {
     for (int i = 0; i < 4; ++i) there->ip("address add 10.0.0.1" + std::to_string(i) + "/24 dev eth0");
-    Vehicle vehicle{*here, "10.0.0.1", {udp_listen("ground", "0.0.0.0:0")}};
+    auto link = udp_listen("ground", "0.0.0.0:0");
+    link.as<anogate::UdpListenSettings>().max_peers = 21;    // five of them are kept for hosts that send commands
+    Vehicle vehicle{*here, "10.0.0.1", {link}};
     const auto until = [&](const std::function<bool()>& holds) { return wait_until(holds, patience, [&] { vehicle.turn(); }); };
     std::vector<std::unique_ptr<UdpPeer>> hosts;
     const Inside inside{*there};
@@ -324,7 +361,9 @@ TEST_F(Attack, strangers_drive_nobody_out) {
         vehicle.fc_says(telemetry(0xDC, n));
         vehicle.turn();
     }
-    ASSERT_TRUE(until([&] { return vehicle.gateway().count("ground", "denied_in") == 1000; }));
+    ASSERT_TRUE(until([&] {
+        return vehicle.gateway().count("ground", "denied_in") == 1000 && vehicle.gateway().count("air", "frames_in") == 51;
+    }));
     std::size_t arrived = 0;
     for (auto& host : hosts)
         for (const Bytes& one : split(host->heard()).frames)

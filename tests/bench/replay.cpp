@@ -2,9 +2,9 @@
 #include "forwarder.hpp"
 #include "goals.hpp"
 
-#include <link/asio.hpp>
 #include <record/recording_writer.hpp>
 #include <support/temp_dir.hpp>
+#include <sys/asio.hpp>
 
 #include <sys/socket.h>
 

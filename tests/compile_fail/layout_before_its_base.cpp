@@ -3,9 +3,11 @@
 
 namespace ano::table {
 #ifdef BAD
-constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u16}}, Variant{"wide", 2}}, {0x01, "one", "", report, {{"a", u8}}}};
+constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u16}}, Variant{"wide", 2}},
+                            {0x01, "one", "", report, {{"a", u8}}, exactly(1)}};
 #else
-constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}}, {0x01, "one", "", report, {{"a", u16}}, Variant{"wide", 2}}};
+constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}, exactly(1)},
+                            {0x01, "one", "", report, {{"a", u16}}, Variant{"wide", 2}}};
 #endif
 constexpr MessageIndex checked = index_messages(rows);
 }    // namespace ano::table

@@ -7,6 +7,6 @@ constexpr Variant variant{"other"};
 #else
 constexpr Variant variant{"other", 2};
 #endif
-constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}}, {0x01, "one", "", report, {{"b", u16}}, variant}};
+constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}, exactly(1)}, {0x01, "one", "", report, {{"b", u16}}, variant}};
 constexpr MessageIndex checked = index_messages(rows);
 }    // namespace ano::table

@@ -7,6 +7,6 @@ constexpr Variant variant{"wide", 3};
 #else
 constexpr Variant variant{"wide", 4};
 #endif
-constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}}, {0x01, "one", "", report, {{"a", u32}}, variant}};
+constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}, exactly(1)}, {0x01, "one", "", report, {{"a", u32}}, variant}};
 constexpr MessageIndex checked = index_messages(rows);
 }    // namespace ano::table

@@ -7,7 +7,7 @@ constexpr Variant variant{"signed", 2};
 #else
 constexpr Variant variant{"signed", 3};
 #endif
-constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}},
+constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}, exactly(1)},
                             {0x01, "one", "", report, {{"a", u16}}, Variant{"wide", 2}},
                             {0x01, "one", "", report, {{"a", i16}}, variant}};
 constexpr MessageIndex checked = index_messages(rows);

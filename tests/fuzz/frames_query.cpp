@@ -1,7 +1,7 @@
 // The query of GET /frames, as text: it is read or refused in words, and what was read chooses frames.
 #include <ano_json/text.hpp>
-#include <daemon/frame_filter.hpp>
 #include <http/target.hpp>
+#include <watch/frame_filter.hpp>
 
 #include <support/bytes.hpp>
 

@@ -1,5 +1,5 @@
 // What a client sends by a WebSocket, as bytes: it ends in order, and what is heard does not depend on how the bytes were cut.
-#include <link/asio.hpp>
+#include <sys/asio.hpp>
 
 #include <http/open_web_socket.hpp>
 

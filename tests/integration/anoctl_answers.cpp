@@ -6,6 +6,8 @@
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 
+#include <http/client.hpp>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -77,15 +79,23 @@ TEST_F(AnoctlOtherDevice, that_is_heard_is_not_said_to_be_silent) {
     EXPECT_EQ(commands.output, "0xDD has no commands\n");
     const Ran way = asked({"waypoint", "get"});
     EXPECT_EQ(way.exit, 1);
-    EXPECT_EQ(
-        way.output,
-        "anoctl: 0xDD is heard, but did not answer the question for its number of waypoints, sent 5 times; it probably keeps "
-        "none\n");
+    EXPECT_TRUE(contains(way.output, "fake (0xDD) is heard, but did not answer the question for its number of waypoints, sent "))
+        << way.output;
+    EXPECT_TRUE(contains(way.output, " times; it probably keeps none\n")) << way.output;
     const Ran set = asked({"param", "set", "PAR_0", "7"});
     EXPECT_EQ(set.exit, 1);
-    EXPECT_TRUE(contains(set.output,
-                         "0xDD is heard, but did not acknowledge: write of PAR_0, sent 5 times; it probably takes no such value"))
-        << set.output;
+    EXPECT_TRUE(contains(set.output, "fake (0xDD) is heard, but did not acknowledge: write of PAR_0, sent ")) << set.output;
+    EXPECT_TRUE(contains(set.output, " times; it probably takes no such value")) << set.output;
+}
+
+TEST_F(AnoctlOtherDevice, a_device_that_was_never_heard_is_asked_before_it_is_said_to_be_unknown) {
+    fake.make_parameters(3);
+    const Ran get = asked({"param", "get", "PAR_0"});
+    EXPECT_EQ(get.exit, 0) << get.output;
+    EXPECT_EQ(get.output, "PAR_0=0\n");
+    const Ran nobody = anoctl({"param", "get", "PAR_0", "--device", "0x21"});
+    EXPECT_EQ(nobody.exit, 1);
+    EXPECT_EQ(nobody.output, "anoctl: 0x21 was not heard, and does not answer\n");
 }
 
 TEST_F(AnoctlAnswers, nothing_is_written_when_one_of_several_is_wrong) {
@@ -258,6 +268,63 @@ TEST_F(AnoctlOtherDevice, has_values_that_are_no_numbers) {
     EXPECT_TRUE(contains(diff.output, "without a value in the file: A, B\n")) << diff.output;
 }
 
+TEST_F(AnoctlAnswers, log_lines_from_before_are_shown_without_what_controls_a_terminal) {
+    peer.send(gateway.port("peer"), frame(0x35, 0xFF, 0xA0, {1, 'm', 0xE2, 0x80, 0xAE, '1', '\r', '\n'}));
+    peer.send(gateway.port("peer"), frame(0x36, 0xFF, 0xA1, {0, 0, 0xC0, 0x3F, 'v'}));
+    Ran shown;
+    ASSERT_TRUE(wait_until([&] {
+        return contains((shown = anoctl({"log", "--since", "10m", "--no-follow"})).output, " 0x36 1.5 v\n");
+    })) << shown.output;
+    EXPECT_EQ(shown.exit, 0);
+    EXPECT_TRUE(contains(shown.output, " 0x35 m")) << shown.output;
+    const auto lines = lines_of(anoctl({"log", "--since", "10m", "--no-follow", "--json", "--device", "0x35"}).output);
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_EQ(lines[0].at("from"), "0x35");
+    EXPECT_EQ(lines[0].at("fields").at("color"), 1);
+    EXPECT_TRUE(anoctl({"log", "--since", "0s", "--no-follow"}).output.empty());
+    EXPECT_EQ(anoctl({"log", "--since", "soon"}).exit, 2);
+    EXPECT_EQ(anoctl({"log", "--no-follow"}).exit, 2);
+}
+
+TEST_F(AnoctlAnswers, alarms_are_told_once_and_as_they_change) {
+    const auto send_voltage = [&](std::uint8_t low, std::uint8_t high) {
+        peer.send(gateway.port("peer"), frame(0x35, 0xFF, 0x0D, {low, high, 0, 0}));
+    };
+    const auto shows = [&](const std::string& words) {
+        Ran shown;
+        EXPECT_TRUE(wait_until([&] { return contains((shown = anoctl({"alarms"})).output, words); })) << shown.output;
+    };
+    hear_of_another();
+    anogate::http::Request limits;
+    limits.method = "PUT";
+    limits.target = "/devices/0x35/limits";
+    limits.headers.push_back({"Content-Type", "application/json"});
+    limits.body = R"({"limits": [{"field": "power.voltage", "side": "below", "amber": 3.6, "red": 3.4, "cells": 4}]})";
+    ASSERT_EQ(anogate::http::ask(socket, limits).answer.status, 200u);
+    EXPECT_EQ(anoctl({"alarms"}).output, "no value is in alarm\n");
+    Process follows{ANOCTL, {"alarms", "--follow", "--control", socket}};
+    Process others{ANOCTL, {"alarms", "--follow", "--json", "--device", "0x36", "--control", socket}};
+    EXPECT_TRUE(others.until_says("{\"alarms\":[]}\n")) << others.output();
+    send_voltage(0x8C, 0x05);    // 14.2 V
+    shows("0x35    amber  power.voltage  3.55 V per cell  below 3.6 V");
+    EXPECT_TRUE(follows.until_says(" 0x35 amber power.voltage 3.55 V per cell, below 3.6 V\n")) << follows.output();
+    send_voltage(0x28, 0x05);    // 13.2 V
+    EXPECT_TRUE(follows.until_says(" 0x35 red power.voltage 3.3 V per cell, below 3.4 V\n")) << follows.output();
+    const auto lines = lines_of(anoctl({"alarms", "--json", "--device", "0x35"}).output);
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_EQ(lines[0].at("level"), "red");
+    EXPECT_EQ(anoctl({"alarms", "--device", "0x36"}).output, "no value is in alarm\n");
+    send_voltage(0xF0, 0x05);    // 15.2 V
+    EXPECT_TRUE(follows.until_says(" 0x35 ended power.voltage\n")) << follows.output();
+    shows("no value is in alarm");
+    EXPECT_FALSE(contains(others.output(), "power.voltage")) << others.output();
+    follows.signal(SIGINT);
+    EXPECT_EQ(follows.wait(), 0);
+    gateway.signal(SIGTERM);
+    EXPECT_TRUE(others.until_says("anoctl: ")) << others.output();
+    EXPECT_EQ(others.wait(), 1);
+}
+
 TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
     hear_of_another();
     Process first{ANOCTL, {"param", "save", "--device", "0xDD", "--control", socket}};
@@ -265,7 +332,7 @@ TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
     const Ran second = anoctl({"param", "save", "--device", "0xDD"});
     EXPECT_EQ(second.exit, 1);
     const std::string who = "anoctl param, process " + std::to_string(first.pid());
-    EXPECT_TRUE(contains(second.output, who + ") has 0xDD; anoctl devices --jobs --control " + socket + " shows what it does"))
+    EXPECT_TRUE(contains(second.output, who + "); anoctl devices --jobs --control " + socket + " shows what it does"))
         << second.output;
     const auto jobs = lines_of(anoctl({"devices", "--jobs", "--json"}).output);
     ASSERT_FALSE(jobs.empty());
@@ -343,7 +410,7 @@ TEST_F(AnoctlOtherDevice, an_upgrade_is_cancelled_only_when_somebody_says_so) {
     FakeLoader loader;
     fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
     Process flash{ANOCTL,
-                  {"flash", dir.write("new.bin", std::string(60'000, 'x')), "--device", "0xDD", "--yes", "--control", socket}};
+                  {"flash", dir.write("new.bin", std::string(60'000, '\x01')), "--device", "0xDD", "--yes", "--control", socket}};
     std::string number;
     const auto cancel = [&](const std::vector<std::string>& more) {
         std::vector<std::string> words{"devices", "--cancel", number, "--control", socket};
@@ -372,7 +439,7 @@ TEST_F(AnoctlOtherDevice, is_left_as_it_is_when_the_gateway_ends) {
     FakeLoader loader;
     fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
     Process flash{ANOCTL,
-                  {"flash", dir.write("new.bin", std::string(60'000, 'x')), "--device", "0xDD", "--yes", "--control", socket}};
+                  {"flash", dir.write("new.bin", std::string(60'000, '\x01')), "--device", "0xDD", "--yes", "--control", socket}};
     bool is_told = false;
     EXPECT_EQ(until_ended(flash,
                           [&] {

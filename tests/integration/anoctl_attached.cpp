@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <csignal>
+#include <cstdint>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -42,7 +43,7 @@ protected:
 };
 
 TEST_F(AnoctlOfAGateway, monitor_shows_both_directions_and_what_was_dropped_and_why) {
-    Process monitor = anoctl({"monitor"});
+    Process monitor = anoctl({"monitor", "--direction", "in", "out", "dropped"});
     EXPECT_TRUE(until_shows(monitor, " in 0xDC 0xFF 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1\n")) << monitor.output();
     EXPECT_TRUE(until_shows(monitor, " out 0xDC 0xFF 0x03 euler ")) << monitor.output();
     EXPECT_TRUE(until_shows(monitor, " dropped no_route 0xDC 0x00 0x03 euler ", frame(0xDC, 0x00, 0x03, {0, 0, 0, 0, 0, 0, 1})))
@@ -111,6 +112,43 @@ TEST_F(AnoctlOfAGateway, send_says_why_not) {
     EXPECT_EQ(damaged.wait(), 2);
     EXPECT_NE(damaged.output().find("anoctl decode says"), std::string::npos) << damaged.output();
     EXPECT_TRUE(a.heard().empty());
+}
+
+// Bytes that are text in both encodings: 模 or ģ, "caf茅" or "café".
+TEST(AnoctlOfAGatewayTexts, are_read_as_the_gateway_reads_those_of_the_link) {
+    const TempDir dir;
+    const std::string socket = dir / "control.sock";
+    Daemon gateway{ANOGATED,
+                   socket,
+                   {"udp-listen:127.0.0.1:0,name=utf8,encoding=utf8", "udp-listen:127.0.0.1:0,name=gbk,encoding=gbk",
+                    "udp-listen:127.0.0.1:0,name=vendor,profile=vendor"}};
+    ASSERT_TRUE(gateway.until_answers()) << gateway.output();
+    const Bytes short_text{0, 0xC4, 0xA3}, with_letters{0, 'c', 'a', 'f', 0xC3, 0xA9};
+    struct Case {
+        std::string link;
+        std::uint8_t address;
+        Bytes data;
+        std::string words;
+    };
+    for (const Case& one : {Case{"utf8", 0x11, short_text, "ģ"}, Case{"gbk", 0x12, with_letters, "caf茅"},
+                            Case{"vendor", 0x13, with_letters, "caf茅"}}) {
+        UdpPeer device;    // one, which is at home there from the first frame on
+        for (const std::vector<std::string>& words :
+             {std::vector<std::string>{"monitor", "--json"}, {"monitor"}, {"log"}, {"log", "--json"}}) {
+            SCOPED_TRACE(one.link + " by " + words.front() + ' ' + words.back());
+            Process shows{ANOCTL, [&] {
+                              auto all = words;
+                              all.insert(all.end(), {"--control", socket});
+                              return all;
+                          }()};
+            EXPECT_TRUE(wait_until([&] {
+                device.send(gateway.port(one.link), frame(one.address, 0xFE, 0xA0, one.data));
+                return shows.output().find(one.words) != std::string::npos;
+            })) << shows.output();
+            shows.signal(SIGINT);
+            shows.wait();
+        }
+    }
 }
 
 }    // namespace

@@ -9,8 +9,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <future>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -158,6 +161,154 @@ TEST_F(AnoctlDevices, commands_are_listed_and_called_when_somebody_says_so) {
     EXPECT_TRUE(contains(refuses.output, "may have been carried out")) << refuses.output;
 }
 
+// What the second device is sent by anoctl and by the page's button.
+struct AnoctlCommands : AnsweringDevice {
+    AnoctlCommands() {
+        fake.commands = {{{1, 0, 1}, {3}, "TAKE_OFF", ""}, {{1, 0, 2}, {}, "LAND", ""}, {{1, 0, 3}, {}, "LOCK", ""}};
+    }
+    static Bytes ids_of(const std::vector<Bytes>& frames) {
+        Bytes ids;
+        for (const Bytes& one : frames)
+            if (one[2] == 0xDD) ids.push_back(one[3]);
+        return ids;
+    }
+    Bytes ids_heard() { return ids_of(std::exchange(fake.heard, {})); }
+    void be_heard() {
+        hear_of_another();
+        ASSERT_EQ(asked({"command", "list"}).exit, 0);
+        EXPECT_GE(ids_heard().size(), 5u);
+    }
+    const Bytes only_the_call{0xC0};
+};
+
+TEST_F(AnoctlCommands, that_were_read_are_called_by_the_first_frame) {
+    be_heard();
+    const Ran land = asked({"command", "call", "LAND", "--yes"});
+    EXPECT_EQ(land.exit, 0) << land.output;
+    EXPECT_EQ(ids_heard(), only_the_call);
+    EXPECT_EQ(asked({"command", "call", "TAKE_OFF", "300", "--yes"}).exit, 0);
+    EXPECT_EQ(ids_heard(), only_the_call);
+    EXPECT_EQ(asked({"command", "call", "TAKE_OFF", "70000", "--yes"}).exit, 2);
+    EXPECT_TRUE(ids_heard().empty()) << "checked against what was read";
+    const Ran unknown = asked({"command", "call", "HOVER", "--yes"});
+    EXPECT_EQ(unknown.exit, 2) << unknown.output;
+    EXPECT_EQ(ids_heard()[0], 0xC1) << "it may be new";
+}
+
+TEST_F(AnoctlCommands, of_the_page_that_were_read_are_called_by_the_first_frame) {
+    be_heard();
+    const std::string body = R"({"values":[],"repeat":false,"name":"LAND"})";    // as live/device.ts sends it
+    const std::string request = "POST /devices/221/commands/1 HTTP/1.0\r\nContent-Type: application/json\r\nContent-Length: " +
+                                std::to_string(body.size()) + "\r\n\r\n" + body;
+    auto answered = std::async(std::launch::async, [&] { return http(socket, request); });
+    EXPECT_TRUE(wait_until([&] {
+        answer();
+        return answered.wait_for(0s) == std::future_status::ready;
+    }));
+    const std::string said = answered.get();
+    EXPECT_TRUE(contains(said, "200 OK")) << said;
+    EXPECT_EQ(ids_heard(), only_the_call);
+}
+
+TEST_F(AnoctlCommands, are_called_by_their_three_bytes_without_a_question) {
+    hear_of_another();
+    const Ran called = asked({"command", "call", "--cid", "1,0,1", "u16:300", "--yes"});
+    EXPECT_EQ(called.exit, 0) << called.output;
+    EXPECT_TRUE(contains(called.output, "command 1,0,1 u16:300: acknowledged\n")) << called.output;
+    ASSERT_FALSE(fake.heard.empty());
+    EXPECT_EQ(Bytes(fake.heard[0].begin() + 3, fake.heard[0].end() - 2), (Bytes{0xC0, 5, 0, 1, 0, 1, 0x2C, 1}));
+    EXPECT_EQ(ids_heard(), only_the_call);
+    for (const char* cid : {"1,0", "1,0,1,", "1,0,256", "1;0;1", "a,b,c", ",,"})
+        EXPECT_EQ(anoctl({"command", "call", "--cid", cid, "--device", "0xDD", "--yes"}).exit, 2) << cid;
+    for (const char* value : {"u16:70000", "u16:x", "x"})
+        EXPECT_EQ(anoctl({"command", "call", "--cid", "1,0,1", value, "--device", "0xDD", "--yes"}).exit, 2) << value;
+    EXPECT_EQ(anoctl({"command", "call", "--cid", "1,0,1", "u17:1", "--device", "0xDD", "--yes"}).exit, 1);
+    EXPECT_TRUE(ids_heard().empty());
+}
+
+TEST_F(AnoctlCommands, with_a_type_that_the_device_does_not_show_are_called_when_it_is_stated) {
+    fake.commands = {{{1, 0, 7}, {7}, "SEVEN", ""}};
+    hear_of_another();
+    const Ran list = asked({"command", "list"});
+    EXPECT_TRUE(contains(list.output, "SEVEN f32|u64")) << list.output;
+    const Ran refused = asked({"command", "call", "SEVEN", "2", "--yes"});
+    EXPECT_EQ(refused.exit, 1);
+    EXPECT_TRUE(contains(refused.output, "state it once, --type7 f32 or --type7 u64")) << refused.output;
+    EXPECT_EQ(asked({"command", "call", "SEVEN", "2", "--yes", "--type7", "u16"}).exit, 2);
+    fake.heard.clear();
+    EXPECT_EQ(asked({"command", "call", "SEVEN", "2", "--yes", "--type7", "u64"}).exit, 0);
+    const Ran kept = asked({"command", "call", "SEVEN", "2", "--yes"});
+    EXPECT_EQ(kept.exit, 0) << kept.output;
+    EXPECT_EQ(ids_of({fake.heard.back()}), only_the_call);
+    EXPECT_EQ(fake.heard.back().size(), 8u + 3 + 8);
+    std::string name;
+    for (const auto& entry : std::filesystem::directory_iterator{socket + ".state"})
+        if (entry.path().filename().string().starts_with("type7-0xDD-")) name = entry.path().string();
+    const json note = json::parse(text_of(name));    // is read at the next start
+    EXPECT_EQ(note.at("type7"), "u64");
+    EXPECT_EQ(note.at("device").at("name"), "fake");
+}
+
+struct AnoctlParameters : AnsweringDevice {
+    AnoctlParameters() { fake.make_parameters(30); }
+    void be_read() {
+        hear_of_another();
+        ASSERT_EQ(asked({"param", "list"}).exit, 0);
+        fake.heard.clear();
+    }
+    /// Without those that were repeated.
+    std::size_t different_frames() const { return std::set<Bytes>(fake.heard.begin(), fake.heard.end()).size(); }
+};
+
+TEST_F(AnoctlParameters, that_are_known_are_read_by_their_values_and_one_check) {
+    be_read();
+    const Ran got = asked({"param", "get", "PAR_20", "PAR_10", "0"});
+    EXPECT_EQ(got.exit, 0) << got.output;
+    EXPECT_EQ(got.output, "PAR_20=20\nPAR_10=10\nPAR_0=0\n");
+    EXPECT_EQ(different_frames(), 5u) << "device info, number, three values";
+    const Ran unknown = asked({"param", "get", "PAR_20", "PAR_99"});
+    EXPECT_EQ(unknown.exit, 1);
+    EXPECT_TRUE(contains(unknown.output, "no parameter is called 'PAR_99' (did you mean")) << unknown.output;
+}
+
+TEST_F(AnoctlParameters, that_are_known_are_written_behind_one_check) {
+    be_read();
+    const Ran set = asked({"param", "set", "PAR_0=5", "PAR_10=6"});
+    EXPECT_EQ(set.exit, 0) << set.output;
+    EXPECT_EQ(set.output, "PAR_0=5\nPAR_10=6\n");
+    EXPECT_EQ(different_frames(), 6u) << "device info, number, two values (read back by the same question), two writes";
+    fake.heard.clear();
+    EXPECT_EQ(asked({"param", "set", "PAR_20", "7"}).exit, 0);
+    EXPECT_EQ(different_frames(), 4u);
+    const auto rows = lines_of(asked({"param", "set", "PAR_0=1", "PAR_10=2", "--json"}).output);
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[0],
+              json::parse(R"({"id": 0, "name": "PAR_0", "type": "u8", "was": 5, "written": 1, "stored": 1, "clamped": false,
+                                        "acknowledged": true})"));
+    fake.parameters[10].store = [](const Bytes&) { return Bytes{2}; };
+    const Ran refused = asked({"param", "set", "PAR_0=8", "PAR_10=9", "PAR_20=9"});
+    EXPECT_EQ(refused.exit, 1);
+    EXPECT_TRUE(contains(refused.output, "PAR_0=8\n")) << refused.output;
+    EXPECT_TRUE(contains(refused.output, "keeps PAR_10 at 2; not written: PAR_20")) << refused.output;
+}
+
+TEST(AnoctlCommandsOfALink, by_their_three_bytes_are_called_by_the_first_frame) {
+    UdpPeer device;
+    FakeDevice fake;
+    fake.commands = {{{1, 0, 2}, {}, "LAND", ""}};
+    Process call{ANOCTL,
+                 {"command", "call", "--cid", "1,0,2", "--device", "0xDC", "--yes", "--link",
+                  "udp:" + device.local().text() + ",bind=127.0.0.1:0"}};
+    EXPECT_TRUE(wait_until([&] {
+        for (const Bytes& one : device.frames())
+            for (const Bytes& said : fake.take(ano::FrameView{one})) device.send(device.last_sender(), said);
+        return !call.is_running();
+    }));
+    EXPECT_EQ(call.wait(), 0) << call.output();
+    ASSERT_EQ(fake.heard.size(), 1u);
+    EXPECT_EQ(fake.heard[0][3], 0xC0);
+}
+
 TEST_F(AnoctlDevices, waypoints_go_to_a_file_and_back) {
     const std::string file = dir / "way.json", plan = dir / "way.geojson";
     ASSERT_EQ(anoctl({"waypoint", "get", file}).exit, 0);
@@ -191,7 +342,8 @@ protected:
 
 TEST_F(AnoctlFlash, firmware_is_written_and_checked) {
     hear_of_another();
-    const std::string image(1000, 'x');
+    loader.reads_codes = true;
+    const std::string image(1000, '\1');
     const std::string file = dir.write("new.bin", image);
     const Ran refused = anoctl({"flash", file, "--device", "0xDD"});
     EXPECT_EQ(refused.exit, 2);
@@ -215,7 +367,7 @@ TEST_F(AnoctlFlash, what_is_no_firmware_is_said_and_nothing_is_sent) {
 
 TEST_F(AnoctlFlash, an_interrupt_in_the_middle_says_what_is_half_done) {
     hear_of_another();
-    Process process{ANOCTL, flash(dir.write("new.bin", std::string(60'000, 'x')))};
+    Process process{ANOCTL, flash(dir.write("new.bin", std::string(60'000, '\x01')))};
     bool is_told = false;
     EXPECT_EQ(until_ended(process,
                           [&] {

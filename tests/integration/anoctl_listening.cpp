@@ -192,7 +192,7 @@ TEST(AnoctlOwnLink, log_and_image_listen_at_a_link_of_their_own) {
     TempDir dir;
     PtyDevice device{dir / "tty"};
     {
-        Process log{ANOCTL, {"log", "--link", "serial:" + device.path() + ",profile=vendor"}};
+        Process log{ANOCTL, {"log", "--link", "serial:" + device.path() + ",encoding=gbk"}};
         ASSERT_TRUE(log.until_says(" is up"));
         device.write(frame(0xDC, 0xFE, 0xA0, {0, 0xC4, 0xA3}));    // in GBK one character, in UTF-8 another
         EXPECT_TRUE(log.until_says(" 0xDC 模\n")) << log.output();

@@ -96,12 +96,12 @@ TEST(AnoctlMonitor, reads_text_as_the_link_says_unless_an_option_does) {
     const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     const auto log = support::frame(0xDC, 0xFE, 0xA0, {0, 0xC4, 0xA3});    // in GBK one character, in UTF-8 another
-    Monitor vendor{{"serial:" + device.path() + ",profile=vendor", "--count", "1"}};
+    Monitor vendor{{"serial:" + device.path() + ",encoding=gbk", "--count", "1"}};
     ASSERT_TRUE(vendor.says("is up")) << vendor.err();
     device.write(log);
     EXPECT_EQ(vendor.exit_code(), 0);
     EXPECT_NE(vendor.out().find("模"), std::string::npos) << vendor.out();
-    Monitor told{{"serial:" + device.path() + ",profile=vendor", "--count", "1", "--encoding", "utf8"}};
+    Monitor told{{"serial:" + device.path() + ",encoding=gbk", "--count", "1", "--encoding", "utf8"}};
     ASSERT_TRUE(told.says("is up")) << told.err();
     device.write(log);
     EXPECT_EQ(told.exit_code(), 0);

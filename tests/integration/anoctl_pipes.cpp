@@ -7,13 +7,16 @@
 
 #include <fcntl.h>
 #include <pty.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 namespace anoctl_pipes_tests {
 namespace {
@@ -105,6 +108,47 @@ std::string on_a_terminal(const char* no_color) {
     ::close(terminal);
     ::waitpid(pid, nullptr, 0);
     return said;
+}
+
+long characters_of(const std::string& line) {
+    return std::count_if(line.begin(), line.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+}
+
+// Its lines of frames, without colours. A terminal of a program such as `script` has no known height.
+std::vector<std::string> monitored(const std::string& socket, unsigned short columns, unsigned short rows) {
+    int terminal = -1;
+    winsize size{};
+    size.ws_col = columns;
+    size.ws_row = rows;
+    const pid_t pid = forkpty(&terminal, nullptr, nullptr, &size);
+    if (pid == 0) {
+        ::setenv("NO_COLOR", "1", 1);
+        ::execl(ANOCTL, "anoctl", "--control", socket.c_str(), "monitor", "--count", "20", nullptr);
+        ::_exit(127);
+    }
+    std::string said;
+    std::array<char, 1024> buffer;
+    for (ssize_t n = 0; (n = ::read(terminal, buffer.data(), buffer.size())) > 0;)
+        said.append(buffer.data(), static_cast<std::size_t>(n));
+    ::close(terminal);
+    ::waitpid(pid, nullptr, 0);
+    std::vector<std::string> lines;
+    for (std::size_t at = 0, end = 0; (end = said.find("\r\n", at)) != said.npos; at = end + 2)
+        if (said.compare(at, 7, "anoctl:") != 0) lines.push_back(said.substr(at, end - at));
+    return lines;
+}
+
+TEST(AnoctlTerminal, monitor_cuts_its_lines_to_the_width) {
+    const support::TempDir dir;
+    support::Daemon daemon{ANOGATED, dir / "control.sock", {"sim:fc,name=fc"}};
+    ASSERT_TRUE(daemon.until_answers());
+    using Cells = unsigned short;
+    for (const Cells columns : {Cells{40}, Cells{50}, Cells{60}, Cells{71}, Cells{200}})
+        for (const Cells rows : {Cells{0}, Cells{24}}) {
+            const auto lines = monitored(dir / "control.sock", columns, rows);
+            ASSERT_EQ(lines.size(), 20u);
+            for (const std::string& line : lines) EXPECT_LE(characters_of(line), columns) << line;
+        }
 }
 
 TEST(AnoctlTerminal, has_colours_unless_no_color_ends_them) {

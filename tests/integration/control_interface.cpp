@@ -60,7 +60,7 @@ protected:
             EXPECT_NE(row.at("answers"), "") << row << " does not say what it answers";
             const std::string path = row.at("path");
             const bool is_page = path == "/" || path == "/web/{file}";
-            EXPECT_EQ(row.at("access") == "open", is_page || path == "/login") << row;
+            EXPECT_EQ(row.at("access") == "open", is_page || path == "/login" || path == "/logout") << row;
             EXPECT_EQ(row.at("access") == "view", row.at("method") == "GET" && path != "/link" && !is_page) << row;
         }
     }
@@ -98,6 +98,50 @@ protected:
         EXPECT_EQ(json::parse(answer.body), (json{{"address", "0xFE"}, {"forgotten", true}}));
         EXPECT_EQ(get("/routes").size(), 1u);
         refuses("DELETE", "/routes/254", 404, "unknown", "0xFE was not heard");
+    }
+    void log() {
+        host.send(daemon.port("ground"), frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
+        const auto lines = [&] { return get("/devices/0xDC/log").at("lines"); };
+        ASSERT_TRUE(wait_until([&] { return !lines().empty(); }));
+        const json line = lines()[0];
+        EXPECT_EQ(line.at("text"), "bad");
+        EXPECT_EQ(line.at("color"), 1);
+        EXPECT_EQ(line.at("link"), "ground");
+        EXPECT_EQ(line.value("counts", true), false) << "who asks by UDP may say so in any device's name";
+        EXPECT_EQ(get("/devices/0xDC/log").at("red"), 0);
+        EXPECT_EQ(get("/devices/0xFF/log").at("lines").size(), 1u);
+        EXPECT_TRUE(get("/devices/0xDC/log?since=4000000000").at("lines").empty());
+        refuses("GET", "/devices/0xDC/log?since=x", 400, "invalid", "'since'");
+        ask("DELETE", "/routes/0xDC");
+    }
+    void limits() const {
+        const std::string body = R"({"limits": [{"field": "power.voltage", "side": "below", "red": 3.4, "cells": 4}]})";
+        const json kept = json::parse(ask("PUT", "/devices/0xDC/limits", body).body);
+        EXPECT_EQ(kept.at("limits"), json::parse(body).at("limits"));
+        EXPECT_EQ(kept.at("kept"), true) << kept;
+        EXPECT_EQ(get("/devices/0xDC/limits").at("version"), kept.at("version"));
+        refuses("PUT", "/devices/0xDC/limits", 422, "invalid", "'side'", R"({"limits": [{"field": "a.b"}]})");
+        refuses("PUT", "/devices/0xFF/limits", 400, "invalid", "one device", body);
+        ask("PUT", "/devices/0xDC/limits", R"({"limits": []})");
+        EXPECT_EQ(get("/devices/0xDC/limits").at("version"), 0);
+    }
+    void alarms() {
+        EXPECT_TRUE(get("/alarms").at("alarms").empty());
+        ask("PUT", "/devices/0xDC/limits",
+            R"({"limits": [{"field": "power.voltage", "side": "below", "amber": 14.4, "red": 13.6}]})");
+        host.send(daemon.port("ground"), frame(0xDC, 0xFF, 0x0D, {0x28, 0x05, 0, 0}));    // 13.2 V
+        ASSERT_TRUE(wait_until([&] { return !get("/alarms").at("alarms").empty(); }));
+        const json alarm = get("/alarms").at("alarms").at(0);
+        EXPECT_EQ(alarm.at("device"), "0xDC");
+        EXPECT_EQ(alarm.at("level"), "red");
+        EXPECT_EQ(alarm.at("value"), 13.2);
+        EXPECT_EQ(alarm.at("unit"), "V");
+        const std::string counted = ask("GET", "/metrics").body;
+        EXPECT_NE(counted.find("\nanogate_alarms{level=\"amber\"} 0\n"), std::string::npos);
+        EXPECT_NE(counted.find("\nanogate_alarms{level=\"red\"} 1\n"), std::string::npos);
+        ask("DELETE", "/routes/0xDC");    // it was switched off
+        EXPECT_TRUE(get("/alarms").at("alarms").empty());
+        ask("PUT", "/devices/0xDC/limits", R"({"limits": []})");
     }
     void messages() const {
         const json rows = get("/messages");
@@ -152,14 +196,20 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /send", [this] { refuses("POST", "/send", 400, "invalid", "hex", R"({"hex": "5"})"); }},      // ControlLink
         {"GET /frames", [this] { refuses("GET", "/frames?direktion=in", 400, "invalid", "direction"); }},    // Frames
         {"GET /foxglove", [this] { refuses("GET", "/foxglove", 426, "unsupported", "WebSocket"); }},         // Foxglove
-        {"GET /link", [this] { refuses("GET", "/link", 426, "unsupported", "WebSocket"); }},                 // ControlLink
+        {"GET /links/{link}/raw",
+         [this] { refuses("GET", "/links/ground/raw", 426, "unsupported", "WebSocket"); }},     // RawBytes
+        {"GET /link", [this] { refuses("GET", "/link", 426, "unsupported", "WebSocket"); }},    // ControlLink
         {"POST /reload",
          [this] { EXPECT_EQ(json::parse(ask("POST", "/reload?dry_run").body).at("changed"), false); }},    // Reload
         {"POST /reload/confirm", [this] { refuses("POST", "/reload/confirm", 409, "refused", "nothing waits"); }},
+        {"GET /flexible", [this] { EXPECT_EQ(get("/flexible").at("flexible").at(0).at("id"), "0xF1"); }},    // Flexible
+        {"PUT /flexible", [this] { refuses("PUT", "/flexible", 400, "invalid", "a list of layouts", "5"); }},
         {"GET /devices",
          [this] {
              EXPECT_EQ(get("/devices"), (json{{"devices", json::array()}}));
          }},    // Devices, as all that follow
+        {"GET /devices/{device}/limits", [this] { refuses("GET", "/devices/nobody/limits", 404, "unknown", "'nobody'"); }},
+        {"PUT /devices/{device}/limits", [this] { limits(); }},
         {"GET /devices/{device}/parameters",
          [this] { refuses("GET", "/devices/0xDC/parameters", 404, "unknown", "0xDC was not heard"); }},
         {"GET /devices/{device}/parameters/{parameter}",
@@ -174,6 +224,8 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
          }},
         {"POST /devices/{device}/actions", [this] { refuses("POST", "/devices/0xDC/actions", 400, "invalid", "save", "{}"); }},
         {"GET /devices/{device}/commands", [this] { refuses("GET", "/devices/0xDC/commands", 404, "unknown", "not heard"); }},
+        {"POST /devices/{device}/commands/by-cid",
+         [this] { refuses("POST", "/devices/0xDC/commands/by-cid", 400, "invalid", "'cid'", R"({"cid": [1, 2]})"); }},
         {"POST /devices/{device}/commands/{command}",
          [this] { refuses("POST", "/devices/0xDC/commands/C", 400, "invalid", "'values'", R"({"values": 1})"); }},
         {"GET /devices/{device}/waypoints",
@@ -184,10 +236,16 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
          [this] { refuses("POST", "/devices/0xDC/firmware?crc=none", 400, "invalid", "'none'", "x"); }},
         {"POST /devices/{device}/calibration",
          [this] { refuses("POST", "/devices/0xDC/calibration", 400, "invalid", "compass", "{}"); }},
-        {"GET /jobs", [this] { EXPECT_EQ(get("/jobs").at("jobs").at(0).at("kind"), "scan") << "that was before"; }},
+        {"GET /jobs",
+         [this] {
+             const json jobs = get("/jobs").at("jobs");    // also those that asked a device that was not heard
+             EXPECT_TRUE(std::any_of(jobs.begin(), jobs.end(), [](const json& job) { return job.at("kind") == "scan"; })) << jobs;
+         }},
         {"GET /jobs/{job}", [this] { refuses("GET", "/jobs/7", 404, "unknown", "there is no job '7'"); }},
         {"DELETE /jobs/{job}", [this] { refuses("DELETE", "/jobs/x", 404, "unknown", "'x'"); }},
         {"POST /jobs/{job}/next", [this] { refuses("POST", "/jobs/7/next", 404, "unknown", "there is no job"); }},
+        {"GET /devices/{device}/log", [this] { log(); }},
+        {"GET /alarms", [this] { alarms(); }},
         {"GET /recordings", [this] { recordings(); }},    // Recordings, as all that follow
         {"POST /recordings", [this] { refuses("POST", "/recordings", 422, "invalid", "'nmae'", R"({"nmae": "x"})"); }},
         {"GET /recordings/last", [this] { refuses("GET", "/recordings/last", 409, "busy", "keep_last"); }},
@@ -195,6 +253,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /recordings/{name}/end", [this] { refuses("POST", "/recordings/none/end", 404, "unknown", "nothing is being"); }},
         {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no dot in front"); }},
         {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},    // NetworkDoor
+        {"POST /logout", [this] { EXPECT_EQ(ask("POST", "/logout").status, 200u); }},             // Tokens
     };
     std::set<std::string> tested, there;
     for (const auto& [route, test] : tests) {

@@ -146,6 +146,28 @@ TEST_F(Frames, as_json_each_message_is_a_frame) {
     EXPECT_EQ(out.at("direction"), "out");
 }
 
+TEST_F(Frames, in_the_name_of_a_device_that_is_at_home_elsewhere_are_marked_and_can_be_left_out) {
+    Ear all{door, "/frames?format=binary&direction=in"}, believed{door, "/frames?format=binary&direction=in&elsewhere=no"};
+    Ear lines{door, "/frames?direction=in"};
+    ASSERT_TRUE(until_watches(all) && until_watches(believed));
+    send(euler);
+    ASSERT_TRUE(until_in(1));
+    b.send(door.gateway.port("b"), euler);
+    ASSERT_TRUE(door.gateway.until([&] { return door.gateway.count("b", "frames_in") == 1; }));
+    send(wind);
+    ASSERT_TRUE(until_seen(all, 3) && until_seen(believed, 2));
+    std::vector<bool> marks;
+    for (const std::string& message : all.messages()) {
+        std::string_view rest = message;
+        while (const auto record = anogate::take_record(rest)) marks.push_back(record->is_elsewhere);
+    }
+    EXPECT_EQ(marks, (std::vector<bool>{false, true, false}));
+    EXPECT_EQ(seen(believed).frames, (std::vector<Bytes>{euler, wind}));
+    ASSERT_TRUE(door.gateway.until([&] { return lines.texts().size() == 3; }));
+    EXPECT_EQ(json::parse(lines.texts().at(1)).value("elsewhere", false), true);
+    EXPECT_FALSE(json::parse(lines.texts().at(0)).contains("elsewhere"));
+}
+
 TEST_F(Frames, filters_choose_and_wrong_ones_are_told_in_words) {
     Ear ear{door, "/frames?format=binary&id=wind&direction=out&link=b&from=0xDD"};
     ASSERT_TRUE(until_watches(ear));
@@ -159,9 +181,9 @@ TEST_F(Frames, filters_choose_and_wrong_ones_are_told_in_words) {
         EXPECT_EQ(answer.status, 400u) << answer.body;
         return json::parse(answer.body).at("error").get<std::string>();
     };
-    EXPECT_EQ(
-        refused("idd=3"),
-        "there is no filter 'idd' (did you mean 'id'?); there are from, to, id, link, direction, limit.ID, batch and format");
+    EXPECT_EQ(refused("idd=3"),
+              "there is no filter 'idd' (did you mean 'id'?); there are from, to, id, link, direction, limit.ID, samples, "
+              "elsewhere, batch and format");
     EXPECT_EQ(refused("link=aa"), "there is no link 'aa'; give one of control, a, b");
     EXPECT_EQ(refused("format=binary"), "format=binary is for a WebSocket: as lines there is JSON");
     Ear wrong{door, "/frames?id=wnd"};

@@ -90,7 +90,8 @@ TEST_F(Hello, goes_by_the_rules_of_its_link) {
     EXPECT_EQ(fc.heard(), Bytes{});
 }
 
-TEST_F(Hello, does_not_go_round_where_two_links_are_joined_behind_us) {
+// No probe leaves by serial ports, and another host may send the same question: the loop is known by 200 copies in a second.
+TEST_F(Hello, is_cut_where_two_links_are_joined_behind_us) {
     PtyDevice back{dir / "back"};
     RunningGateway gateway{speaking(serial("fc", fc.path()), 1s), serial("back", back.path())};
     ASSERT_TRUE(gateway.until_up("fc") && gateway.until_up("back"));
@@ -105,7 +106,7 @@ TEST_F(Hello, does_not_go_round_where_two_links_are_joined_behind_us) {
         return Clock::now() >= end;
     });
     EXPECT_GE(rounds, 1u);
-    EXPECT_LE(rounds, 4u);
+    EXPECT_LE(rounds, 410u);
 }
 
 TEST_F(Hello, wakes_a_bridge_that_waits_for_a_datagram) {
@@ -158,25 +159,25 @@ protected:
     std::uint64_t sent = 1;
 };
 
-TEST_F(VendorDevice, the_ninth_question_waits_until_one_is_answered_and_commands_pass_it) {
+TEST_F(VendorDevice, the_eighth_question_waits_until_one_is_answered_and_commands_pass_it) {
     start(of_vendor(serial("fc", fc.path())));
     for (std::uint8_t n = 0; n < 10; ++n) send(ask(n));
     const Bytes lock = frame(0xFE, 0xDC, 0xC0, {0x10, 0, 2});
     send(lock);
-    ASSERT_TRUE(until_heard(10));
-    EXPECT_EQ(heard().back(), lock);
-    EXPECT_EQ(heard()[8], ask(7));
-    EXPECT_EQ(gateway->count("fc", "waiting"), 2u);
+    ASSERT_TRUE(until_heard(9));
+    EXPECT_EQ(heard()[8], lock);
+    EXPECT_EQ(heard()[7], ask(6)) << "the eighth place is kept for the gateway's own questions";
+    EXPECT_EQ(gateway->count("fc", "waiting"), 3u);
     EXPECT_TRUE(gateway->counters_add_up());
     const TimePoint answered = Clock::now();
     fc.write(answer(4));
-    ASSERT_TRUE(until_heard(11));
+    ASSERT_TRUE(until_heard(10));
     EXPECT_LT(Clock::now() - answered, 450ms) << "by the answer, not by the time";
-    EXPECT_EQ(heard().back(), ask(8));
-    EXPECT_EQ(gateway->count("fc", "waiting"), 1u);
+    EXPECT_EQ(heard()[9], ask(7));
+    EXPECT_EQ(gateway->count("fc", "waiting"), 2u);
 }
 
-TEST_F(VendorDevice, the_ninth_question_leaves_when_the_others_stay_unanswered) {
+TEST_F(VendorDevice, the_eighth_question_leaves_when_the_others_stay_unanswered) {
     start(of_vendor(serial("fc", fc.path())));
     const TimePoint asked = Clock::now();
     for (std::uint8_t n = 0; n < 20; ++n) send(ask(n));
@@ -191,24 +192,24 @@ TEST_F(VendorDevice, the_ninth_question_leaves_when_the_others_stay_unanswered) 
 TEST_F(VendorDevice, what_waits_is_counted_when_the_device_goes) {
     start(of_vendor(serial("fc", fc.path())));
     for (std::uint8_t n = 0; n < 12; ++n) send(ask(n));
-    EXPECT_EQ(gateway->count("fc", "waiting"), 4u);
+    EXPECT_EQ(gateway->count("fc", "waiting"), 5u);
     fc.unplug();
     ASSERT_TRUE(gateway->until_waiting("fc"));
-    EXPECT_EQ(gateway->count("fc", "link_down"), 4u);
+    EXPECT_EQ(gateway->count("fc", "link_down"), 5u);
     EXPECT_EQ(gateway->count("fc", "waiting"), 0u);
     EXPECT_TRUE(gateway->counters_add_up());
     fc.plug();
     ASSERT_TRUE(gateway->until_up("fc"));
     const std::uint64_t before = gateway->count("fc", "frames_out");
-    for (std::uint8_t n = 0; n < 8; ++n) send(ask(n));
-    EXPECT_TRUE(gateway->until([&] { return gateway->count("fc", "frames_out") == before + 8; })) << "nothing old is in flight";
+    for (std::uint8_t n = 0; n < 7; ++n) send(ask(n));
+    EXPECT_TRUE(gateway->until([&] { return gateway->count("fc", "frames_out") == before + 7; })) << "nothing old is in flight";
 }
 
 TEST_F(VendorDevice, the_end_does_not_wait_for_answers) {
     start(of_vendor(serial("fc", fc.path())));
     for (std::uint8_t n = 0; n < 12; ++n) send(ask(n));
     EXPECT_LT(gateway->stop(), 400ms);
-    EXPECT_EQ(gateway->count("fc", "link_down"), 4u);
+    EXPECT_EQ(gateway->count("fc", "link_down"), 5u);
     EXPECT_TRUE(gateway->counters_add_up());
 }
 

@@ -288,18 +288,19 @@ TEST_F(HttpClient, has_the_words_of_a_web_socket_that_is_refused) {
 
 TEST_F(HttpClient, asks_again_while_there_is_no_place) {
     ServerLimits limits;
-    limits.connections = 1;
+    limits.local.streams = 1;
     serve(limits);
     Client first{loop.io, path};
     first.stream(
         get("/lines"), [](std::string_view) {}, [](Outcome) {});
     ASSERT_TRUE(loop.until([&] { return lines.wake != nullptr; }));
-    EXPECT_EQ(ask(get("/big"), {.patience = 500ms}).answer.status, 503u);
+    EXPECT_EQ(ask(get("/lines"), {.patience = 500ms}).answer.status, 503u);
     outcome.reset();
     Client second{loop.io, path};
-    second.ask(get("/big"), [&](Outcome came) { outcome = std::move(came); });
+    second.ask(get("/lines"), to_outcome());
     loop.until([&] { return outcome.has_value(); }, 100ms);
     first.cancel();
+    lines.ends = true;
     EXPECT_EQ(until_outcome().answer.status, 200u);
 }
 

@@ -183,8 +183,9 @@ TEST_F(LaterAnswers, are_waited_for_at_the_end_until_none_is_made_any_more) {
 }
 
 TEST_F(LaterAnswers, for_who_has_gone_are_said_to_nobody) {
-    ::close(ask("POST /work HTTP/1.1\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"));
+    const int gone = ask("POST /work HTTP/1.1\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
     ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));
+    ::close(gone);
     waiting[0](error(500, "nobody"));
     const int other = ask("GET /now HTTP/1.1\r\n\r\n");
     EXPECT_TRUE(heard(other, "at once"));

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <new>
 #include <optional>
 #include <span>
 #include <string>
@@ -109,11 +110,16 @@ public:
         int sent_all = 0;
         bool gone = false;
         bool echoes = true;
+        bool has_memory = true;    // false: it throws what short memory throws
     };
     explicit Echo(State& state) : state_{state} {}
     ~Echo() override { state_.gone = true; }
-    void opened(WebSocket& socket) override { state_.socket = &socket; }
+    void opened(WebSocket& socket) override {
+        state_.socket = &socket;
+        if (!state_.has_memory) throw std::bad_alloc{};
+    }
     void heard(std::string_view message, WebSocket::Kind kind) override {
+        if (!state_.has_memory) throw std::bad_alloc{};
         if (state_.echoes) state_.socket->send(std::make_shared<const std::string>(message), kind);
     }
     void sent_all() override { ++state_.sent_all; }

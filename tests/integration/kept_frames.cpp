@@ -1,5 +1,5 @@
 // The frames of the last while, in memory.
-#include <daemon/kept_frames.hpp>
+#include <recording/kept_frames.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>
 

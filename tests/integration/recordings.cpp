@@ -403,11 +403,13 @@ TEST_F(Recordings, of_the_last_while_that_are_larger_than_all_may_be_stay_until_
 }
 
 TEST_F(Recordings, of_the_last_while_are_saved_when_a_device_logs_a_fault_but_once_a_minute_at_most) {
-    start(R"(, "record": {"start": false, "keep_last": "60s", "id": ["euler"]})");
+    start(R"(, "record": {"start": false, "keep_last": "60s", "id": ["euler"]}, "routes": [{"address": "0xDC", "link": "a"}])");
     send(frame(0xDC, 0xFF, 0xA0, {0, 'o', 'k'}));
+    for (const std::uint8_t stranger : Bytes{0x21, 0x22}) send(frame(stranger, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
     send(euler);
     ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 1; }));
-    EXPECT_EQ(get().at("keep_last").at("saved"), 0) << "a line in no colour is no fault";
+    EXPECT_EQ(get().at("keep_last").at("saved"), 0)
+        << "a line in no colour is no fault, and one from a network counts only where the address is pinned";
     send(frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
     ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("saved") == 1; })) << gateway->output();
     const std::string name = get().at("keep_last").at("last");
@@ -416,6 +418,19 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_a_device_logs_a_fault_but_on
     send(frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
     ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("skipped") == 1; }));
     EXPECT_EQ(get().at("keep_last").at("saved"), 1);
+}
+
+TEST_F(Recordings, of_the_last_while_are_saved_for_a_device_at_a_serial_port_but_for_nobody_in_its_name) {
+    PtyDevice device{dir / "tty"};
+    start(R"(, "record": {"start": false, "keep_last": "60s"})", R"(, "serial:)" + (dir / "tty") + R"(,name=fc")");
+    ASSERT_TRUE(gateway->until_up("fc"));
+    device.write(frame(0xDC, 0xFF, 0xA0, {0, 'o', 'k'}));
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 1; }));
+    for (std::uint8_t n = 0; n < 3; ++n) send(frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd', n}));
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 4; }));
+    EXPECT_EQ(get().at("keep_last").at("saved"), 0);
+    device.write(frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
+    EXPECT_TRUE(until([](const json& all) { return all.at("keep_last").at("saved") == 1; })) << gateway->output();
 }
 
 TEST_F(Recordings, of_the_last_while_are_saved_when_a_link_is_lost) {

@@ -1,8 +1,7 @@
 // replay:FILE: what devices said is said again, beside those who speak now.
-#include <daemon/status.hpp>
-#include <link/asio.hpp>
 #include <link/replay_file.hpp>
 #include <link/serial_settings.hpp>
+#include <status/status.hpp>
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>
 #include <support/files.hpp>
@@ -13,6 +12,7 @@
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
+#include <sys/asio.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

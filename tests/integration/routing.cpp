@@ -186,9 +186,9 @@ TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
         a.write(frame(0xDE, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 0}));
         b.write(frame(0xDE, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 1}));
         daemon->run_for(5ms);
-        return daemon->link("a").at("hint") == "two devices have the same id: give one of them another";
+        return daemon->link("a").at("hint") == "two devices have the same id: give one of them another (0xDE)";
     }));
-    EXPECT_EQ(daemon->link("b").at("hint"), "two devices have the same id: give one of them another");
+    EXPECT_EQ(daemon->link("b").at("hint"), "two devices have the same id: give one of them another (0xDE)");
     EXPECT_EQ(daemon->link("c").at("hint"), "");
 }
 
@@ -199,8 +199,12 @@ TEST_F(Routing, one_device_on_two_cables_is_told_to_be_one_group) {
     for (std::uint8_t n = 0; n < 3; ++n) {
         ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFE, 0x03, {n})) && say(b, "b", frame(0xDC, 0xFE, 0x03, {n})));
     }
-    EXPECT_EQ(daemon->link("a").at("hint"), "the same device on two links? give them one `group`");
-    EXPECT_EQ(daemon->link("b").at("hint"), "the same device on two links? give them one `group`");
+    EXPECT_EQ(
+        daemon->link("a").at("hint"),
+        "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id (0xDC)");
+    EXPECT_EQ(
+        daemon->link("b").at("hint"),
+        "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id (0xDC)");
     EXPECT_EQ(daemon->link("c").at("hint"), "");
     const auto conflict = daemon->status().at("conflicts").at(0);
     EXPECT_EQ(conflict.at("address"), "0xDC");
@@ -377,13 +381,43 @@ TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_is_told_when_nobody_els
     EXPECT_EQ(daemon.link("fc").at("hint_args").at("link"), "radio");
 }
 
+// At each link one hint: where it is of another address than at the other link, it says so.
+TEST(Gateway, hints_of_two_conflicts_name_the_address_and_those_of_one_are_the_same) {
+    TempDir dir;
+    PtyDevice a{dir / "a"}, b{dir / "b"}, c{dir / "c"};
+    UdpPeer host;
+    RunningGateway daemon{serial("a", a.path()), serial("b", b.path()), serial("c", c.path()), udp_listen("ground")};
+    ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("b") && daemon.until_up("c"));
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("a", "frames_out") == 1; }));
+    int n = 0;
+    const auto telemetry = [&](std::uint8_t from, std::uint8_t last) {
+        return frame(from, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), last});
+    };
+    const auto hint = [&](const char* link) { return std::string{daemon.link(link).at("hint")}; };
+    EXPECT_TRUE(daemon.until([&] {
+        ++n;
+        a.write(telemetry(0xDE, 0));
+        b.write(telemetry(0xDE, 1));
+        b.write(telemetry(0xDD, 0));
+        c.write(telemetry(0xDD, 0));
+        daemon.run_for(5ms);
+        return hint("a").starts_with("two devices") && hint("b").find("0xDD") != std::string::npos;
+    })) << hint("a")
+        << " / " << hint("b");
+    EXPECT_EQ(hint("a"), "two devices have the same id: give one of them another (0xDE)");
+    EXPECT_EQ(hint("b"), hint("c"));
+    EXPECT_TRUE(hint("b").starts_with("the same frames by two links: one device?")) << hint("b");
+}
+
 // While no host is known, frames from one cable go out by the other: that can't be told from a ring.
 TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
     TempDir dir;
     PtyDevice one{dir / "one"}, two{dir / "two"};
     RunningGateway daemon{serial("one", one.path()), serial("two", two.path()), udp_listen("ground")};
     ASSERT_TRUE(daemon.until_up("one") && daemon.until_up("two"));
-    const std::string words = "the same device on two links? give them one `group`";
+    const std::string words =
+        "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id";
     std::uint8_t count = 0;
     EXPECT_TRUE(daemon.until([&] {
         one.write(frame(0xDC, 0xFE, 0x03, {count}));

@@ -6,6 +6,8 @@
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 #include <support/vendor_frames.hpp>
+#include <support/wait.hpp>
+#include <sys/device_holder.hpp>
 
 #include <gtest/gtest.h>
 
@@ -139,6 +141,52 @@ TEST(SerialLink, a_port_that_another_program_has_locked_is_waited_for_and_the_st
     ::kill(holder.pid(), SIGKILL);
     holder.wait();
     EXPECT_TRUE(daemon.until_up("fc")) << "it is free now";
+}
+
+// socat may have both sides of a pseudo-terminal: it is what the port leads to, and takes nothing away.
+TEST(SerialLink, who_has_the_other_side_of_the_port_is_no_program_that_reads_along) {
+    int ready[2];
+    ASSERT_EQ(::pipe(ready), 0);
+    Child socat{[&] {
+        const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+        if (::grantpt(master) != 0 || ::unlockpt(master) != 0) return 1;
+        const std::string name = ::ptsname(master);
+        const int user_side = ::open(name.c_str(), O_RDWR | O_NOCTTY);
+        if (user_side < 0 || ::write(ready[1], name.c_str(), name.size() + 1) < 0) return 1;
+        return ::pause();
+    }};
+    char name[64];
+    ASSERT_GT(::read(ready[0], name, sizeof name), 0);
+    ASSERT_TRUE(anogate::device_holder(name));
+    EXPECT_FALSE(anogate::device_holder(name, anogate::OtherSide::does_not_count));
+    RunningGateway daemon{serial("fc", name)};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    EXPECT_NE(daemon.link("fc").at("hint_id"), "shared_port") << daemon.link("fc");
+}
+
+TEST(SerialLink, a_program_that_has_the_port_open_without_a_lock_is_named_until_it_ends) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    Child other{[&] {
+        ::close(fc.fd());    // who has the other side as well takes nothing away
+        const PortUser reads{fc.path()};
+        return ::pause();
+    }};
+    ASSERT_TRUE(wait_until([&] {
+        const auto holder = anogate::device_holder(fc.path());
+        return holder && holder->pid == other.pid();
+    }));
+    RunningGateway daemon{serial("fc", fc.path())};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    const auto link = daemon.link("fc");
+    EXPECT_EQ(link.at("hint_id"), "shared_port") << link;
+    EXPECT_NE(
+        link.at("hint").get<std::string>().find("(pid " + std::to_string(other.pid()) + ") has " + fc.path() + " open as well"),
+        std::string::npos)
+        << link;
+    ::kill(other.pid(), SIGKILL);
+    other.wait();
+    EXPECT_NE(daemon.link("fc").at("hint_id"), "shared_port");
 }
 
 TEST(SerialLink, a_port_that_another_program_holds_exclusively_is_waited_for) {

@@ -31,9 +31,10 @@ protected:
         ground_port = daemon.port("ground");
         app.emplace(dir / "app");
         ASSERT_TRUE(daemon.until_up("app"));
-        ground.send(ground_port, numbered(0xFE, command, 0));
-        other.send(ground_port, numbered(40, telemetry, 0));
-        app->write(numbered(0xFE, command, 1));
+        ground.send(ground_port,
+                    numbered(0xFE, command, 250));    // no bytes that come again by another link: a probe would follow
+        other.send(ground_port, numbered(40, telemetry, 250));
+        app->write(numbered(0xFE, command, 251));
         ASSERT_TRUE(wait_until([&] { return split(taker.heard()).frames.size() == 3; }));
         taker.forget();
     }

@@ -1,6 +1,6 @@
 // GET /status: its shape is an interface, and its hints are what a user reads first.
-#include <daemon/status.hpp>
 #include <link/link_error.hpp>
+#include <status/status.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -19,10 +19,10 @@ using namespace std::chrono_literals;
 using namespace support;
 using nlohmann::json;
 
-const char* const counters[] = {"frames_in",  "bytes_in",  "bad_check",  "bad_length",  "skipped_bytes", "expired",
-                                "denied_in",  "inhibited", "looped",     "duplicate",   "no_route",      "frames_out",
-                                "bytes_out",  "empty_out", "superseded", "queue_full",  "stale",         "limited",
-                                "denied_out", "link_down", "too_big",    "send_failed", "held_back",     "waiting"};
+const char* const counters[] = {
+    "frames_in", "bytes_in",   "bad_check",  "bad_length", "skipped_bytes", "expired",     "denied_in",  "inhibited",  "looped",
+    "duplicate", "no_route",   "frames_out", "bytes_out",  "empty_out",     "flush_bytes", "superseded", "queue_full", "stale",
+    "limited",   "denied_out", "link_down",  "too_big",    "send_failed",   "held_back",   "waiting"};
 
 TEST(Status, has_the_shape_that_programs_depend_on) {
     const TempDir dir;

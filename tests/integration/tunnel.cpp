@@ -575,7 +575,7 @@ TEST_P(Ring, nothing_goes_round) {
         let_pass(50ms);
         return seen() == before;
     }));
-    EXPECT_LT(before, 4u * 10 * anogate::LoopGuard::repeats) << "each its turns at most, on every link";
+    EXPECT_LT(before, 4u * 10 * 1000) << "each its turns at most, on every link";
     EXPECT_TRUE(a->gateway->counters_add_up() && b->gateway->counters_add_up());
 }
 

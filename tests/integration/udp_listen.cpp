@@ -499,9 +499,9 @@ TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_netwo
     for (const auto& each : listening) {
         const std::string link = each.first;
         UdpPeer closed{link == "six" ? "[::1]:0" : "127.0.0.1:0"};
-        closed.send(daemon.port(link), vendor::who_are_you);
+        for (int i = 0; i < 2; ++i) closed.send(daemon.port(link), vendor::who_are_you);    // one datagram might be forged
         each.second->send(daemon.port(link), vendor::who_are_you);
-        ASSERT_TRUE(daemon.until([&] { return peers(daemon, link) == 2; }));
+        ASSERT_TRUE(daemon.until([&] { return peers(daemon, link) == 2 && daemon.count(link, "frames_in") == 3; }));
     }
     const auto began = anogate::Clock::now();
     ASSERT_TRUE(daemon.until([&] {
@@ -522,8 +522,7 @@ TEST(UdpListenLink, hosts_whose_ports_are_closed_are_gone_also_when_an_alarm_doe
     for (std::size_t i = 0; i < 2; ++i) {
         UdpPeer closed;
         closed.send(gateway.port("ground"), vendor::who_are_you);
-        const auto known = [&](const nlohmann::json&) { return gateway.link("ground").at("channels").size() > i; };
-        ASSERT_TRUE(gateway.until(known));
+        ASSERT_TRUE(gateway.until([&](const nlohmann::json&) { return gateway.count("ground", "frames_in") > i; }));
     }
     EXPECT_TRUE(gateway.until([&](const nlohmann::json&) { return gateway.link("ground").at("channels").empty(); }));
 }
@@ -541,7 +540,7 @@ TEST(UdpListenLink, strangers_by_the_thousand_leave_the_link_working) {
     }
     steady.send(port, vendor::who_are_you);
     EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") > 4750; }));
-    EXPECT_EQ(peers(daemon), 4u);
+    EXPECT_EQ(peers(daemon), 3u) << "one place is kept for a host that sends commands";
     EXPECT_TRUE(daemon.counters_add_up());
 }
 

@@ -49,6 +49,7 @@ std::vector<KeptItem> flight() {
             items.push_back(loss);
         }
     }
+    if (items.back().frame.empty()) items.pop_back();    // a loss is written with the next frame, or at the end
     return items;
 }
 
@@ -74,7 +75,8 @@ std::string hex_of(const support::Bytes& bytes) {
 // Numbers of 64 bits as text: JavaScript would round them.
 std::string truth_of(const KeptItem& item) {
     if (item.frame.empty()) return ano::Json{{"lost", item.lost}, {"names", item.names}}.dump();
-    const ano::Json decoded = ano::Json::parse(anogate::recorded_json(anogate::Recorded{support::frame_of(item)}, {}));
+    const ano::Json decoded = ano::Json::parse(
+        anogate::recorded_json(anogate::Recorded{support::frame_of(item)}, {.encoding = ano::Encoding::automatic}));
     return ano::Json{{"time", std::to_string(item.time_ns)},
                      {"boottime", std::to_string(item.boottime_ns)},
                      {"link", item.link},

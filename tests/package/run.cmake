@@ -82,7 +82,7 @@ if(NOT output STREQUAL "E0 from the host\n")
   message(FATAL_ERROR "first_frame printed: ${output}")
 endif()
 run(${BUILD}/package/build/first_question)
-if(NOT output STREQUAL "AB FE DC E0 03 00 00 00 00 68 46 again after 300 ms\n")
+if(NOT output STREQUAL "AB FE DC E0 03 00 00 00 00 68 46 again after 200 ms\n")
   message(FATAL_ERROR "first_question printed: ${output}")
 endif()
 

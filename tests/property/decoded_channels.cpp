@@ -69,7 +69,7 @@ Json as_in_the_message(const ano::Reading& reading, const ano::Field& field, con
 /// What differs between what `told` says and what our decoding says; empty: nothing. A field of two units is found by the second name.
 std::string difference(const Json& told, const Bytes& frame) {
     const ano::Reading reading = ano::read(ano::FrameView{frame});
-    const Json own = ano::fields_to_json(reading);
+    const Json own = ano::fields_to_json(reading, {.encoding = ano::Encoding::automatic});
     std::set<std::string> said;
     for (const ano::Field& f : reading.fields()) {
         std::string name{f.name};
@@ -185,7 +185,9 @@ TEST(DecodedChannels, names_of_flexible_values_make_definitions_of_ros) {
         Bytes data(layouts.all().front().size());
         for (auto& byte : data) byte = random.byte();
         const Bytes frame = support::frame(5, 6, 0xF1, data);
-        DecodedChannels cdr{DecodedEncoding::cdr, &layouts}, json{DecodedEncoding::json, &layouts};
+        const auto decoding = std::make_shared<const anogate::Decoding>(
+            std::vector{ano::FlexibleSpec{.id = 0xF1, .fields = fields}});
+        DecodedChannels cdr{DecodedEncoding::cdr, decoding}, json{DecodedEncoding::json, decoding};
         const auto messages = cdr.decode(passed(frame));
         ASSERT_EQ(messages.size(), 1u) << seed;
         EXPECT_EQ(support::decoded_cdr(cdr.schemas()[0].text, messages[0].data).size(), fields.size()) << seed;

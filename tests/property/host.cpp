@@ -25,10 +25,11 @@ using support::Simulation;
 struct Read {
     ano::Duration took;
     std::size_t frames_back, bytes_back, bytes_there;
+    bool is_whole = true;
 };
 
-// Everything of a device with n parameters, which must come whole.
-Read read_all(std::size_t n, LineFaults line, std::uint64_t seed) {
+// Everything of a device with n parameters; `whole`: which must come whole.
+Read read_all(std::size_t n, LineFaults line, std::uint64_t seed, bool whole = true) {
     FakeDevice fake;
     fake.make_parameters(n);
     Device device{0xDC};
@@ -38,6 +39,7 @@ Read read_all(std::size_t n, LineFaults line, std::uint64_t seed) {
     const ano::Duration took = simulation.run(parameters);
     EXPECT_TRUE(parameters.end()) << "seed " << seed;
     if (!parameters.end()) return {};
+    if (!whole && parameters.end()->ending != Ending::done) return {took, 0, 0, 0, false};
     EXPECT_EQ(parameters.end()->ending, Ending::done) << "seed " << seed << ": " << parameters.end()->what;
     for (std::uint16_t id = 0; id < n; ++id) EXPECT_EQ(parameters.descriptions()[id].name, fake.parameters[id].name);
     EXPECT_FALSE(fake.crashed);
@@ -63,6 +65,87 @@ TEST(Host, on_a_clean_line_of_115200_baud_300_parameters_take_at_most_1_3_times_
     RecordProperty("ratio", std::to_string(ratio(read.took, wire)));
     EXPECT_LE(ratio(read.took, wire), 1.3);
     EXPECT_EQ(read.frames_back, 603u) << "nothing is asked twice";
+}
+
+// Random loss is not congestion. The line is fast; a value and a description of each parameter are read.
+TEST(Host, at_random_loss_on_a_fast_line_121_parameters_are_read_in_seconds) {
+    using namespace std::chrono_literals;
+    struct Row {
+        double loss;
+        ano::Duration limit;
+    };
+    for (const Row& row : {Row{0.2, 3s}, Row{0.25, 5s}, Row{0.3, 8s}}) {
+        std::vector<ano::Duration> times;
+        std::size_t failed = 0;
+        const std::uint64_t seeds = support::trials(100);
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+            const Read read = read_all(121, {.delay = 1ms, .loss = row.loss}, seed, false);
+            if (read.is_whole) times.push_back(read.took);
+            else ++failed;
+        }
+        std::sort(times.begin(), times.end());
+        const auto name = "loss_" + std::to_string(static_cast<int>(100 * row.loss)) + "_ms_";
+        RecordProperty(name + "median", std::to_string(times[times.size() / 2] / 1ms));
+        RecordProperty(name + "nine_of_ten", std::to_string(times[times.size() * 9 / 10] / 1ms));
+        RecordProperty(name + "worst", std::to_string(times.back() / 1ms));
+        RecordProperty(name + "failed", std::to_string(failed));
+        EXPECT_LE(times.back(), row.limit) << row.loss;
+        EXPECT_EQ(failed, 0u) << row.loss;
+    }
+}
+
+// Blocking code in the device's interrupt: questions that come while it sends an answer are lost.
+TEST(Host, a_device_that_loses_questions_while_it_answers_is_asked_one_at_a_time) {
+    using namespace std::chrono_literals;
+    FakeDevice fake;
+    fake.make_parameters(121);
+    Device device{0xDC};
+    Parameters first{device}, second{device};
+    Simulation simulation{device, fake, {.delay = 1ms, .baud = 115200}};
+    simulation.blocks = true;
+    first.read_all(simulation.now);
+    simulation.run(first);
+    ASSERT_TRUE(first.end());
+    EXPECT_EQ(first.end()->ending, Ending::done) << first.end()->what;
+    EXPECT_EQ(device.window(), 1u);
+    const std::size_t sent = simulation.frames_there;
+    second.read_all(simulation.now);
+    const ano::Duration took = simulation.run(second);
+    EXPECT_EQ(second.end()->ending, Ending::done);
+    EXPECT_LE(simulation.frames_there - sent, 3 + 2 * 121 + 5u) << "hardly anything is lost any more";
+    EXPECT_LE(took, 4s);
+}
+
+TEST(Host, a_line_that_loses_at_random_is_not_taken_for_such_a_device) {
+    using namespace std::chrono_literals;
+    FakeDevice fake;
+    fake.make_parameters(121);
+    Device device{0xDC};
+    Parameters parameters{device};
+    Simulation simulation{device, fake, {.delay = 1ms, .loss = 0.3}, 3};
+    parameters.read_all(simulation.now);
+    simulation.run(parameters);
+    ASSERT_TRUE(parameters.end());
+    EXPECT_EQ(parameters.end()->ending, Ending::done) << parameters.end()->what;
+    EXPECT_GT(device.window(), 1u);
+}
+
+// `rate=30`: a question waits up to three seconds before it leaves.
+TEST(Host, waiting_in_our_own_queue_is_no_waiting_for_an_answer) {
+    using namespace std::chrono_literals;
+    FakeDevice fake;
+    fake.make_parameters(10);
+    Device device{0xDC};
+    Parameters parameters{device};
+    Simulation simulation{device, fake, {.delay = 1ms}};
+    simulation.queue_rate = 30;
+    parameters.read_all(simulation.now);
+    simulation.run(parameters);
+    ASSERT_TRUE(parameters.end());
+    EXPECT_EQ(parameters.end()->ending, Ending::done) << parameters.end()->what;
+    EXPECT_EQ(simulation.frames_there, 3u + 2 * 10) << "nothing is asked twice";
+    ASSERT_TRUE(device.round_trip().smoothed());
+    EXPECT_LE(*device.round_trip().smoothed(), 10ms);
 }
 
 TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_what_bytes_and_answers_need) {

@@ -80,6 +80,33 @@ Bytes random_piece(Random& random, std::size_t max_data) {
     }
 }
 
+// An image, whole, damaged, cut short, or claimed by a false header.
+Bytes random_image(Random& random) {
+    const auto color = random.of<std::uint8_t>({0, 0, 1, 6, 7});
+    const auto width = random.of<std::uint16_t>({160, 320, 1001, 0, 3}), height = random.of<std::uint16_t>({120, 240, 20, 0});
+    const int bits = random.one_in(2) ? (width + 7) / 8 : width / 8;
+    const auto row = static_cast<std::size_t>(std::max(1, color == 0 ? int{width} : bits));
+    Bytes data(17 + random.below(std::size_t{20'200} / row) * row);
+    for (std::size_t i = 17; i < data.size(); ++i) data[i] = random.one_in(20) ? ano::head : random.byte();
+    if (random.one_in(3) && data.size() > 1000) {
+        const Bytes inner = random_frame(random, 40);
+        std::copy(inner.begin(), inner.end(), data.begin() + 500);
+        std::copy(inner.begin(), inner.end(), data.begin() + 500 + static_cast<std::ptrdiff_t>(inner.size()));
+    }
+    const Bytes head{1,
+                     0,
+                     color,
+                     static_cast<std::uint8_t>(width),
+                     static_cast<std::uint8_t>(width >> 8),
+                     static_cast<std::uint8_t>(height),
+                     static_cast<std::uint8_t>(height >> 8)};
+    std::copy(head.begin(), head.end(), data.begin());
+    Bytes bytes = support::frame(random_source(random), random.byte(), 0xB0, data);
+    if (random.one_in(4)) bytes[random.below(bytes.size())] ^= 0x04;
+    if (random.one_in(3)) bytes.resize(random.below(random.one_in(2) ? 40u : bytes.size()));
+    return bytes;
+}
+
 // Behind a good frame, headers enough that the search for two frames in a row has next to nothing left to spend.
 Bytes flood(std::size_t max_data) {
     Bytes bytes = support::frame(1, 2, 3, {});
@@ -99,7 +126,8 @@ TEST_P(AnyInput, gives_the_frames_of_the_reference_and_its_counters) {
         const bool datagrams = random.one_in(2);
         BothParsers both{{.max_data = max_data,
                           .line_rate = random.of<std::uint32_t>({0, 11520, 50000}),
-                          .quiet = random.of<ano::Duration>({50ms, 100ms, 400ms})}};
+                          .quiet = random.of<ano::Duration>({50ms, 100ms, 400ms}),
+                          .frame_gap = random.of<ano::Duration>({0ms, 0ms, 20ms, 300ms})}};
         if (max_data >= 255 && random.one_in(2)) {
             const Bytes bytes = flood(max_data);
             for (std::span<const std::uint8_t> rest{bytes}; !rest.empty();) {
@@ -133,6 +161,32 @@ TEST_P(AnyInput, gives_the_frames_of_the_reference_and_its_counters) {
 
 INSTANTIATE_TEST_SUITE_P(max_data, AnyInput, testing::Values(0, 1, 30, 255, 600, 4096),
                          [](const auto& test) { return std::to_string(test.param); });
+
+TEST(FrameParser, finds_images_among_other_frames_as_the_reference_does) {
+    std::size_t large = 0;
+    for (std::uint64_t seed = 0; seed < support::trials(40); ++seed) {
+        Random random{seed};
+        BothParsers both{{.line_rate = random.of<std::uint32_t>({0, 11520, 500000})}};
+        const bool datagrams = random.one_in(3);
+        for (int step = 0; step < 40 && both.difference.empty(); ++step) {
+            Bytes bytes = random.one_in(2) ? random_image(random) : random_piece(random, 4096);
+            while (random.one_in(2)) append(bytes, random_piece(random, 200));
+            if (datagrams) both.put_datagram(bytes);
+            for (std::span<const std::uint8_t> rest{bytes}; !datagrams && !rest.empty();) {
+                const std::size_t n = std::min(rest.size(), 1 + random.below(random.of<std::size_t>({30, 700, 5000})));
+                both.put(rest.first(n));
+                rest = rest.subspan(n);
+                if (random.one_in(20)) both.expire();
+            }
+            both.now += random.of<ano::Duration>({0ms, 1ms, 49ms, 100ms, 1100ms});
+            if (random.one_in(3)) both.expire();
+        }
+        both.finish();
+        ASSERT_EQ(both.difference, "") << "seed " << seed;
+        for (const Bytes& frame : both.frames()) large += frame.size() > 4104;
+    }
+    EXPECT_GT(large, 40u);
+}
 
 TEST(FrameParser, finds_exactly_the_good_frames_among_noise_without_a_header_however_it_is_cut) {
     for (std::uint64_t seed = 0; seed < support::trials(200); ++seed) {

@@ -24,24 +24,33 @@ struct Model {
         bool near;
         bool host = false;
         TimePoint heard;
+        bool once = true;
         std::vector<TimePoint> refused{};    // since it was heard
     };
     std::map<ChannelId, Peer> peers;
 
-    static bool dead(const Peer& p) { return p.refused.size() >= 3 && p.refused.back() - p.refused.front() >= 5s; }
+    static bool dead(const Peer& p) {
+        if (p.refused.empty()) return false;
+        return p.once || (p.refused.size() >= 3 && p.refused.back() - p.refused.front() >= 5s);
+    }
     ChannelSet overdue(TimePoint now) const {
         ChannelSet result;
         std::map<std::string, std::vector<std::pair<TimePoint, ChannelId>>> listeners;    // silent ones, by address
+        std::vector<std::pair<TimePoint, ChannelId>> once;
         for (const auto& [id, p] : peers) {
-            const Duration silent = now - p.heard;
+            const Duration silent = now - p.heard, patience = p.once && p.near ? Duration{10s} : timeout;
             const bool listens = p.near && p.host;
-            if (dead(p) || silent >= (listens ? Duration{1h} : timeout)) result.insert(id);
-            if (listens && !dead(p) && silent >= timeout) listeners[p.address.text()].push_back({p.heard, id});
+            if (dead(p) || silent >= (listens ? Duration{1h} : patience)) result.insert(id);
+            if (listens && !dead(p) && silent >= patience) listeners[p.address.text()].push_back({p.heard, id});
         }
         for (auto& [address, all] : listeners) {
             std::sort(all.rbegin(), all.rend());
             for (std::size_t i = 2; i < all.size(); ++i) result.insert(all[i].second);
+            for (std::size_t i = 0; i < std::min<std::size_t>(2, all.size()); ++i)
+                if (peers.at(all[i].second).once) once.push_back(all[i]);
         }
+        std::sort(once.begin(), once.end());
+        for (std::size_t i = 8; i < once.size(); ++i) result.insert(once[i].second);
         return result;
     }
 };
@@ -54,15 +63,20 @@ TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
         TimePoint now = TimePoint{} + 10h;
         for (int step = 0; step < 400; ++step) {
             now += random.of({Duration{0}, Duration{1ms}, Duration{700ms}, Duration{3s}, Duration{40s}, Duration{11min}});
-            const auto id = static_cast<ChannelId>(random.below(10u));
+            const auto id = static_cast<ChannelId>(random.below(20u));
             const bool known = model.peers.contains(id);
             if (!known) {
-                const Endpoint endpoint{IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(random.below(3u))), 5000};
+                const Endpoint endpoint{
+                    IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(random.below(random.one_in(2) ? 3u : 12u))), 5000};
                 const bool near = !random.one_in(4);
                 book.add(id, endpoint, near, now);
                 model.peers[id] = {endpoint.address, near, false, now};
             } else if (random.one_in(3)) {
                 const auto source = random.of<std::uint8_t>({0xFE, 0xD2, 0xDC, 0x20});
+                if (random.one_in(2)) {
+                    book.came(id);
+                    model.peers[id].once = false;
+                }
                 book.heard(id, source, now);
                 model.peers[id].heard = now;
                 model.peers[id].host |= source == 0xFE || source == 0xD2;

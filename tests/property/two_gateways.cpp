@@ -114,7 +114,7 @@ struct World {
         events.push({at, ++numbers, node, channel, bytes});
     }
     void run() {
-        while (!events.empty()) {
+        while (!events.empty() && events.top().at < end) {
             const Event event = events.top();
             events.pop();
             ASSERT_LT(++handled, most) << "a storm";
@@ -155,7 +155,7 @@ struct World {
     std::priority_queue<Event, std::vector<Event>, std::greater<>> events;
     std::vector<std::map<std::uint64_t, int>> arrived;    // how often, by frame_key()
     int times(unsigned node, const Bytes& bytes) { return arrived[node][frame_key(ano::FrameView{bytes})]; }
-    TimePoint now{};
+    TimePoint now{}, end = TimePoint::max();
     std::uint64_t numbers = 0;
     std::size_t handled = 0, most;
 };
@@ -186,7 +186,8 @@ void for_all_delays(Test test) {
     }
 }
 
-TEST(TwoGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
+// Until the loop is known three times at most, however long the way round takes: a copy may be of a board that sends the same bytes.
+TEST(TwoGateways, every_broadcast_arrives_and_soon_once_and_nothing_goes_round) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         for (const bool grouped : {false, true}) {
             World world{static_cast<std::uint8_t>(grouped)};
@@ -195,12 +196,17 @@ TEST(TwoGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
                 const unsigned from = static_cast<unsigned>(n) % 2;
                 const auto source = static_cast<std::uint8_t>(0xDC + from);
                 const Bytes data{static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)};
-                world.send(from, device, support::frame(source, 0xFF, 0x03, data), TimePoint{} + n * 7ms);
+                world.send(from, device, support::frame(source, 0xFF, 0x03, data), TimePoint{1h} + n * 50ms);
             }
             world.run();
-            for (const auto& arrived : world.arrived) {
-                EXPECT_EQ(arrived.size(), 50u);
-                for (const auto& [key, times] : arrived) EXPECT_EQ(times, 1);
+            for (int n = 0; n < 100; ++n) {
+                const unsigned from = static_cast<unsigned>(n) % 2;
+                const auto source = static_cast<std::uint8_t>(0xDC + from);
+                const Bytes data{static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)};
+                const Bytes frame = support::frame(source, 0xFF, 0x03, data);
+                EXPECT_GE(world.times(1 - from, frame), 1) << n;
+                EXPECT_LE(world.times(1 - from, frame), grouped || n >= 60 ? 1 : 3) << n;
+                EXPECT_LE(world.times(from, frame), grouped || n >= 60 ? 0 : 3) << n << ": its own side";
             }
         }
     });
@@ -215,7 +221,7 @@ TEST(TwoGateways, a_broadcast_that_repeats_still_arrives) {
         for (int n = 0; n < 100; ++n) world.send(0, device, frame, TimePoint{} + n * 10ms);
         world.run();
         EXPECT_GE(world.times(1, frame), 100);
-        EXPECT_LE(world.times(1, frame), 130);
+        EXPECT_LE(world.times(1, frame), 300);
     });
 }
 
@@ -293,8 +299,8 @@ World ring_of(unsigned count, support::Random& random, Duration slowest, bool pr
     return world;
 }
 
-// Cold: nothing was ever said before. The probe is answered before the frame has gone round a second time.
-TEST(Ring, a_command_passes_twice_at_most_and_once_when_the_ring_is_known) {
+// Cold: nothing was ever sent before. The probe is back before the frame has gone round a second time.
+TEST(Ring, a_command_passes_three_times_at_most_and_once_when_the_ring_is_known) {
     support::Random random{1};
     for (std::uint64_t i = 0; i < support::trials(100); ++i) {
         const unsigned count = 1 + random.below(3u);
@@ -308,97 +314,208 @@ TEST(Ring, a_command_passes_twice_at_most_and_once_when_the_ring_is_known) {
             for (int n = 0; n < 20; ++n) {
                 const int own = node == from;    // it does not hear itself
                 EXPECT_GE(world.times(node, order(n)) + own, 1) << node << ' ' << n;
-                EXPECT_LE(world.times(node, order(n)) + own, n == 0 ? 2 : 1) << node << ' ' << n;
+                EXPECT_LE(world.times(node, order(n)), n == 0 ? 3 : 1 - own) << node << ' ' << n;
             }
         EXPECT_LT(world.handled, 1000u);
     }
 }
 
-// A cable at one end, where no probe may go, and what devices say does not come back, for such a bridge keeps it.
-TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_twice_while_devices_speak) {
+// A cable at one end, by which no probe leaves. The probe by the other end is back before the frame if its way is no slower.
+TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_three_times) {
     support::Random random{5};
     for (std::uint64_t i = 0; i < support::trials(20); ++i) {
         SCOPED_TRACE(i);
         World world{1, 3};
         world.nodes[0].open(1, false);
-        world.join({0, 1}, {0, 2}, random.below(250) * 1ms, random.below(100) * 1ms);
+        world.join({0, 1}, {0, 2}, (100 + random.below(150)) * 1ms, random.below(100) * 1ms);
         world.carries = vendors_bridge;
         for (int n = 0; n < 200; ++n) world.send(0, device, telemetry(n), TimePoint{1h} + n * 50ms);
         for (int n = 0; n < 5; ++n) world.send(0, 3, order(n), TimePoint{1h} + 5s + n * 1s);
         world.run();
         for (int n = 0; n < 5; ++n) {
             EXPECT_GE(world.times(0, order(n)), 1) << n;
-            EXPECT_LE(world.times(0, order(n)), n == 0 ? 1 + 2 : 1) << n << ": what returned goes to the host as well";
+            EXPECT_LE(world.times(0, order(n)), n == 0 ? 3 + 2 : 1) << n << ": what returned goes to the host as well";
         }
     }
 }
 
-TEST(Ring, that_filters_the_probe_ends_long_before_a_thousand) {
+// At most 200 copies of a frame in a second, from two seconds on, and a hint.
+TEST(Ring, that_returns_no_probe_is_cut) {
     support::Random random{6};
     for (std::uint64_t i = 0; i < support::trials(100); ++i) {
         const unsigned count = 1 + random.below(3u);
-        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
-        World world = ring_of(count, random, random.of({0ms, 5ms, 90ms, 200ms}));
+        const bool probed = random.one_in(2);
+        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count << (probed ? "" : ", cables"));
+        World world = ring_of(count, random, random.of({0ms, 5ms, 90ms, 200ms}), probed);
         world.carries = lets_no_probe_through;
-        world.send(random.below(count), device, order(0), TimePoint{1h});
-        world.run();
-        for (unsigned node = 0; node < count; ++node) EXPECT_LE(world.times(node, order(0)), 400) << node;
+        const unsigned from = random.below(count);
+        const Bytes frame = random.one_in(2) ? order(0) : telemetry(0);
+        world.send(from, device, frame, TimePoint{1h});
+        std::vector<int> before(count);
+        for (int second = 2; second < 10; ++second) {
+            world.end = TimePoint{1h} + second * 1s;
+            world.run();
+            for (unsigned node = 0; node < count; ++node) {
+                const int times = world.times(node, frame);
+                EXPECT_LE(times - before[node], second == 2 ? 500 : 200) << node << ' ' << second;
+                before[node] = times;
+            }
+        }
     }
 }
 
-// However slow, and whatever the ring lets through: every command arrives, and it ends.
-TEST(Ring, ends_whatever_it_is_made_of) {
+// However slow, and whatever it is made of: every command arrives, and where the probe comes back it ends.
+TEST(Ring, ends_when_its_probe_comes_back) {
     support::Random random{2};
     for (std::uint64_t i = 0; i < support::trials(40); ++i) {
         const unsigned count = 1 + random.below(3u);
         SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
-        const bool probed = random.one_in(2);
-        World world = ring_of(count, random, random.of({0ms, 5ms, 90ms, 400ms}), probed);
-        world.carries = random.one_in(2) ? vendors_bridge : lets_no_probe_through;
-        world.most = 2'000'000;
+        World world = ring_of(count, random, random.of({0ms, 5ms, 90ms, 400ms}));
+        world.carries = vendors_bridge;
+        world.most = 1000;
         const unsigned from = random.below(count);
         const int orders = 1 + random.below(10);
         for (int n = 0; n < orders; ++n) world.send(from, device, order(n), TimePoint{1h} + n * 300ms);
         world.run();
         for (unsigned node = 0; node < count; ++node)
-            for (int n = 0; n < orders; ++n) EXPECT_GE(world.times(node, order(n)) + (node == from), 1) << node << ' ' << n;
-    }
-}
-
-// Where no probe may go. The third is one that a host on the way may have said: on a ring whose ways take differently long.
-TEST(Ring, of_cables_lets_a_command_pass_a_few_times_until_a_device_speaks) {
-    support::Random random{3};
-    for (std::uint64_t i = 0; i < support::trials(100); ++i) {
-        const unsigned count = 1 + random.below(2u);
-        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
-        World world = ring_of(count, random, random.of({0ms, 20ms, 200ms}), false);
-        const unsigned from = random.below(count);
-        const TimePoint telemetry = TimePoint{1h} + 10s;
-        for (int n = 0; n < 10; ++n) world.send(from, device, order(n), TimePoint{1h} + n * 300ms);
-        world.send(from, device, support::frame(0xDC, 0xFF, 0x01, {1}), telemetry);
-        for (int n = 10; n < 20; ++n) world.send(from, device, order(n), telemetry + 2s + n * 300ms);
-        world.run();
-        for (unsigned node = 0; node < count; ++node)
-            for (int n = 0; n < 20; ++n) {
-                const int times = world.times(node, order(n)) + (node == from);
-                EXPECT_GE(times, 1) << node << ' ' << n;
-                EXPECT_LE(times, n < 10 ? 3 : 1) << node << ' ' << n << ": a device's word told of the ring";
+            for (int n = 0; n < orders; ++n) {
+                EXPECT_GE(world.times(node, order(n)) + (node == from), 1) << node << ' ' << n;
+                EXPECT_LE(world.times(node, order(n)), 3) << node << ' ' << n;
             }
     }
 }
 
-// Entered by the ring itself, in one direction alone: it looks like a sender that repeats itself.
+// Entered by the ring itself: the first is a sender's, what comes after it may be one's that repeats itself until the loop is known.
 TEST(Ring, that_a_frame_entered_elsewhere_ends) {
-    for (const int tokens : {1, 2, 5}) {
-        World world{1, 2};
-        world.ways[{0, 2}] = {{0, 1}, 1ms};    // what leaves by 2 comes in by 1, and nothing the other way
-        for (int i = 0; i < tokens; ++i) world.send(0, 1, order(0), TimePoint{1h} + i * 100us);
-        world.run();
-        EXPECT_LE(world.handled, 16u * LoopGuard::repeats) << tokens;
-    }
+    for (const int tokens : {1, 2, 5})
+        for (const Duration way : {0ms, 20ms, 400ms}) {
+            World world{1, 2};
+            world.join({0, 1}, {0, 2}, way, way);
+            for (int i = 0; i < tokens; ++i)
+                for (const unsigned channel : {1u, 2u}) world.send(0, channel, order(0), TimePoint{1h} + i * 100us);
+            world.run();
+            EXPECT_GE(world.times(0, order(0)), 1) << tokens;
+            EXPECT_LE(world.times(0, order(0)), tokens == 1 ? 3 : 4 * tokens) << tokens << ' ' << way / 1ms;
+        }
 }
 
 // Several hosts that say the same at any pace, and no ring: three gateways in a row, with hosts at all of them.
+// Where no probe may go, telemetry that goes round is cut within two seconds.
+TEST(Ring, of_cables_is_found_by_the_copies_of_telemetry) {
+    support::Random random{10};
+    for (std::uint64_t i = 0; i < support::trials(30); ++i) {
+        const unsigned count = 1 + random.below(2u);
+        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
+        World world = ring_of(count, random, random.of({0ms, 20ms, 200ms}), false);
+        const unsigned from = random.below(count);
+        for (int n = 0; n < 400; ++n) world.send(from, device, telemetry(n), TimePoint{1h} + n * 10ms);
+        world.run();
+        for (unsigned node = 0; node < count; ++node)
+            for (int n = 0; n < 400; ++n) {
+                const int own = node == from;
+                EXPECT_GE(world.times(node, telemetry(n)) + own, 1) << node << ' ' << n;
+                EXPECT_LE(world.times(node, telemetry(n)), n < 200 ? 2 * 202 : 3) << node << ' ' << n;
+            }
+    }
+}
+
+// Two boards with one address and the same bytes, on links where no probe may go: each as often as it likes.
+TEST(Devices, that_send_the_same_lose_nothing) {
+    support::Random random{8};
+    for (std::uint64_t i = 0; i < support::trials(30); ++i) {
+        SCOPED_TRACE(i);
+        World world{1, 2};
+        world.nodes[0].open(1, false);
+        const Bytes frame = support::frame(random.of<std::uint8_t>({0x01, 0xFD, 0x00, 0xFF}), 0xFF, 0x03, {0, 0, 0});
+        int sent = 0;
+        for (const unsigned board : {0u, 1u}) {
+            const Duration period = (10 + random.below(500)) * 1ms, lag = random.below(10'000) * 1us;
+            for (Duration at = lag; at < 9s; at += period, ++sent) world.send(0, board, frame, TimePoint{1h} + at);
+        }
+        world.run();
+        EXPECT_EQ(world.times(0, frame), 2 * sent);
+        EXPECT_EQ(world.looped(), 0);
+    }
+}
+
+// The same where probes may go, at one rate.
+TEST(Devices, that_send_the_same_at_one_rate_lose_nothing_from_the_first) {
+    support::Random random{9};
+    for (std::uint64_t i = 0; i < support::trials(30); ++i) {
+        SCOPED_TRACE(i);
+        World world{1, 3};
+        const Bytes frame = support::frame(0x01, 0xFF, 0x03, {0, 0, 0});
+        const Duration period = (10 + random.below(500)) * 1ms, lag = random.below(10'000) * 1us;
+        int sent = 0;
+        for (Duration at{}; at < 9s; at += period, sent += 2) {
+            world.send(0, 1, frame, TimePoint{1h} + at);
+            world.send(0, 2, frame, TimePoint{1h} + at + lag);
+        }
+        world.run();
+        EXPECT_EQ(world.times(0, frame), 3 * sent);
+        EXPECT_EQ(world.looped(), 0);
+    }
+}
+
+// Each at its own rate, whichever was there first, and also when the link of one is opened later.
+TEST(Devices, that_send_the_same_at_any_rates_lose_nothing_from_the_first) {
+    support::Random random{11};
+    for (std::uint64_t i = 0; i < support::trials(60); ++i) {
+        SCOPED_TRACE(i);
+        World world{1, 3};
+        const Bytes frame = support::frame(random.of<std::uint8_t>({0x01, 0xDC, 0x00, 0xFF}), 0xFF, 0x03, {0, 0, 0});
+        const Duration later = random.of({0ms, 500ms, 3000ms});
+        int sent = 0;
+        for (const unsigned board : {1u, 2u}) {
+            const Duration period = (10 + random.below(500)) * 1ms, lag = random.below(10'000) * 1us;
+            for (Duration at = lag + (board == 2 ? later : 0ms); at < 9s; at += period, ++sent)
+                world.send(0, board, frame, TimePoint{1h} + at);
+        }
+        if (later > 0ms) {
+            world.end = TimePoint{1h} + later;
+            world.run();
+            world.nodes[0].open(2, true);
+            world.end = TimePoint::max();
+        }
+        world.run();
+        EXPECT_EQ(world.times(0, frame), 3 * sent);
+        EXPECT_EQ(world.looped(), 0);
+    }
+}
+
+// The ring is closed after a while, by links that were there or by new ones, while a device sends.
+TEST(Ring, that_is_closed_later_never_storms) {
+    support::Random random{12};
+    for (std::uint64_t i = 0; i < support::trials(40); ++i) {
+        const unsigned count = 1 + random.below(2u);
+        const bool opens = random.one_in(2), probed = random.one_in(2);
+        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count << (opens ? ", new links" : "")
+                                        << (probed ? "" : ", cables"));
+        World world = ring_of(count, random, random.of({0ms, 20ms, 200ms}), probed);
+        constexpr Duration closed = 3s;
+        world.carries = [&](const Bytes&) { return world.now >= TimePoint{1h} + closed; };
+        const unsigned from = random.below(count);
+        constexpr int frames = 900;
+        for (int n = 0; n < frames; ++n) world.send(from, device, telemetry(n), TimePoint{1h} + n * 10ms);
+        world.end = TimePoint{1h} + closed;
+        world.run();
+        if (opens)
+            for (Node& node : world.nodes)
+                for (const unsigned channel : {1u, 2u}) node.open(channel, probed);
+        world.end = TimePoint::max();
+        world.run();
+        int all = 0;
+        for (unsigned node = 0; node < count; ++node)
+            for (int n = 300; n < frames; ++n) {
+                const int times = world.times(node, telemetry(n)), own = node == from;
+                all += times;
+                EXPECT_GE(times + own, 1) << node << ' ' << n;
+                EXPECT_LE(times, n < 500 ? 2 * 202 : 3) << node << ' ' << n;
+            }
+        EXPECT_LE(all, static_cast<int>(count) * (frames - 300 + 4 * static_cast<int>(LoopGuard::max_surplus)));
+    }
+}
+
 TEST(Hosts, that_repeat_one_another_lose_nothing) {
     support::Random random{4};
     for (std::uint64_t i = 0; i < support::trials(50); ++i) {
@@ -448,7 +565,7 @@ TEST(Hosts, one_that_repeats_itself_and_stops_loses_nothing) {
             for (int n = 0; n < times; ++n) world.send(0, 1, order(0), TimePoint{1h} + n * pace);
             world.run();
             EXPECT_EQ(world.times(0, order(0)), 2 * times) << pace / 1ms << " ms";
-            EXPECT_LE(world.now - (TimePoint{1h} + (times - 1) * pace), LoopGuard::max_withheld) << pace / 1ms << " ms";
+            EXPECT_LE(world.now - (TimePoint{1h} + (times - 1) * pace), 500ms) << pace / 1ms << " ms";
         }
 }
 

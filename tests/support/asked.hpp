@@ -17,6 +17,7 @@ inline anogate::http::Answer asked(const std::string& socket, const std::string&
     request.method = method;
     request.target = target;
     request.body = body;
+    if (target.find("/firmware") != std::string::npos) request.headers.push_back({"Content-Type", "application/octet-stream"});
     if (!accept.empty()) request.headers.push_back({"Accept", accept});
     const anogate::http::Outcome outcome = anogate::http::ask(socket, request, {.patience = patience});
     EXPECT_EQ(outcome.fault, "") << method << ' ' << target;

@@ -3,7 +3,7 @@
 #include "running_gateway.hpp"
 #include "temp_dir.hpp"
 
-#include <daemon/routes.hpp>
+#include <control/routes.hpp>
 #include <http/client.hpp>
 #include <http/server.hpp>
 

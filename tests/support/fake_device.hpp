@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -31,6 +32,7 @@ public:
         std::string name, info;
         Bytes value;
         std::function<Bytes(Bytes)> store = nullptr;    // what it stores of a value written
+        std::int32_t min = -10, max = 100, mul = 0;     // of an older device
     };
     struct Command {
         std::array<std::uint8_t, 3> cid;
@@ -46,7 +48,8 @@ public:
     std::optional<std::uint16_t> says_count;    // else as many as there are
     std::vector<Command> commands;
     std::vector<Bytes> waypoints;
-    bool old = false;
+    bool old = false;       // describes parameters by min and max; every value is an i32
+    bool scaled = false;    // by min, max and mul
     bool crashed = false;
     bool deaf = false;
     std::vector<Bytes> heard;                                                    // all frames to it
@@ -95,6 +98,11 @@ private:
         return ano::load<std::uint16_t>(frame.data().data() + at);
     }
     static Bytes u16(std::size_t n) { return {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)}; }
+    static Bytes i32(std::int32_t n) {
+        Bytes bytes(4);
+        ano::store(bytes.data(), n);
+        return bytes;
+    }
     static Bytes text(const std::string& text, std::size_t size = 0) {
         Bytes bytes(text.begin(), text.end());
         if (size != 0) bytes.resize(size);
@@ -115,9 +123,10 @@ private:
         }
         const Parameter& p = parameters[val];
         if (frame.data()[0] == 2) return {to_host(frame, 0xE1, u16(val) + p.value)};
-        if (old)
+        if (old || scaled)
             return {
-                to_host(frame, 0xE2, u16(val) + Bytes{0xF6, 0xFF, 0xFF, 0xFF, 100, 0, 0, 0} + text(p.name, 20) + text(p.info))};
+                to_host(frame, 0xE2,
+                        u16(val) + i32(p.min) + i32(p.max) + (scaled ? i32(p.mul) : Bytes{}) + text(p.name, 20) + text(p.info))};
         return {to_host(frame, 0xE2, u16(val) + Bytes{p.type} + text(p.name, 20) + text(p.info))};
     }
 
@@ -129,7 +138,7 @@ private:
             return {};
         }
         Parameter& p = parameters[id];
-        const auto type = old ? ano::Type::i32 : *ano::parameter_type(p.type);
+        const auto type = old || scaled ? ano::Type::i32 : *ano::parameter_type(p.type);
         const std::size_t size = type == ano::Type::text ? frame.data().size() - 2 : ano::width(type);
         const auto* first = frame.data().data() + 2;
         Bytes value(first, first + size);
@@ -160,7 +169,7 @@ private:
     }
     std::vector<Bytes> waypoint_written(ano::FrameView frame) {
         const std::uint8_t num = frame.data()[0];
-        if (num >= waypoints.size()) waypoints.resize(num + 1u, Bytes(22));
+        while (num >= waypoints.size()) waypoints.push_back(Bytes{static_cast<std::uint8_t>(waypoints.size())} + Bytes(21));
         waypoints[num].assign(frame.data().begin(), frame.data().end());
         return {check(frame)};
     }
@@ -172,7 +181,8 @@ struct LineFaults {
     Duration jitter{};    // at random on top: frames overtake each other
     double loss = 0;      // of 1
     double duplicate = 0;
-    unsigned baud = 0;    // bytes take their time, 10 bits each; 0: none
+    unsigned baud = 0;         // bytes take their time, 10 bits each; 0: none
+    double byte_errors = 0;    // of 1; a frame with one is lost
 };
 
 /// A host's side of one device, the device, and the line between them, in simulated time.
@@ -188,13 +198,33 @@ public:
     std::size_t frames_there = 0, bytes_there = 0, frames_back = 0, bytes_back = 0;
     std::map<ano::host::Taken, int> taken;
     std::function<void(TimePoint)> each_step;    // optional
+    std::function<std::vector<Bytes>(const Bytes&)>
+        parse;                  // the device's parser: bytes in, frames out; none: it is never confused
+    bool blocks = false;        // the device hears nothing while its answer is on the line
+    unsigned queue_rate = 0;    // bytes/s by which our own queue leaves; 0: at once
+    std::size_t zeros_there = 0;
+
+    /// The line is a UART: before a request that the device may not hear, zero bytes are sent, at most once a second.
+    void be_uart() {
+        device.on_maybe_deaf([this](ano::FrameView) -> ano::Flush {
+            if (now < free_there_) return {};
+            if (now < flush_again_at_) return {.later = flush_again_at_ - now};
+            flush_again_at_ = now + 1s;
+            const Bytes zeros(206);
+            zeros_there += zeros.size();
+            on_line(there, free_there_, {true, zeros});
+            return {.busy = free_there_ - now};
+        });
+    }
+    /// Bytes that come to the device now.
+    void disturb(const Bytes& bytes) { events_.emplace(now, Event{true, bytes}); }
 
     /// Until `task` has ended, or nothing more will happen, or the time is over. Returns how long it took.
     Duration run(const ano::host::Task& task, Duration limit = 1h) {
         const TimePoint begin = now;
         send();
         while (!task.end() && now - begin < limit) {
-            const auto due = device.due();
+            const auto due = leaves_at_ > now ? leaves_at_ : device.due();
             const auto next = std::min(due.value_or(TimePoint::max()),
                                        events_.empty() ? TimePoint::max() : events_.begin()->first);
             if (next == TimePoint::max()) break;
@@ -222,10 +252,17 @@ private:
     };
 
     void send() {
-        while (const auto frame = device.next_frame(now)) {
+        for (;;) {
+            device.wait_to_leave(std::min(now, leaves_at_));
+            if (leaves_at_ > now) return;
+            const auto frame = device.next_frame(now);
+            if (!frame) return;
             ++frames_there;
             bytes_there += frame->bytes().size();
-            on_line(there, free_there_, {true, {frame->bytes().begin(), frame->bytes().end()}});
+            leaves_at_ = std::max(now, queue_free_at_);
+            if (queue_rate != 0)
+                queue_free_at_ = leaves_at_ + std::chrono::nanoseconds{frame->bytes().size() * 1'000'000'000 / queue_rate};
+            on_line(there, free_there_, {true, {frame->bytes().begin(), frame->bytes().end()}}, leaves_at_);
             most_on_their_way = std::max(most_on_their_way, device.on_their_way());
         }
     }
@@ -233,24 +270,28 @@ private:
         while (!events_.empty() && events_.begin()->first <= now) {
             const Event event = std::move(events_.begin()->second);
             events_.erase(events_.begin());
-            const ano::FrameView frame{event.frame};
             if (!event.to_device) {
-                ++taken[device.take(frame, now)];
-                continue;
-            }
-            for (const Bytes& answer : fake_.take(frame)) {
-                ++frames_back;
-                bytes_back += answer.size();
-                on_line(back, free_back_, {false, answer});
+                ++taken[device.take(ano::FrameView{event.frame}, now)];
+            } else if (!blocks || free_back_ <= now) {
+                for (const Bytes& frame : parse ? parse(event.frame) : std::vector<Bytes>{event.frame})
+                    answer(ano::FrameView{frame});
             }
         }
     }
-    void on_line(const LineFaults& faults, TimePoint& free, const Event& event) {
-        free = std::max(free, now);
+    void answer(ano::FrameView frame) {
+        for (const Bytes& answer : fake_.take(frame)) {
+            ++frames_back;
+            bytes_back += answer.size();
+            on_line(back, free_back_, {false, answer});
+        }
+    }
+    void on_line(const LineFaults& faults, TimePoint& free, const Event& event, TimePoint leaves_at = TimePoint::min()) {
+        free = std::max({free, now, leaves_at});
         if (faults.baud != 0) free += std::chrono::nanoseconds{event.frame.size() * 10'000'000'000 / faults.baud};
         const int copies = chance(faults.duplicate) ? 2 : 1;
         for (int i = 0; i < copies; ++i) {
             if (chance(faults.loss)) continue;
+            if (faults.byte_errors > 0 && chance(1 - std::pow(1 - faults.byte_errors, event.frame.size()))) continue;
             const Duration jitter{faults.jitter.count() == 0 ? 0 : random_.below(faults.jitter.count())};
             events_.emplace(free + faults.delay + jitter, event);
         }
@@ -260,6 +301,7 @@ private:
     FakeDevice& fake_;
     Random random_;
     TimePoint free_there_{}, free_back_{};
+    TimePoint flush_again_at_{}, leaves_at_{}, queue_free_at_{};
     std::multimap<TimePoint, Event> events_;
 };
 

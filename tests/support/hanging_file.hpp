@@ -1,7 +1,7 @@
 // Replaces read(), so that one file gives what somebody writes into a pipe, when he does: the slowest of all disks. Include it in one file
 // of a program.
 #pragma once
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -12,8 +12,9 @@ namespace support {
 namespace {
 
 template <class Address>
-int connect_to(const Address& address, int family) {
+int connect_to(const Address& address, int family, const Address* from = nullptr) {
     const int fd = ::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (from) ::bind(fd, reinterpret_cast<const sockaddr*>(from), sizeof *from);
     timeval limit{5, 0};
     ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     ::setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
@@ -40,12 +41,13 @@ int connect_unix(const std::string& path) {
     return connect_to(address, AF_UNIX);
 }
 
-int connect_tcp(std::uint16_t port) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
+int connect_tcp(std::uint16_t port, const std::string& from) {
+    sockaddr_in address{}, own{};
+    address.sin_family = own.sin_family = AF_INET;
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    return connect_to(address, AF_INET);
+    ::inet_pton(AF_INET, from.c_str(), &own.sin_addr);
+    return connect_to(address, AF_INET, &own);
 }
 
 std::string read_to_end(int fd) {
@@ -56,7 +58,9 @@ std::string read_to_end(int fd) {
 }
 
 std::string http(const std::string& socket, const std::string& request) { return ask(connect_unix(socket), request); }
-std::string http(std::uint16_t port, const std::string& request) { return ask(connect_tcp(port), request); }
+std::string http(std::uint16_t port, const std::string& request, const std::string& from) {
+    return ask(connect_tcp(port, from), request);
+}
 
 std::string body_of(const std::string& answer) {
     const auto end = answer.find("\r\n\r\n");

@@ -3,12 +3,12 @@
 #include "bytes.hpp"
 #include "wait.hpp"
 
-#include <link/alarm.hpp>
-#include <link/asio.hpp>
 #include <link/clocks.hpp>
 #include <link/datagram_batch.hpp>
 #include <link/datagram_sender.hpp>
 #include <link/link_context.hpp>
+#include <sys/alarm.hpp>
+#include <sys/asio.hpp>
 
 #include <functional>
 #include <map>

@@ -2,7 +2,7 @@
 #pragma once
 #include "wait.hpp"
 
-#include <link/asio.hpp>
+#include <sys/asio.hpp>
 
 namespace support {
 

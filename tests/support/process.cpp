@@ -78,6 +78,11 @@ bool Process::until_says(const std::string& words, std::chrono::steady_clock::du
     return wait_until([&] { return output().find(words) != std::string::npos || !is_running(); }, limit) &&
            output().find(words) != std::string::npos;
 }
+std::uint16_t Process::http_port() {
+    const std::string before = "http://127.0.0.1:";
+    if (!until_says(before)) return 0;
+    return static_cast<std::uint16_t>(std::stoi(output().substr(output().rfind(before) + before.size())));
+}
 long Process::proc_status(const std::string& field) const {
     std::ifstream file{"/proc/" + std::to_string(pid_) + "/status"};
     for (std::string line; std::getline(file, line);)

@@ -8,6 +8,7 @@
 #include <sys/types.h>
 
 #include <csignal>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -35,6 +36,8 @@ public:
     /// What it has written since the last call of this.
     std::string new_output();
     bool until_says(const std::string& words, std::chrono::steady_clock::duration limit = patience);
+    /// Waits until it has said where its page is on this computer; 0: it does not.
+    std::uint16_t http_port();
     /// The number in a field of /proc/PID/status.
     long proc_status(const std::string& field) const;
 

@@ -1,6 +1,7 @@
 // Finds the frames exactly by the protocol text and the rules of resynchronisation, simply written and slow.
 // FrameParser must find the same.
 #pragma once
+#include <ano/image_length.hpp>
 #include <ano/parser.hpp>
 
 #include <algorithm>
@@ -34,7 +35,7 @@ public:
 
     void begin_datagram(const Bytes& datagram, ano::TimePoint now) {
         if (waiting() == 0) return;
-        const bool old = now - last_arrival_ >= std::chrono::milliseconds{100};
+        const bool old = now - last_arrival_ >= (pauses() ? options_.frame_gap : std::chrono::milliseconds{100});
         if (old || what_begins(datagram, 0) == good) finish();
     }
 
@@ -42,7 +43,7 @@ public:
 
     void expire(ano::TimePoint now) {
         while (waiting() > 0) {
-            const bool quiet = now - last_arrival_ >= options_.quiet;
+            const bool quiet = now - last_arrival_ >= (pauses() ? options_.frame_gap : options_.quiet);
             if (const std::size_t behind = quiet ? good_frame_behind() : 0) {
                 give_up_before(behind);
             } else if (now >= overdue_at(at_, since_)) {
@@ -59,13 +60,32 @@ public:
 private:
     enum Kind { good, refusable, incomplete };
 
+    bool pauses() const { return options_.frame_gap > ano::Duration{}; }
+
+    // Of an image above max_data: the rows of pixels behind its 17 bytes of flag, color, width, height and val.
+    static bool are_rows(const Bytes& bytes, std::size_t at) {
+        const std::size_t width = bytes[at + 9] + 256u * bytes[at + 10], height = bytes[at + 11] + 256u * bytes[at + 12];
+        const std::size_t pixels = length_of(bytes, at) - 17;
+        if (bytes[at + 8] > 6) return false;
+        for (const std::size_t row : {bytes[at + 8] == 0 ? width : width / 8, bytes[at + 8] == 0 ? width : (width + 7) / 8})
+            for (std::size_t rows = 1; row > 0 && rows <= height && rows * row <= pixels; ++rows)
+                if (rows * row == pixels) return true;
+        return false;
+    }
+
     Kind what_begins(const Bytes& bytes, std::size_t at) const {
         if (at == bytes.size()) return incomplete;
         if (bytes[at] != 0xAB) return refusable;
         const std::size_t there = bytes.size() - at;
         if (there < 6) return incomplete;
         const std::size_t length = length_of(bytes, at);
-        if (length > options_.max_data) return refusable;
+        if (length > options_.max_data) {
+            const std::size_t most = options_.max_data < 4096 ? options_.max_data
+                                                              : std::max<std::size_t>(options_.max_data, 20'000);
+            if (bytes[at + 3] != 0xB0 || length > most) return refusable;
+            if (there < 23) return incomplete;
+            if (!are_rows(bytes, at)) return refusable;
+        }
         if (there < 8 + length) return incomplete;
         unsigned sum = 0;
         unsigned add = 0;
@@ -99,18 +119,20 @@ private:
     // The first look at a header decides whether its frame counts: its source has been heard, and it and another
     // frame end before the frame that waits.
     bool two_good_frames_behind() {
-        for (std::size_t at = at_ + 1; at + 6 <= bytes_.size(); ++at) {
+        const std::size_t max_length = std::min(length_at(at_), options_.max_data);
+        const std::size_t end = std::min(bytes_.size(), at_ + 8 + options_.max_data);
+        for (std::size_t at = at_ + 1; at + 6 <= end; ++at) {
             if (bytes_[at] != 0xAB || counts_.count(at) > 0) continue;
             if (!can_look()) break;
             credit_ -= 32;
-            counts_[at] = sources_.count(bytes_[at + 1]) > 0 && length_at(at) + 10 <= length_at(at_) &&
-                          at + length_at(at) < at_ + length_at(at_);
+            counts_[at] = sources_.count(bytes_[at + 1]) > 0 && length_at(at) + 10 <= max_length &&
+                          at + length_at(at) < at_ + max_length;
         }
         const auto good_at = [this](std::size_t at) {
             const auto counts = counts_.find(at);
             return counts != counts_.end() && counts->second && what_begins(bytes_, at) == good;
         };
-        for (std::size_t at = at_ + 1; at < bytes_.size(); ++at)
+        for (std::size_t at = at_ + 1; at < end; ++at)
             if (good_at(at) && good_at(at + 8 + length_at(at))) return true;
         return false;
     }
@@ -170,9 +192,13 @@ private:
 
     ano::TimePoint overdue_at(std::size_t at, ano::TimePoint since) const {
         using namespace std::chrono_literals;
-        if (options_.line_rate == 0) return since + 1s;
-        const std::int64_t size = bytes_.size() - at < 6 ? 8 : 8 + static_cast<std::int64_t>(length_at(at));
-        return since + 200ms + ano::Duration{std::chrono::seconds{size}} / options_.line_rate;
+        ano::TimePoint overdue = since + 1s;
+        if (options_.line_rate != 0) {
+            std::size_t length = bytes_.size() - at < 6 ? 0 : length_at(at);
+            if (length > options_.max_data && bytes_.size() - at < 23) length = options_.max_data;
+            overdue = since + 200ms + ano::Duration{std::chrono::seconds{8 + length}} / options_.line_rate;
+        }
+        return pauses() ? std::max(overdue, last_arrival_ + options_.frame_gap) : overdue;
     }
 
     ano::FrameParser::Options options_;

@@ -1,7 +1,7 @@
 #include "running_gateway.hpp"
 
 #include <daemon/command_line.hpp>
-#include <daemon/status.hpp>
+#include <status/status.hpp>
 
 #include <stdexcept>
 #include <utility>

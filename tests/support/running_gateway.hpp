@@ -5,8 +5,8 @@
 #include "settings.hpp"
 #include "wait.hpp"
 
-#include <daemon/gateway.hpp>
-#include <link/asio.hpp>
+#include <runtime/gateway.hpp>
+#include <sys/asio.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -2,7 +2,7 @@
 #pragma once
 #include "process.hpp"
 
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <fcntl.h>
 #include <sys/socket.h>

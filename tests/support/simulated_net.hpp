@@ -32,11 +32,19 @@ public:
     std::map<std::uint8_t, ano::host::Whereabouts> where;
     std::set<std::pair<std::uint8_t, std::uint8_t>> same;    // a port, and who is behind it
     std::set<std::pair<std::uint8_t, std::uint8_t>> ways;    // a port, and whose frames come by its link
+    bool learns = false;                                     // who is heard is known
     bool listens = false;
     bool stood_still = false;
-    std::map<std::string, std::string> kept;
+    TimePoint queued_until{};    // what is sent before leaves then
+    std::vector<Bytes> flushed_before;
+    std::map<std::string, std::string> kept, cache_folder;
+    anogate::UnitPlace unit{"/run/test.sock", "fc", "serial:/dev/fake"};
+    std::vector<std::string> reports;
     std::vector<Bytes> sent;
     std::optional<std::string> keep_fault;
+    anogate::http::Access access = anogate::http::Access::control;    // of whoever asks
+    std::string peer;                                                 // the address from which he asks
+    anogate::DeviceManners link_manners;
 
     FakeDevice& add(std::uint8_t address = 0xDC) {
         fakes.push_back(std::make_unique<FakeDevice>());
@@ -52,6 +60,11 @@ public:
         put(true, sent.back());
         return {};
     }
+    ano::Flush flush_parser(ano::FrameView next) override {
+        flushed_before.emplace_back(next.bytes().begin(), next.bytes().end());
+        return {};
+    }
+    bool is_waiting(std::uint8_t) override { return time < queued_until; }
     void listen(bool wants) override { listens = wants; }
     void wake(TimePoint at) override { wake_ = std::min(wake_.value_or(at), at); }
     std::vector<anogate::HeardAddress> heard(TimePoint) override {
@@ -65,6 +78,12 @@ public:
         return same.contains({one, other}) || same.contains({other, one});
     }
     bool may_answer_for(std::uint8_t source, std::uint8_t port) override { return ways.contains({port, source}); }
+    anogate::DeviceManners manners(std::uint8_t) override { return link_manners; }
+    anogate::UnitPlace unit_place(std::uint8_t, TimePoint) override { return unit; }
+    std::string cached(const std::string& name) override { return cache_folder[name]; }
+    void cache(const std::string& name, const std::string& text) override { cache_folder[name] = text; }
+    std::string date_text() override { return "2026-11-26 12:00:00 UTC"; }
+    void report(const std::string& text, bool) override { reports.push_back(text); }
     bool may_have_waited(TimePoint) override { return stood_still; }
     void keep(std::string name, std::string text, std::function<void(std::string)> done) override {
         if (text.empty()) kept.erase(name);
@@ -116,7 +135,7 @@ public:
             needed_.erase(answer.get());
             *answer = Answer{response.status, nlohmann::ordered_json::parse(response.take_text(), nullptr, false)};
         };
-        anogate::http::Response response = routes.answer(request(method, target, body));
+        anogate::http::Response response = routes.answer(own_request(method, target, body));
         if (!response.later) told(std::move(response));
         else response.later(told);
         if (!answer->has_value()) needed_[answer.get()] = std::move(response.needed);
@@ -125,7 +144,7 @@ public:
     /// One who takes lines.
     std::unique_ptr<anogate::http::Producer> lines(const std::string& method, const std::string& target,
                                                    const std::string& body = {}) {
-        auto asks = request(method, target, body);
+        auto asks = own_request(method, target, body);
         asks.headers.push_back({"Accept", "application/x-ndjson"});
         return std::move(routes.answer(asks).producer);
     }
@@ -138,7 +157,17 @@ public:
         request.target = target;
         request.body = body;
         request.headers.push_back({"User-Agent", "test"});
+        if (target.find("/firmware") != std::string::npos)
+            request.headers.push_back({"Content-Type", "application/octet-stream"});
         return request;
+    }
+
+    anogate::http::Request own_request(const std::string& method, const std::string& target, const std::string& body) const {
+        anogate::http::Request asks = request(method, target, body);
+        asks.access = access;
+        asks.door.is_network = true;
+        asks.door.peer = peer;
+        return asks;
     }
 
     anogate::DeviceService service{*this};
@@ -152,13 +181,14 @@ private:
 
     void put(bool to_device, const Bytes& frame) {
         if (line.loss > 0 && static_cast<double>(random_.below(1'000'000u)) < line.loss * 1e6) return;
-        events_.emplace(time + line.delay, Event{to_device, frame});
+        events_.emplace((to_device ? std::max(time, queued_until) : time) + line.delay, Event{to_device, frame});
     }
     void deliver() {
         while (!events_.empty() && events_.begin()->first <= time) {
             const Event event = std::move(events_.begin()->second);
             events_.erase(events_.begin());
             if (!event.to_device) {
+                if (learns) where[ano::FrameView{event.frame}.source()].is_known = true;
                 passes(event.frame);
                 continue;
             }

@@ -1,5 +1,5 @@
 // Threads that leave the program's signals to the loop.
-#include <link/thread_signals.hpp>
+#include <sys/thread_signals.hpp>
 
 #include <gtest/gtest.h>
 

@@ -335,18 +335,6 @@ TEST(Daemon, help_that_is_not_written_is_no_success) {
     }
 }
 
-TEST(Daemon, an_end_that_is_asked_for_while_it_waits_for_its_configuration_is_a_good_one) {
-    const TempDir dir;
-    const std::string config = dir / "config";
-    ASSERT_EQ(::mkfifo(config.c_str(), 0600), 0);
-    Process daemon{ANOGATED, {"--config", config, "--control", dir / "control"}};
-    int writer = -1;    // it can be opened as soon as the daemon reads
-    ASSERT_TRUE(wait_until([&] { return (writer = ::open(config.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) >= 0; }));
-    for (const int signal : {SIGHUP, SIGUSR1, SIGTERM}) daemon.signal(signal);
-    EXPECT_EQ(daemon.wait(), 0) << daemon.output();
-    ::close(writer);
-}
-
 TEST(Daemon, standard_files_that_are_closed_are_nobody_elses) {
     const TempDir dir;
     const std::string script = dir / "closed";

@@ -1,5 +1,5 @@
 // What is asked of a disk that may hang.
-#include <daemon/disk_works.hpp>
+#include <http/disk_works.hpp>
 #include <support/loop.hpp>
 
 #include <gtest/gtest.h>

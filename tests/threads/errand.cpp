@@ -1,6 +1,6 @@
 // Work that may block, in a thread of its own.
-#include <daemon/errand.hpp>
 #include <support/loop.hpp>
+#include <sys/errand.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // The recorder of a gateway: frames by the loop, files by its thread, and a disk that is well, full, read-only, or hangs.
-#include <daemon/frame_watch.hpp>
-#include <daemon/recorder.hpp>
-#include <daemon/thread_queue.hpp>
 #include <record/recording_repair.hpp>
+#include <recording/recorder.hpp>
+#include <sys/thread_queue.hpp>
+#include <watch/frame_watch.hpp>
 
 #include <support/failing_disk_calls.hpp>
 #include <support/recorded_files.hpp>

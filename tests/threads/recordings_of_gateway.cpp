@@ -1,7 +1,7 @@
 // What the program asks of its recorders: recordings that begin, end and are saved, on a disk that hangs.
 #include <config/difference.hpp>
-#include <daemon/recordings.hpp>
 #include <http/response.hpp>
+#include <recording/recordings.hpp>
 
 #include <support/bytes.hpp>
 #include <support/failing_disk.hpp>
@@ -41,6 +41,7 @@ protected:
         settings.record->start = false;
         settings.record->keep_last = 60s;
         settings.record->free = 0;
+        settings.routes = {{0xDC, 0xDC, "a"}};    // by a network only a pinned device's faults count
         return settings;
     }
     /// What is answered; 0 until then.

@@ -37,7 +37,9 @@ using support::UdpPeer;
 
 inline bool have_vcan() {
     static const bool have = [] {
-        if (::unshare(CLONE_NEWNET) != 0) return false;
+        if (::unshare(CLONE_NEWNET | CLONE_NEWNS) != 0) return false;
+        // /sys shows the interfaces of the namespace in which it was mounted.
+        if (run("mount --make-rprivate / && mount -t sysfs sysfs /sys") != 0) return false;
         return run("ip link set lo up") == 0 && run("ip link add dev vcan0 type vcan 2>/dev/null") == 0 &&
                run("ip link del vcan0") == 0;
     }();

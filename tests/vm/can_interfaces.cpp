@@ -37,6 +37,56 @@ TEST_F(Can, error_frames_are_in_the_status_with_their_times) {
     EXPECT_EQ(link["error"], "");
 }
 
+TEST_F(Can, error_frames_are_counted_by_kind) {
+    RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
+    // TX timeout; arbitration lost; protocol violation with a bus error; transceiver; no acknowledgement, twice.
+    for (const char* error : {"20000001", "20000002", "20000088", "20000010", "20000020", "20000020"})
+        EXPECT_EQ(run(std::string{"cansend vcan0 "} + error + "#0000000000000000"), 0);
+    EXPECT_TRUE(loop.until([&] { return gateway.link("vcan0")["error_frames"] == 6; }));
+    const auto link = gateway.link("vcan0");
+    for (const char* kind :
+         {"errors_tx_timeout", "errors_lost_arbitration", "errors_protocol", "errors_transceiver", "errors_bus"})
+        EXPECT_EQ(link[kind], 1) << kind;
+    EXPECT_EQ(link["errors_no_ack"], 2);
+    EXPECT_EQ(link["bus"], "error-active");
+}
+
+TEST_F(Can, a_bus_off_is_shown_with_what_helps_and_over_when_a_frame_comes) {
+    RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
+    EXPECT_EQ(run("cansend vcan0 20000004#0020000000000000"), 0);
+    EXPECT_TRUE(loop.until([&] { return gateway.link("vcan0")["bus"] == "error-passive"; }));
+    EXPECT_NE(gateway.link("vcan0")["error"].get<std::string>().find("termination"), std::string::npos);
+    EXPECT_EQ(run("cansend vcan0 20000040#0000000000000000"), 0);
+    EXPECT_TRUE(loop.until([&] { return gateway.link("vcan0")["bus"] == "bus-off"; }));
+    const std::string error = gateway.link("vcan0")["error"];
+    EXPECT_NE(error.find("restart-ms"), std::string::npos) << error;
+    EXPECT_NE(error.find("termination"), std::string::npos) << error;
+    BusSocket{"vcan0"}.send(frame(0xDC, 0xFE, 0x03));
+    EXPECT_EQ(received(app, 1).size(), 1u);
+    EXPECT_EQ(gateway.link("vcan0")["bus"], "error-active");
+    EXPECT_EQ(gateway.link("vcan0")["error"], "");
+}
+
+// A vxcan whose other end is down has no carrier, as a controller that is bus-off.
+TEST_F(Can, a_bus_that_recovers_is_used_at_once) {
+    if (run("ip link add dev vxcan0 type vxcan peer name vxcan1 2>/dev/null") != 0) GTEST_SKIP() << "no vxcan";
+    ASSERT_EQ(run("ip link set vxcan0 up && ip link set vxcan1 up"), 0);
+    {
+        RunningGateway gateway{loop, {"can:vxcan0", app.link("app")}};
+        ASSERT_TRUE(loop.until([&] { return gateway.up("vxcan0"); }));
+        // It is read when the carrier is gone; an interface without carrier delivers nothing.
+        ASSERT_EQ(run("cansend vxcan0 20000040#0000000000000000 && ip link set vxcan1 down"), 0);
+        EXPECT_TRUE(loop.until([&] { return !gateway.up("vxcan0"); }));
+        EXPECT_NE(gateway.link("vxcan0")["error"].get<std::string>().find("restart-ms"), std::string::npos);
+        loop.until([] { return false; }, 3s);    // the pauses between tries are the longest
+        ASSERT_EQ(run("ip link set vxcan1 up; cansend vxcan0 20000100#0000000000000000"), 0);
+        EXPECT_TRUE(loop.until([&] { return gateway.up("vxcan0"); }));
+        BusSocket{"vxcan1"}.send(frame(0xDC, 0xFE, 0x03));
+        EXPECT_EQ(received(app, 1).size(), 1u);
+    }
+    run("ip link del vxcan0");
+}
+
 TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturbed) {
     UdpPeer other;
     RunningGateway gateway{loop, {"can:vcan0,fd", app.link("app"), other.link("other")}};
@@ -70,7 +120,7 @@ TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturb
     waits_for("ip link add dev vcan0 type vcan && ip link set vcan0 mtu 16 up", "vcan0 carries no CAN FD");
     waits_for("ip link set vcan0 down", "vcan0 is down");
     comes_back("ip link set vcan0 mtu 72 up");
-    EXPECT_EQ(gateway.count("vcan0", "link_down"), 5u);    // and the first to 0xFE, who had not spoken yet
+    EXPECT_EQ(gateway.count("vcan0", "link_down"), 4u);
 }
 
 TEST_F(Can, an_interface_that_is_no_can_is_refused_in_words) {

@@ -3,8 +3,8 @@
 #include "gpio_sim.hpp"
 
 #include <config/config.hpp>
-#include <daemon/gpio_control.hpp>
 #include <gateway/backoff.hpp>
+#include <gpio/gpio_control.hpp>
 #include <link/kinds.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>

@@ -25,34 +25,53 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 27> all{{
-        {"decode", "Shows the frames in bytes", add_decode},
-        {"encode", "Makes a frame", add_encode},
-        {"messages", "Shows the messages of the protocol", add_messages},
-        {"monitor", "Shows the frames of the gateway that runs, or those that come in by a link", add_monitor},
-        {"ports", "Shows serial ports and CAN interfaces, and who has them; finds the rate of a device", add_ports},
-        {"status", "Shows how a running gateway is", add_status},
-        {"links", "Shows its links and what they count", add_links},
-        {"routes", "Shows where each address leads", add_routes},
-        {"metrics", "Shows its counters as Prometheus reads them", add_metrics},
-        {"reload", "Has it read its configuration again", add_reload},
-        {"send", "Sends a frame by the gateway that runs", add_send},
-        {"devices", "Shows which devices are there", add_devices},
-        {"param", "Reads and writes the parameters of a device, and keeps them in files", add_param},
-        {"command", "Shows what a device can be told to do, and tells it", add_command},
-        {"waypoint", "Reads the waypoints of a device into a file, and writes them back", add_waypoint},
-        {"flash", "Gives a device new firmware", add_flash},
-        {"calibrate", "Calibrates the accelerometer or the compass of a device", add_calibrate},
-        {"log", "Shows what devices write, in their colours", add_log},
-        {"image", "Writes the pictures that devices send as PNG files", add_image},
-        {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},
-        {"record", "Records the frames of the gateway that runs into a file that Wireshark opens", add_record},
-        {"recordings", "Shows what the gateway records itself; starts, ends, fetches and deletes that", add_recordings},
-        {"info", "Shows what a recording holds", add_info},
-        {"convert", "Makes tables or lines of JSON of a recording", add_convert},
-        {"replay", "Says again by a link what devices said in a recording", add_replay},
-        {"plot-udp", "Sends what frames say to the plotter PlotJuggler", add_plot_udp},
-        {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web},
+    static constexpr std::array<Subcommand, 30> all{{
+        {"decode", "Shows the frames in bytes", add_decode, "Frames",
+         "  anoctl decode AB DC FE 03 07 00 7B 00 00 00 00 00 01 09 E4\n  anoctl decode --json < bytes.txt\n"},
+        {"encode", "Makes a frame", add_encode, "Frames", "  anoctl encode euler rol=1.5 pit=0\n"},
+        {"messages", "Shows the messages of the protocol", add_messages, "Frames", ""},
+        {"monitor", "Shows the frames of the gateway that runs, or those that come in by a link", add_monitor, "Watching",
+         "  anoctl monitor --id euler inertial\n  anoctl monitor --direction dropped          what is dropped, and why\n  anoctl "
+         "monitor serial:/dev/ttyUSB0,baud=500000     without a gateway\n"},
+        {"ports", "Shows serial ports and CAN interfaces, and who has them; finds the rate of a device", add_ports, "Gateway",
+         "  anoctl ports\n"},
+        {"status", "Shows how a running gateway is", add_status, "Gateway",
+         "  anoctl status\n  anoctl status --exit-code > /dev/null || echo \"not all is well\"\n"},
+        {"links", "Shows its links and what they count", add_links, "Gateway", ""},
+        {"routes", "Shows where each address leads", add_routes, "Gateway", ""},
+        {"metrics", "Shows its counters as Prometheus reads them", add_metrics, "Gateway", ""},
+        {"reload", "Has it read its configuration again", add_reload, "Gateway", ""},
+        {"flexible", "Shows and sets its layouts of flexible messages", add_flexible, "Gateway", ""},
+        {"send", "Sends a frame by the gateway that runs", add_send, "Frames", "  anoctl send euler rol=1 --to 0xDC\n"},
+        {"devices", "Shows which devices are there", add_devices, "Devices", "  anoctl devices --scan\n"},
+        {"param", "Reads and writes the parameters of a device, and keeps them in files", add_param, "Devices",
+         "  anoctl param list --device 0xDC\n  anoctl param set PID_P 4.5 && anoctl param save\n  anoctl param export "
+         "backup.json\n  anoctl param diff backup.json\n"},
+        {"command", "Shows what a device can be told to do, and tells it", add_command, "Devices",
+         "  anoctl command list\n  anoctl command call TAKE_OFF 150\n"},
+        {"waypoint", "Reads the waypoints of a device into a file, and writes them back", add_waypoint, "Devices", ""},
+        {"flash", "Gives a device new firmware", add_flash, "Devices", "  anoctl flash firmware.bin --device 0xDC\n"},
+        {"calibrate", "Calibrates the accelerometer or the compass of a device", add_calibrate, "Devices",
+         "  anoctl calibrate accelerometer --device 0xDC\n"},
+        {"log", "Shows what devices write, in their colours", add_log, "Watching", ""},
+        {"alarms", "Shows which values of devices are beyond their limits", add_alarms, "Watching",
+         "  anoctl alarms\n  anoctl alarms --follow --device 0xDC\n"},
+        {"image", "Writes the pictures that devices send as PNG files", add_image, "Watching", ""},
+        {"terminal", "Shows the raw bytes of a link of the gateway that runs, and sends lines to it", add_terminal, "Watching",
+         "  anoctl terminal fc --end lf\n"},
+        {"top", "Shows the channels and addresses of the gateway that runs, live", add_top, "Watching", ""},
+        {"record", "Records the frames of the gateway that runs into a file that Wireshark opens", add_record, "Recordings",
+         "  anoctl record flight.mcap\n  anoctl record errors.pcapng --direction dropped --seconds 60\n"},
+        {"recordings", "Shows what the gateway records itself; starts, ends, fetches and deletes that", add_recordings,
+         "Recordings", "  anoctl recordings start test\n  anoctl recordings end test\n  anoctl recordings get test.pcapng\n"},
+        {"info", "Shows what a recording holds", add_info, "Recordings", ""},
+        {"convert", "Makes tables or lines of JSON of a recording", add_convert, "Recordings",
+         "  anoctl convert flight.mcap flight.csv --id euler\n"},
+        {"replay", "Says again by a link what devices said in a recording", add_replay, "Recordings",
+         "  anoctl replay flight.mcap pty:/tmp/fc\n"},
+        {"plot-udp", "Sends what frames say to the plotter PlotJuggler", add_plot_udp, "Frames", ""},
+        {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web,
+         "Gateway", ""},
     }};
     return all;
 }
@@ -249,19 +268,26 @@ int run(int argc, const char* const* given, Streams& streams) {
     mark_negative_numbers(words, kept);
     const char* const* argv = words.data();
     CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
-    app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
+    app.set_version_flag("-V,--version", "anoctl " ANOGATE_VERSION);
     app.require_subcommand(1);
     std::vector<std::pair<CLI::App*, Run>> runs;
     std::map<const CLI::App*, Options> declared;
     for (const Subcommand& s : subcommands()) {
-        CLI::App* command = app.add_subcommand(s.name, s.description);
+        CLI::App* command = app.add_subcommand(s.name, s.description)->group(s.group);
         Options options;
         runs.emplace_back(command, s.add(options));
         declare(*command, options);
         allow_control(*command);
+        if (*s.examples != '\0') command->footer(std::string{"Examples:\n"} + s.examples);
         declared.emplace(command, std::move(options));
     }
     app.footer(    // not for the commands: they inherit an earlier footer, and do not have all of these options
+        "Examples:\n"
+        "  anoctl status                                  is all well?\n"
+        "  anoctl monitor --id euler --count 10           ten frames of one message\n"
+        "  anoctl param set --device 0xDC PID_P 4.5       then: anoctl param save\n"
+        "  anoctl record flight.mcap --seconds 60\n"
+        "  anoctl COMMAND --help                          options and examples of a command\n\n"
         "Before or behind the command: --json, one JSON object a line; --control PATH, the socket of the gateway.\n"
         "NO_COLOR ends colours.");
     const auto complain = [&](const std::string& what, int code) {

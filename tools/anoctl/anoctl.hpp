@@ -51,6 +51,8 @@ struct Subcommand {
     const char* name;
     const char* description;
     Run (*add)(Options& options);    // declares its options; the returned function is run when the subcommand is chosen
+    const char* group;               // of the list of subcommands in --help
+    const char* examples;            // lines; "": none
 };
 
 Run add_decode(Options& options);
@@ -63,8 +65,10 @@ Run add_record(Options& options);
 Run add_recordings(Options& options);
 Run add_replay(Options& options);
 Run add_send(Options& options);
+Run add_terminal(Options& options);
 Run add_top(Options& options);
 Run add_status(Options& options);
+Run add_alarms(Options& options);
 Run add_calibrate(Options& options);
 Run add_convert(Options& options);
 Run add_command(Options& options);
@@ -78,6 +82,7 @@ Run add_param(Options& options);
 Run add_waypoint(Options& options);
 Run add_routes(Options& options);
 Run add_metrics(Options& options);
+Run add_flexible(Options& options);
 Run add_reload(Options& options);
 Run add_web(Options& options);
 

@@ -1,6 +1,6 @@
 #include "can_figures.hpp"
 
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <linux/can/netlink.h>
 #include <linux/if_link.h>

@@ -17,9 +17,11 @@
 #include <algorithm>
 #include <bitset>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <variant>
@@ -28,6 +30,7 @@
 namespace anoctl {
 namespace {
 
+using anogate::DecodingPtr;
 using anogate::Recorded;
 using anogate::RecordedFrame;
 using anogate::RecordedLoss;
@@ -58,6 +61,8 @@ private:
 class Target {
 public:
     virtual ~Target() = default;
+    /// What decodes the items that follow; called before the first one.
+    virtual void use(const DecodingPtr& decoding) = 0;
     virtual void take(const Recorded& item, const RecordingHead& head) = 0;
     virtual void end() = 0;
     /// The files that were written; valid after end().
@@ -79,6 +84,11 @@ public:
     CsvTarget(std::string out, bool one, bool force, const ano::JsonOptions& options, Streams& streams)
         : out_{std::move(out)}, one_{one}, force_{force}, options_{options}, streams_{streams} {}
 
+    void use(const DecodingPtr& decoding) override {
+        decodings_.push_back(decoding);    // all stay: the tables refer to them
+        options_.flexible = &decoding->layouts();
+        for (const auto& [id, file] : files_) file->csv.use(decoding->layouts());
+    }
     void take(const Recorded& item, const RecordingHead&) override {
         const auto* frame = std::get_if<RecordedFrame>(&item);
         if (frame == nullptr) return;
@@ -118,6 +128,7 @@ private:
     bool one_, force_;
     ano::JsonOptions options_;
     Streams& streams_;
+    std::vector<DecodingPtr> decodings_;
     std::map<std::uint8_t, std::unique_ptr<File>> files_;
 };
 
@@ -126,6 +137,10 @@ public:
     JsonTarget(const std::string& out, bool force, const ano::JsonOptions& options, Streams& streams)
         : to_{out, force, streams}, options_{options} {}
 
+    void use(const DecodingPtr& decoding) override {
+        decoding_ = decoding;
+        options_.flexible = &decoding_->layouts();
+    }
     void take(const Recorded& item, const RecordingHead&) override {
         to_.bytes += anogate::recorded_json(item, options_) + '\n';
         to_.write_if(batch);
@@ -136,6 +151,7 @@ public:
 private:
     Collected to_;
     ano::JsonOptions options_;
+    DecodingPtr decoding_;
 };
 
 /// Writes the wanted part as a recording; when everything is wanted, the same bytes.
@@ -145,6 +161,10 @@ public:
                     Streams& streams)
         : to_{out, force, streams}, format_{format}, options_{options} {}
 
+    void use(const DecodingPtr& decoding) override {
+        decoding_ = decoding;
+        if (writer_) writer_->use(decoding_, to_.bytes);
+    }
     void take(const Recorded& item, const RecordingHead& head) override {
         if (!writer_) begin(head);
         if (const auto* loss = std::get_if<RecordedLoss>(&item)) writer_->write(*loss);
@@ -159,9 +179,13 @@ public:
     std::vector<std::string> files() const override { return {to_.path()}; }
 
 private:
-    void begin(const RecordingHead& head) { writer_ = anogate::make_recording_writer(format_, head, to_.bytes, options_); }
+    void begin(RecordingHead head) {
+        head.decoding = decoding_;
+        writer_ = anogate::make_recording_writer(format_, head, to_.bytes, options_);
+    }
 
     Collected to_;
+    DecodingPtr decoding_;
     anogate::RecordingFormat format_;
     anogate::RecordingOptions options_;
     std::unique_ptr<anogate::RecordingWriter> writer_;
@@ -176,15 +200,22 @@ struct Convert {
 
     int run(Streams& streams) const {
         const std::bitset<256> wanted = wanted_messages();
-        const ano::FlexibleLayouts layouts = frames.layouts();
-        const ano::JsonOptions options = frames.json_options(layouts);
+        const std::optional<std::vector<ano::FlexibleSpec>> given = frames.config.empty() ? std::nullopt
+                                                                                          : std::optional{frames.specs()};
+        const ano::FlexibleLayouts none;
+        const ano::JsonOptions options = frames.json_options(none);    // until use()
         if (out == file && out != "-") throw UsageError{out + " is what is read"};
         const std::unique_ptr<Target> target = make_target(options, wanted.count() == 1, streams);
         std::uint64_t taken = 0;
+        DecodingPtr recorded, used;    // that of the recording, and the one of both that is used
         const RecordingFacts facts = read_recording(file, streams, [&](const Recorded& item, const RecordingHead& head) {
             const auto* frame = std::get_if<RecordedFrame>(&item);
             if (frame != nullptr && !wanted[frame->frame.id()]) return;
             taken += frame != nullptr;
+            if (!used || recorded != head.decoding) {
+                recorded = head.decoding;
+                target->use(used = with(given, recorded));
+            }
             target->take(item, head);
         });
         target->end();
@@ -194,6 +225,12 @@ struct Convert {
     }
 
 private:
+    /// `recorded`, with these layouts in place of its own.
+    static DecodingPtr with(const std::optional<std::vector<ano::FlexibleSpec>>& given, const DecodingPtr& recorded) {
+        if (recorded && !given) return recorded;
+        return std::make_shared<const anogate::Decoding>(given.value_or(std::vector<ano::FlexibleSpec>{}),
+                                                         recorded ? recorded->lx() : std::set<std::string, std::less<>>{});
+    }
     std::bitset<256> wanted_messages() const {
         std::bitset<256> wanted;
         for (const std::string& word : messages) wanted.set(message_id_of(word, "--id: "));

@@ -106,10 +106,9 @@ private:
         while (const auto frame = parser_.next()) {
             gap_until(good_ + parser_.counters().skipped_bytes);
             printer_.print(*frame);
-            if (const std::string wrong = malformation(*frame, printer_.layouts()); !wrong.empty()) {
-                complain() << "offset " << told_ << ": " << wrong << '\n';
-                damaged_ = true;
-            }
+            if (const std::string why = undecoded(*frame, printer_.layouts()); !why.empty())
+                complain() << "offset " << told_ << ": " << why << '\n';
+            if (read(*frame, &printer_.layouts()).readable() == Readable::too_short) damaged_ = true;
             good_ += frame->bytes().size();
             told_ += frame->bytes().size();
         }

@@ -3,9 +3,9 @@
 
 #include <ano/hex.hpp>
 #include <ano_json/frame_json.hpp>
-#include <link/errors.hpp>
 #include <link/termios.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/errors.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -142,7 +142,7 @@ private:
         while (!interrupted_ && parser.counters().bytes_in < bytes_enough) {
             const auto left = std::min(parser.deadline().value_or(end), end) - ano::Clock::now();
             const bool first = parser.counters().bytes_in == 0;
-            if (read_some(parser, left) && first && parser.counters().bytes_in > 0) end = ano::Clock::now() + time_.for_frames;
+            if (read_some(parser, left) && first && parser.counters().bytes_in > 0) end = ano::Clock::now() + time_.at(baud);
             parser.expire(ano::Clock::now());
             take_frames(parser, heard);
             if (heard.counters.frames_in >= 2 || ano::Clock::now() >= end) break;
@@ -218,8 +218,8 @@ private:
 }    // namespace
 
 std::span<const std::uint32_t> usual_rates() noexcept {
-    static constexpr std::array<std::uint32_t, 14> rates{500000, 115200, 921600, 460800,  230400,  1000000, 57600,
-                                                         38400,  19200,  9600,   1500000, 2000000, 256000,  250000};
+    static constexpr std::array<std::uint32_t, 16> rates{500000, 115200, 921600,  460800,  230400, 1000000, 57600, 38400,
+                                                         19200,  9600,   1500000, 2000000, 256000, 250000,  4800,  2400};
     return rates;
 }
 

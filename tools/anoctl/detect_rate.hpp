@@ -4,6 +4,7 @@
 
 #include <ano/parser.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <set>
@@ -32,6 +33,12 @@ struct HeardAtRate {
 struct ListeningTime {
     ano::Duration for_first_byte = std::chrono::milliseconds{1200};    // so that a device that sends once a second is heard
     ano::Duration for_frames = std::chrono::milliseconds{500};         // from the first byte on
+    unsigned bytes = 400;    // at a slow rate at least the time of these: some frames, the first of them not whole
+
+    /// From the first byte on, at this rate.
+    ano::Duration at(std::uint32_t baud) const noexcept {
+        return std::max(for_frames, ano::Duration{std::chrono::seconds{10}} * bytes / baud);
+    }
 };
 
 /// Listens at one rate after the other until one is right, and prints it. Returns the exit status. Nothing is sent. Throws Failure when

@@ -2,6 +2,7 @@
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
 #include "given_frame.hpp"
+#include "json_file.hpp"
 
 #include <ano/hex.hpp>
 #include <ano/reading.hpp>
@@ -100,7 +101,7 @@ private:
         for (std::string line; streams.out && lines.next(line);) {
             if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
             const std::string where = "line " + std::to_string(lines.number());
-            const Json json = parsed_json(line, where);
+            const Json json = json_in_text(line, where);
             if (json.is_object() && json.contains("fault")) continue;    // bytes in which `decode` found no frame
             write(streams, frame_bytes(json, options, where + ": "));
             if (!lines.one_waits()) streams.out.flush();

@@ -1,12 +1,17 @@
 #include "frame_printer.hpp"
 
+#include "json_file.hpp"
+#include "table.hpp"
+
 #include <ano/address.hpp>
 #include <ano/hex.hpp>
 #include <ano/reading.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/flexible_json.hpp>
 #include <ano_json/syntax_fault.hpp>
 #include <ano_json/words.hpp>
-#include <config/read_file.hpp>
+#include <gateway/frame_record.hpp>
+#include <sys/read_file.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +20,7 @@
 #include <cstdio>
 #include <ctime>
 #include <ostream>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -115,29 +121,39 @@ void FrameOptions::add(Options& options, FrameOptions& self) {
     options.push_back({"--config", &self.config, "FILE", "A gateway's configuration, for its layouts of flexible messages"});
 }
 
-FlexibleLayouts FrameOptions::layouts() const {
-    FlexibleLayouts layouts;
-    if (config.empty()) return layouts;
+std::vector<FlexibleSpec> FrameOptions::specs() const {
+    if (config.empty()) return known;
     std::error_code error;
     const std::string text = anogate::read_file(config, anogate::max_config_size, error);
+    if (error == std::errc::operation_not_supported)
+        throw UsageError{"--config " + config + ": it is no ordinary file, but a pipe, socket or device"};
     if (error) throw UsageError{"--config " + config + ": it can't be read: " + error.message()};
-    nlohmann::json whole;
-    try {
-        whole = nlohmann::json::parse(text, nullptr, true, true);
-    } catch (const nlohmann::json::exception& e) {
-        throw UsageError{"--config " + config + ": it is not JSON: " + ano::syntax_fault(text, e)};
-    }
+    const nlohmann::json whole = json_with_comments(text, "--config " + config);
     if (!whole.is_object()) throw UsageError{"--config " + config + ": it is not an object"};
-    if (!whole.contains("flexible")) return layouts;
-    for (const JsonFault& fault : add_flexible(whole["flexible"], "/flexible", layouts))
+    std::vector<FlexibleSpec> specs;
+    if (!whole.contains("flexible")) return specs;
+    for (const JsonFault& fault : read_flexible(whole["flexible"], "/flexible", specs))
         throw UsageError{"--config " + config + ": " + fault.pointer + ": " + fault.what};
-    return layouts;
+    return specs;
 }
 
 FramePrinter::FramePrinter(Streams& streams, const FrameOptions& options)
-    : streams_{streams}, json_{options.json}, layouts_{options.layouts()}, options_{options.json_options(layouts_)} {}
+    : streams_{streams},
+      json_{options.json},
+      layouts_{options.layouts()},
+      options_{options.json_options(layouts_)},
+      finds_encoding_{!options.encoding},
+      finds_layouts_{options.config.empty()} {}
+
+void FramePrinter::use(const anogate::DecodingPtr& decoding) {
+    decoding_ = decoding;
+    if (finds_layouts_) layouts_ = FlexibleLayouts{decoding->flexible()};
+}
 
 void FramePrinter::print(FrameView frame, const Passage& passage) {
+    if (finds_encoding_)
+        options_.encoding = encodings_.of(frame, passage.link, passage.direction == text(anogate::Direction::in),
+                                          decoding_.get());
     Json json = frame_to_json(frame, options_);
     if (json_) {
         if (!passage.link.empty()) {
@@ -146,21 +162,29 @@ void FramePrinter::print(FrameView frame, const Passage& passage) {
             for (const auto& [key, text] :
                  {std::pair{"peer", &passage.peer}, {"direction", &passage.direction}, {"cause", &passage.cause}})
                 if (!text->empty()) json[key] = *text;
+            if (passage.is_elsewhere) json["elsewhere"] = true;
         }
-        streams_.out << json.dump() << '\n';
+        streams_.out << ano::json_text(json) << '\n';
         return;
     }
-    if (!passage.link.empty()) print(passage);
-    if (streams_.terminal) columns(frame, json);
-    else plain(frame, json);
+    if (!streams_.terminal) {
+        if (!passage.link.empty()) print(passage, streams_.out);
+        return plain(frame, json);
+    }
+    std::ostringstream line;
+    if (!passage.link.empty()) print(passage, line);
+    columns(frame, json, line);
+    // What passes by is a line each; a frame that was given is shown whole.
+    streams_.out << (passage.link.empty() ? line.str() : cut_line(line.str(), streams_.width)) << '\n';
 }
 
-// 14:03:07.123 ground 192.168.1.20:6000 dropped limited
-void FramePrinter::print(const Passage& passage) {
-    streams_.out << colored(dim, clock_text(passage.time)) << ' ' << passage.link << ' ';
-    if (!passage.peer.empty() && passage.peer != passage.link) streams_.out << passage.peer << ' ';
-    if (!passage.cause.empty()) streams_.out << colored(red, passage.direction + ' ' + passage.cause) << ' ';
-    else if (!passage.direction.empty()) streams_.out << passage.direction << ' ';
+// 14:03:07.123 ground 192.168.1.20:6000 dropped limited; of a source that is at home elsewhere: … in elsewhere
+void FramePrinter::print(const Passage& passage, std::ostream& out) const {
+    out << colored(dim, clock_text(passage.time)) << ' ' << passage.link << ' ';
+    if (!passage.peer.empty() && passage.peer != passage.link) out << passage.peer << ' ';
+    if (!passage.cause.empty()) out << colored(red, passage.direction + ' ' + passage.cause) << ' ';
+    else if (!passage.direction.empty()) out << passage.direction << ' ';
+    if (passage.is_elsewhere) out << colored(red, "elsewhere") << ' ';
 }
 
 // 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: `encode` accepts the part after the id.
@@ -176,11 +200,11 @@ void FramePrinter::plain(FrameView frame, const Json& json) {
     streams_.out << '\n';
 }
 
-void FramePrinter::columns(FrameView frame, const Json& json) {
+void FramePrinter::columns(FrameView frame, const Json& json, std::ostream& out) const {
     const Reading reading = read(frame, &layouts_);
     const auto who = [](std::uint8_t a) { return hex_byte(a) + " " + std::string{address::who(a)}; };
-    streams_.out << padded(who(frame.source()), 22) << " → " << padded(who(frame.destination()), 22) << ' '
-                 << colored(dim, hex_byte(frame.id())) << ' ' << colored(cyan, padded(json.value("name", "-"), 18));
+    out << padded(who(frame.source()), 22) << " → " << padded(who(frame.destination()), 22) << ' '
+        << colored(dim, hex_byte(frame.id())) << ' ' << colored(cyan, padded(json.value("name", "-"), 18));
     if (json.contains("fields")) {
         for (const auto& [name, value] : json["fields"].items()) {
             const Field* f = field_of(reading, name);
@@ -189,14 +213,13 @@ void FramePrinter::columns(FrameView frame, const Json& json) {
             if (f != nullptr) text += meaning_of(value, *f, options_.value_type_7);
             const std::size_t room = f != nullptr && is_number(f->type) ? 9 : 0;
             const std::string of = f != nullptr && !f->label.empty() ? " (" + std::string{f->label} + ")" : "";
-            streams_.out << ' ' << colored(dim, name + of) << ' ' << colored(bold, padded(text, room));
+            out << ' ' << colored(dim, name + of) << ' ' << colored(bold, padded(text, room));
         }
     }
     for (const char* key : {"extra", "data"})
-        if (json.contains(key)) streams_.out << ' ' << colored(dim, key) << ' ' << json[key].get<std::string>();
-    const std::string wrong = malformation(frame, layouts_);
-    if (!wrong.empty()) streams_.out << ' ' << colored(red, wrong);
-    streams_.out << '\n';
+        if (json.contains(key)) out << ' ' << colored(dim, key) << ' ' << json[key].get<std::string>();
+    const std::string wrong = undecoded(frame, layouts_);
+    if (!wrong.empty()) out << ' ' << colored(red, wrong);
 }
 
 std::string FramePrinter::colored(const char* color, const std::string& text) const {
@@ -213,8 +236,11 @@ std::string clock_text(double time) {
     return text.data();
 }
 
-std::string malformation(FrameView frame, const FlexibleLayouts& layouts) {
+std::string undecoded(FrameView frame, const FlexibleLayouts& layouts) {
     const Reading reading = read(frame, &layouts);
+    const bool has_layouts = reading.message() != nullptr && !reading.message()->fields().empty();
+    if (reading.readable() == Readable::unknown_layout && has_layouts)
+        return "unknown layout of " + std::string{reading.message()->name} + ", LEN " + std::to_string(frame.data().size());
     if (reading.readable() != Readable::too_short) return {};
     return "malformed " + std::string{reading.message()->name} + ": " + std::to_string(frame.data().size()) +
            " bytes of data, it has " + std::to_string(reading.fixed_size()) + " at least";

@@ -57,6 +57,10 @@ std::string listening_place(const Json& link) {
     return link.contains("port") && !link.contains("peer") ? text_at(link, "address") : std::string{};
 }
 
+std::string Told::once(std::string_view key, const std::string& text) {
+    return key == "hint" && !text.empty() && !hints_.insert(text).second ? std::string{} : text;
+}
+
 RecordingSum sum_of_recording(const Json& recording) {
     const std::string file = text_at(recording, "file"), files = text_at(recording, "files"),
                       count = text_at(recording, "frames");
@@ -122,12 +126,23 @@ std::string list_text(const std::string& head, const std::vector<std::string>& i
 }
 
 const std::vector<std::string>& drop_causes() {
-    static const auto names = names_of(anogate::send_counters, {"frames_out", "bytes_out", "empty_out"});
+    static const auto names = names_of(anogate::send_counters, {"frames_out", "bytes_out", "empty_out", "flush_bytes"});
     return names;
 }
 const std::vector<std::string>& counts_of_kinds() {
-    static const std::vector<std::string> names{"refused",          "kernel_drops",       "transfer_errors",
-                                                "wrong_source",     "kept_back_of_hosts", "kept_back_commands",
+    static const std::vector<std::string> names{"refused",
+                                                "kernel_drops",
+                                                "transfer_errors",
+                                                "wrong_source",
+                                                "error_frames",
+                                                "errors_tx_timeout",
+                                                "errors_lost_arbitration",
+                                                "errors_protocol",
+                                                "errors_transceiver",
+                                                "errors_no_ack",
+                                                "errors_bus",
+                                                "kept_back_of_hosts",
+                                                "kept_back_commands",
                                                 "kept_back_tunnels"};
     return names;
 }

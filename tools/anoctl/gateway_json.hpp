@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,16 @@ const ano::Json& at(const ano::Json& object, std::string_view key);
 
 /// The endpoint on which a link listens, "0.0.0.0:12333", with the port that the system may have chosen. Empty when it does not listen.
 std::string listening_place(const ano::Json& link);
+
+/// What was written of several links: a hint that all of them have is written once.
+class Told {
+public:
+    /// `text`; empty if it is a hint that was given before.
+    std::string once(std::string_view key, const std::string& text);
+
+private:
+    std::set<std::string> hints_;
+};
 
 /// "fc, radio": the texts of an array.
 std::string names_at(const ano::Json& object, std::string_view key);

@@ -1,6 +1,7 @@
 #include "given_frame.hpp"
 
 #include "anoctl.hpp"
+#include "json_file.hpp"
 
 #include <ano/reading.hpp>
 #include <ano_json/syntax_fault.hpp>
@@ -26,7 +27,7 @@ Field field_called(std::uint8_t id, const std::string& name) {
 Json value(std::uint8_t id, const std::string& name, const std::string& text) {
     const Field field = field_called(id, name);
     if (field.type == Type::text || field.type == Type::bytes || field.type == Type::ip) return text;
-    if (text.starts_with('[')) return parsed_json(text, name);
+    if (text.starts_with('[')) return json_in_text(text, name);
     if (is_number(field.type) && field.count == 1 && text == "null") return nullptr;
     if (!is_number(field.type) || field.count == 1) return text;
     Json list = Json::array();    // 1,4,7
@@ -36,14 +37,6 @@ Json value(std::uint8_t id, const std::string& name, const std::string& text) {
 }
 
 }    // namespace
-
-Json parsed_json(std::string_view text, const std::string& what) {
-    try {
-        return Json::parse(text);
-    } catch (const nlohmann::json::exception& e) {
-        throw UsageError{what + ": it is not JSON: " + ano::syntax_fault(text, e)};
-    }
-}
 
 std::vector<std::uint8_t> frame_bytes(const Json& json, const JsonOptions& options, const std::string& where) {
     auto frame = frame_from_json(json, options);

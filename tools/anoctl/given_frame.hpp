@@ -28,8 +28,6 @@ private:
     ano::Json json() const;
 };
 
-/// Throws UsageError, whose text begins with `what`.
-ano::Json parsed_json(std::string_view text, const std::string& what);
 /// The whole frame. Throws UsageError, whose text begins with `where`.
 std::vector<std::uint8_t> frame_bytes(const ano::Json& json, const ano::JsonOptions& options, const std::string& where);
 

@@ -6,6 +6,7 @@
 
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/frame_json.hpp>
 
 #include <nlohmann/json.hpp>
@@ -92,6 +93,17 @@ void show_messages(const RecordingCounts& counts, Streams& streams) {
     table.write(streams.out, {}, streams.terminal ? streams.width : 0);
 }
 
+/// "flexible1", "flexible2 from 30 when 3"
+std::vector<std::string> flexible_ids(const anogate::Decoding& decoding) {
+    std::vector<std::string> all;
+    for (const ano::FlexibleSpec& spec : decoding.flexible()) {
+        std::string& text = all.emplace_back(name_of_message(spec.id));
+        if (spec.source) text += " from " + std::to_string(*spec.source);
+        if (spec.when) text += " when " + std::to_string(*spec.when);
+    }
+    return all;
+}
+
 void show(const std::string& file, const RecordingCounts& counts, const RecordingFacts& facts, Streams& streams) {
     std::ostream& out = streams.out;
     out << file << ": " << text(facts.format);
@@ -108,6 +120,8 @@ void show(const std::string& file, const RecordingCounts& counts, const Recordin
     if (const double by = counts.clock_was_set(); by != 0)
         out << "the clock was set " << (by < 0 ? "back" : "ahead") << " by " << time_text(std::abs(by)) << " meanwhile\n";
     for (const std::string& note : facts.notes()) out << note << '\n';
+    if (facts.head.decoding && !facts.head.decoding->flexible().empty())
+        out << "layouts of flexible messages: " << joined(flexible_ids(*facts.head.decoding)) << '\n';
     if (counts.frames == 0) return;
     out << '\n';
     show_links(counts, streams);
@@ -143,6 +157,7 @@ Json json_of(const std::string& file, const RecordingCounts& counts, const Recor
               {"mismatches", facts.mismatches},
               {"unread", facts.size - facts.read},
               {"fault", facts.fault.empty() ? Json(nullptr) : Json(facts.fault)},
+              {"decoding", facts.head.decoding ? Json::parse(facts.head.decoding->text()) : Json::object()},
               {"links", Json::array()},
               {"messages", Json::array()}};
     for (const auto& [name, link] : counts.links)
@@ -179,8 +194,7 @@ struct Info {
             recording.facts = read_recording(
                 file, streams, [&](const anogate::Recorded& item, const anogate::RecordingHead&) { recording.counts.add(item); });
         const RecordingFacts& facts = recording.facts;
-        if (json)
-            streams.out << json_of(file, recording.counts, facts).dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
+        if (json) streams.out << ano::json_text(json_of(file, recording.counts, facts)) << '\n';
         else show(file, recording.counts, facts, streams);
         return facts.is_damaged() ? failed : fine;
     }

@@ -4,6 +4,7 @@
 #include "gateway_json.hpp"
 #include "table.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <ano_json/nearest.hpp>
 
 #include <nlohmann/json.hpp>
@@ -42,18 +43,20 @@ void add_counters(Table& table, const Json& counted) {
     add("      also: ", not_zero(counted, counts_of_kinds()));
 }
 
-void add_link(Table& table, const Json& link) {
+void add_link(Table& table, const Json& link, Told& told) {
     table.row({text_at(link, "name"), text_at(link, "state"), time_text(number_at(link, "since_s")), last_heard(link),
                text_at(link, "frames_in"), text_at(link, "frames_out"), text_at(link, "waiting")});
     if (const std::string place = listening_place(link); !place.empty()) table.note("    at " + place);
     for (const char* key : {"error", "hint"})
-        if (const std::string words = text_at(link, key); !words.empty()) table.note("    " + words);
+        if (const std::string words = told.once(key, text_at(link, key)); !words.empty()) table.note("    " + words);
     add_counters(table, link);
     for (const Json& channel : at(link, "channels")) {
         const std::string peer = text_at(channel, "peer");
         if (peer.empty()) continue;
         table.row({"  " + peer, "", time_text(number_at(channel, "since_s")), heard(channel), text_at(channel, "frames_in"),
                    text_at(channel, "frames_out"), text_at(channel, "waiting")});
+        if (channel.contains("listening_since_s"))
+            table.note("    listening since " + time_text(number_at(channel, "listening_since_s")) + " ago");
     }
 }
 
@@ -66,9 +69,10 @@ struct Links {
         const Json all = parse_answer(gateway.ask("GET", "/links"));
         const std::vector<Json> links = chosen(all);
         Table table{{"LINK", "STATE", "SINCE", "HEARD", " IN", " OUT", " WAITING"}};
+        Told told;
         for (const Json& link : links) {
-            if (json) streams.out << link.dump() << '\n';
-            else add_link(table, link);
+            if (json) streams.out << ano::json_text(link) << '\n';
+            else add_link(table, link, told);
         }
         if (json) return fine;
         if (table.empty()) streams.out << "no links are configured\n";

@@ -46,6 +46,7 @@ local header = {
 }
 local malformed = ProtoExpert.new("ano.malformed", "Fewer bytes than the layout has", expert.group.MALFORMED,
                                   expert.severity.ERROR)
+local unknown = ProtoExpert.new("ano.unknown_layout", "Unknown layout", expert.group.UNDECODED, expert.severity.WARN)
 local all_fields = {}
 for _, field in pairs(header) do all_fields[#all_fields + 1] = field end
 
@@ -69,26 +70,27 @@ for _, row in ipairs(rows) do
     table.insert(by_id[row.id], row)
 end
 ano.fields = all_fields
-ano.experts = {malformed}
+ano.experts = {malformed, unknown}
 
-local function load(range, t)
+local function load(range, f)
+    local t = f.type
     if t == "i8" then return range:int() end
-    if t == "f32" or t == "f64" then return range:le_float() end
-    if t == "u64" then return range:le_uint64() end
-    if t == "i64" then return range:le_int64() end
-    if t == "i16" or t == "i32" then return range:le_int() end
-    return range:le_uint()
+    if t == "f32" or t == "f64" then return f.big and range:float() or range:le_float() end
+    if t == "u64" then return f.big and range:uint64() or range:le_uint64() end
+    if t == "i64" then return f.big and range:int64() or range:le_int64() end
+    if t == "i16" or t == "i32" then return f.big and range:int() or range:le_int() end
+    return f.big and range:uint() or range:le_uint()
 end
 
 local function add_number(tree, f, range)
-    local wire = load(range, f.type)
+    local wire = load(range, f)
     if f.no_data and wire == f.no_data then
         tree:add(range, f.name .. ": no data")
         return
     end
     local item
     if is_scaled(f) then item = tree:add(f.proto, range, wire * f.value / f.wire)
-    elseif integer[f.type] then item = tree:add_le(f.proto, range)
+    elseif integer[f.type] then item = f.big and tree:add(f.proto, range) or tree:add_le(f.proto, range)
     else item = tree:add(f.proto, range, wire) end
     if f.unit then item:append_text(" " .. f.unit) end
     if f.label then item:append_text(" (" .. f.label .. ")") end
@@ -122,29 +124,45 @@ local function add_field(tree, row, f, data, pinfo)
     end
 end
 
-local function plausible(row, data, length)
-    if length < row.size then return false end
-    for _, f in ipairs(row.fields) do
-        if f.type == "text" and f.count > 0 then
-            local first = data(f.offset, 1):uint()
-            if first < 0x20 or first == 0x7F or first == 0x80 or first == 0xFF then return false end
-        elseif f.min and integer[f.type] then
-            local value = tonumber(tostring(load(data(f.offset, width[f.type]), f.type))) * f.value / f.wire
-            if value < f.min or value > f.max then return false end
-        end
+local function padded_text(data, offset, count)
+    local over = false
+    for at = offset, offset + count - 1 do
+        local byte = data(at, 1):uint()
+        if over and byte ~= 0 or byte ~= 0 and (byte < 0x20 or byte == 0x7F) then return false end
+        over = over or byte == 0
     end
     return true
 end
 
+local function plausible(row, data, length)
+    if length < row.size then return false end
+    local min, max
+    for _, f in ipairs(row.fields) do
+        if row.by_look and f.name == "min" then min = data(f.offset, 4):le_int() end
+        if row.by_look and f.name == "max" then max = data(f.offset, 4):le_int() end
+        if f.type == "text" and f.count > 0 then
+            local first = data(f.offset, 1):uint()
+            if first < 0x20 or first == 0x7F or first == 0x80 or first == 0xFF then return false end
+            if row.by_look and not padded_text(data, f.offset, f.count) then return false end
+        elseif f.min and integer[f.type] then
+            local value = tonumber(tostring(load(data(f.offset, width[f.type]), f))) * f.value / f.wire
+            if value < f.min or value > f.max then return false end
+        end
+    end
+    return not (min and max and min > max)
+end
+
 local function fits(row, source, data, length)
     if row.source and row.source ~= source then return false end
-    if row.length ~= 0 and row.length ~= length then return false end
+    local is_base = row == by_id[row.id][1]
+    if row.length ~= 0 and (is_base and length > row.length or not is_base and length ~= row.length) then return false end
+    if row.stream and length == row.size + 1 then return false end
     if row.by_look and plausible(by_id[row.id][1], data, length) then return false end
     if row.by_look and not plausible(row, data, length) then return false end
     for _, f in ipairs(row.fields) do
         if f.first then
             if length < f.offset + width[f.type] then return false end
-            local value = data(f.offset, width[f.type]):le_uint()
+            local value = load(data(f.offset, width[f.type]), f)
             if value < f.first or value > f.last then return false end
         end
     end
@@ -192,6 +210,7 @@ local function dissect_frame(frame, pinfo, tree, inside)
     else
         if length > 0 then item:add(header.data, frame(6, length)) end
         if row and length < row.size then item:add_proto_expert_info(malformed) end
+        if not row and layouts then item:add_proto_expert_info(unknown, "unknown layout, LEN " .. length) end
     end
     item:add(header.sum, frame(6 + length, 1))
     item:add(header.add, frame(7 + length, 1))
@@ -276,6 +295,7 @@ void write_field(std::ostream& out, const Field& f, const std::string& filter) {
     if (f.no_data) out << ", no_data = " << *f.no_data;
     if (f.range) out << ", min = " << number_text(f.range.first) << ", max = " << number_text(f.range.last);
     if (f.role == Role::code) out << ", hex = true";
+    if (f.order == ByteOrder::big) out << ", big = true";
     if (!f.label.empty()) out << ", label = " << lua_text(f.label);
     if (f.selects) out << ", first = " << f.selects->first << ", last = " << f.selects->last;
     if (!f.meanings.empty()) {
@@ -296,7 +316,7 @@ void write_row(std::ostream& out, const Message& row) {
     if (!row.is_base()) prefix += "." + std::string{row.variant.label};
     out << "    {id = " << +row.id << ", name = " << lua_text(row.name) << ", title = " << lua_text(row.title)
         << ", length = " << row.variant.length << ", size = " << row.fixed_size << (row.variant.by_look ? ", by_look = true" : "")
-        << ", fields = {\n";
+        << (row.may_be_shifted_by_one() ? ", stream = true" : "") << ", fields = {\n";
     write_fields(out, row.fields(), prefix);
     out << "    }";
     if (!row.element().empty()) {
@@ -315,6 +335,7 @@ void write_layout(std::ostream& out, const FlexibleLayout& layout) {
         prefix += "." + std::to_string(*layout.source());
         out << ", source = " << +*layout.source();
     }
+    if (layout.when()) prefix += ".when" + std::to_string(*layout.when());
     out << ", fields = {\n";
     write_fields(out, layout.fields(), prefix);
     out << "    }},\n";
@@ -325,10 +346,12 @@ void write_layout(std::ostream& out, const FlexibleLayout& layout) {
 void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
     out << head_text;
     for (const Message& row : messages) write_row(out, row);
-    // The layout of one source comes before the layout for all sources.
+    // The layout of one source comes before the layout for all sources, and that for one value of its first field before that for all.
     for (const bool with_source : {true, false})
-        for (const FlexibleLayout& layout : flexible.all())
-            if (layout.source().has_value() == with_source) write_layout(out, layout);
+        for (const bool with_value : {true, false})
+            for (const FlexibleLayout& layout : flexible.all())
+                if (layout.source().has_value() == with_source && layout.when().has_value() == with_value)
+                    write_layout(out, layout);
     out << engine;
 }
 

@@ -17,10 +17,12 @@ constexpr const char* introduction = R"(# Messages of the ANO V8 protocol
 
 Made by `anoctl messages --markdown` from the table in `include/ano/messages.hpp`; a test compares them.
 
-Numbers are little-endian and packed. *Value* = what is on the wire × *scale*, in *unit*. A layout with a length of its own
+Numbers are little-endian where nothing else is said, and packed. *Value* = what is on the wire × *scale*, in *unit*. A layout with a length of its own
 is taken at exactly that length of DATA, one with a mode where the named field holds one of the named values, one that says
 where it is taken there; everything else is the base layout. What stands behind a layout is kept as `extra`; fewer bytes are
-malformed.
+malformed. A base layout with an exact length has nothing behind it: a length that no layout has is an unknown layout.
+Of a message that replaces its predecessor ("replaced"), DATA with one byte more than a layout has is an unknown layout too: some devices
+put a mode byte before the fields.
 Classes say what leaves first where a line is slow. *Replaced*: a newer frame of the same source, destination and id (and
 first byte of DATA, where it says so) may take the place of one that waits on a congested line.
 )";
@@ -57,8 +59,9 @@ void write_rows_of_fields(std::ostream& out, std::span<const Field> fields, cons
 void write_layout(std::ostream& out, const Message& row) {
     out << '\n' << row.title << '.';
     if (!row.is_base()) out << " Layout `" << row.variant.label << "`";
+    if (row.is_base() && row.variant.length != 0) out << " The base layout";
     out << taken_for(row);
-    if (!row.is_base()) out << '.';
+    if (!row.is_base() || row.variant.length != 0) out << '.';
     if (row.acknowledged == Acknowledged::yes) out << " Acknowledged.";
     if (row.acknowledged == Acknowledged::as_write) out << " Acknowledged as a write; not as the answer to a read.";
     if (row.fields().empty()) {
@@ -76,6 +79,7 @@ std::string type_text(const Field& f) {
     std::string text{name_of(f.type)};
     if (f.is_open()) return text + ", to the end";
     if (f.count != 1) text += "[" + std::to_string(f.count) + "]";
+    if (f.order == ByteOrder::big) text += ", high byte first";
     return text;
 }
 

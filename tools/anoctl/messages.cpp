@@ -5,6 +5,7 @@
 
 #include <ano/messages.hpp>
 #include <ano_json/describe.hpp>
+#include <ano_json/escapes.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -42,10 +43,10 @@ struct Messages {
         if (markdown) write_markdown(streams.out);
         else if (lua) write_lua(streams.out, options.layouts());
         else if (json && names.empty())
-            for (const Json& row : describe_all(options.layouts())) streams.out << row.dump() << '\n';
+            for (const Json& row : describe_all(options.layouts())) streams.out << ano::json_text(row) << '\n';
         else
             for (const Message& row : chosen()) {
-                if (json) streams.out << describe(row).dump() << '\n';
+                if (json) streams.out << ano::json_text(describe(row)) << '\n';
                 else if (!names.empty()) write_details(streams.out, row, streams.color);
                 else write_row(streams.out, row, streams.color);
             }

@@ -3,6 +3,7 @@
 #include "gateway.hpp"
 #include "prometheus_text.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <nlohmann/json.hpp>
 
 #include <memory>
@@ -21,7 +22,7 @@ struct Metrics {
                                              openmetrics ? "application/openmetrics-text; version=1.0.0" : "text/plain");
         if (!json) streams.out << text;
         else
-            for (const ano::Json& sample : samples_of(text)) streams.out << sample.dump() << '\n';
+            for (const ano::Json& sample : samples_of(text)) streams.out << ano::json_text(sample) << '\n';
         return fine;
     }
 };

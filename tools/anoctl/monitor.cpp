@@ -1,7 +1,7 @@
 // anoctl monitor LINK: the frames received by a link of our own; without a LINK, those of the running gateway.
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
-#include "gateway.hpp"
+#include "gateway_layouts.hpp"
 #include "own_link.hpp"
 #include "wanted_frames.hpp"
 #include "watch.hpp"
@@ -73,14 +73,18 @@ private:
         for (const auto* words : {&ids, &from, &to, &links, &directions})    // these options take all words after them
             for (const std::string& word : *words)
                 if (word.find(':') != word.npos) throw UsageError{ano::in_quotes(word) + ": a LINK stands before the options"};
+        const std::vector<std::string> once{"in"};
         const std::string query = filter_words("id", ids) + filter_words("from", from) + filter_words("to", to) +
-                                  filter_words("link", links) + filter_words("direction", directions);
-        return watch({gateway.socket(), query, count, frames}, streams);
+                                  filter_words("link", links) + filter_words("direction", directions.empty() ? once : directions);
+        FrameOptions options = frames;
+        if (options.config.empty()) options.known = layouts_of_gateway(gateway);
+        return watch({gateway.socket(), query, count, options}, streams);
     }
     // With the values of the options, otherwise those of the link.
     FrameOptions as_said_of(const LinkSettings& settings) const {
         FrameOptions options = frames;
-        if (!options.encoding && settings.text_encoding() == TextEncoding::gbk) options.encoding = ano::Encoding::gbk;
+        if (!options.encoding && settings.encoding)
+            options.encoding = *settings.encoding == TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
         if (!options.value_type_7) options.value_type_7 = settings.meaning_of_type_7();
         return options;
     }
@@ -99,13 +103,14 @@ Run add_monitor(Options& options) {
     };
     options.push_back({"link", &self->link, "LINK",
                        "A link to listen at, as for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH; "
-                       "without it, the frames of the gateway that runs: what comes, what leaves, and what is dropped and why"});
+                       "without it, the frames that come in at the gateway that runs, each once"});
     options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
     options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
     options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
     options.push_back({"--link", &self->links, "LINK...", "Of the gateway: only by these links, by name"});
-    options.push_back(
-        {"--direction", &self->directions, "in|out|dropped...", "Of the gateway: only what comes, leaves or is dropped"});
+    options.push_back({"--direction", &self->directions, "in|out|dropped...",
+                       "Of the gateway: what comes (the default), what leaves, and what is dropped and why; one that is "
+                       "forwarded shows in each"});
     options.push_back({"--count", Option::Read{read_count}, "N", "Ends after so many frames were shown"});
     GatewayOptions::add(options, self->gateway);
     FrameOptions::add(options, self->frames);

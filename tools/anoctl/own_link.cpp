@@ -7,13 +7,13 @@
 #include <config/config.hpp>
 #include <config/key_facts.hpp>
 #include <gateway/hints.hpp>
-#include <link/alarm.hpp>
-#include <link/asio.hpp>
 #include <link/clocks.hpp>
 #include <link/datagram_batch.hpp>
 #include <link/datagram_sender.hpp>
 #include <link/kinds.hpp>
 #include <link/link_context.hpp>
+#include <sys/alarm.hpp>
+#include <sys/asio.hpp>
 
 #include <algorithm>
 #include <array>
@@ -38,8 +38,9 @@ std::string only_listens(const std::string& who) {
 }
 
 bool matters_to_a_listener(std::string_view key) {
-    constexpr std::string_view others[]{"id",   "hello",   "flood", "broadcast", "group",   "present_as",   "queue",   "rate",
-                                        "pace", "latency", "pack",  "mtu",       "trusted", "max_data_out", "required"};
+    constexpr std::string_view others[]{"id",    "hello",   "flood",        "broadcast", "group", "present_as",
+                                        "queue", "rate",    "pace",         "latency",   "gap",   "pack",
+                                        "mtu",   "trusted", "max_data_out", "required"};
     constexpr std::string_view groups[]{"send.", "receive.", "limit.", "age."};
     return std::find(std::begin(others), std::end(others), key) == std::end(others) &&
            std::none_of(std::begin(groups), std::end(groups), [&](std::string_view group) { return key.starts_with(group); });
@@ -98,19 +99,26 @@ public:
     }
     bool send(ano::FrameView frame) {
         spoke_ = true;
-        const auto has_heard = [&](const auto& c) { return c && c->heard.source(frame.destination()); };
-        const bool is_known = std::any_of(channels_.begin(), channels_.end(), has_heard);
         bool left = false;
         const bool is_anywhere = std::any_of(channels_.begin(), channels_.end(),
                                              [](const auto& open) { return open != nullptr; });
         nowhere_ += !is_anywhere;
-        for (const auto& open : channels_) {
-            if (!open || (is_known && !has_heard(open))) continue;
-            const QueuePolicy policy = policy_of(frame.id());
-            left = open->channel.outbox.push(frame, policy, now()) == nullptr || left;
-            link_->flush(open->channel);
+        for (Channel* const channel : leading_to(frame.destination())) {
+            left = channel->outbox.push(frame, policy_of(frame.id()), now()) == nullptr || left;
+            link_->flush(*channel);
         }
         return left;
+    }
+    ano::Flush flush_parser(ano::FrameView next) {
+        const LinkSettings& s = link_->settings();
+        ano::Flush all;
+        for (Channel* const channel : leading_to(next.destination())) {
+            const bool flushes = channel->outbox.flush_parser(now());
+            const ano::Duration busy = time_of_flush(channel->outbox.zeros(), line_rate_of(s).bytes_per_second);
+            all = all | (flushes ? ano::Flush{.busy = busy} : ano::Flush{.later = channel->outbox.until_flush(now())});
+            link_->flush(*channel);
+        }
+        return all;
     }
     const std::string& name() const noexcept { return link_->name(); }
     bool is_up() const noexcept { return up_; }
@@ -135,6 +143,16 @@ public:
     }
 
 private:
+    // The channels on which `address` was heard, or all of them.
+    std::vector<Channel*> leading_to(std::uint8_t address) const {
+        std::vector<Channel*> all, heard;
+        for (const auto& open : channels_) {
+            if (!open) continue;
+            all.push_back(&open->channel);
+            if (open->heard.source(address)) heard.push_back(&open->channel);
+        }
+        return heard.empty() ? all : heard;
+    }
     static std::uint64_t offered_and_not_sent(const Channel& channel) noexcept {
         return channel.outbox.counters().offered - channel.outbox.counters().frames_out;
     }
@@ -151,9 +169,11 @@ private:
         if (i == max_channels) return nullptr;
         if (i == channels_.size()) channels_.emplace_back();
         const LinkSettings& s = link.settings();
-        channels_[i] = std::make_unique<Open>(static_cast<ChannelId>(i), link.id(), std::move(peer),
-                                              ano::FrameParser::Options{s.max_data, 0, quiet_of(*s.kind)},
-                                              Outbox::Options{s.queue, s.effective_max_data_out()}, now_);
+        const FlushSizes flush = flush_sizes_of(s);
+        channels_[i] = std::make_unique<Open>(
+            static_cast<ChannelId>(i), link.id(), std::move(peer),
+            ano::FrameParser::Options{s.max_data, 0, quiet_of(*s.kind), s.frame_gap.value_or(Duration{})},
+            Outbox::Options{s.queue, s.effective_max_data_out(), s.age, flush.first, flush.again}, now_);
         if (up_) channels_[i]->channel.outbox.open();
         return &channels_[i]->channel;
     }
@@ -224,6 +244,7 @@ private:
         f.listens = link_->settings().kind->listens;
         f.received = unassigned.received;
         f.v7_frames = unassigned.v7_frames;
+        if (unassigned.parser) add_skipped(f, *unassigned.parser);
         f.up_for = now() - up_at_;
         for (const auto& open : channels_) {
             if (!open) continue;
@@ -237,6 +258,7 @@ private:
             ago(channel.heard_at, f.silent_for);
             ago(channel.arrived_at, f.bytes_ago);
             f.v7_frames += channel.parser.counters().v7_frames;
+            add_skipped(f, channel.parser);
         }
         return f;
     }
@@ -281,6 +303,7 @@ OwnLink::~OwnLink() = default;
 void OwnLink::start() { host_->start(); }
 void OwnLink::stop() { host_->stop(); }
 bool OwnLink::send(ano::FrameView frame) { return host_->send(frame); }
+ano::Flush OwnLink::flush_parser(ano::FrameView next) { return host_->flush_parser(next); }
 const std::string& OwnLink::name() const noexcept { return host_->name(); }
 bool OwnLink::is_up() const noexcept { return host_->is_up(); }
 std::string OwnLink::trouble() const { return host_->trouble(); }

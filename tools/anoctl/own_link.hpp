@@ -3,9 +3,10 @@
 #include "anoctl.hpp"
 #include "frame_taker.hpp"
 
+#include <ano/flush.hpp>
 #include <ano/time.hpp>
 #include <gateway/settings.hpp>
-#include <link/asio_fwd.hpp>
+#include <sys/asio_fwd.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -39,6 +40,8 @@ public:
     /// Sends a frame to every channel on which its destination was heard, or else to all channels. False: there is no channel, or the port
     /// of the link is missing.
     bool send(ano::FrameView frame);
+    /// Has zero bytes sent (Outbox::flush_parser()) before `next`, which send() is to get.
+    ano::Flush flush_parser(ano::FrameView next);
     const std::string& name() const noexcept;
     bool is_up() const noexcept;
     /// A clause: what is wrong with it while it is up: "refused: nothing listens at 127.0.0.1:5555". Empty: nothing is wrong.

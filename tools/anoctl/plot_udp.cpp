@@ -2,7 +2,7 @@
 #include "anoctl.hpp"
 #include "counted.hpp"
 #include "frame_printer.hpp"
-#include "gateway.hpp"
+#include "gateway_layouts.hpp"
 #include "own_link.hpp"
 #include "plot_json.hpp"
 #include "say.hpp"
@@ -11,8 +11,8 @@
 
 #include <ano_json/text.hpp>
 #include <link/error_queue.hpp>
-#include <link/errors.hpp>
 #include <link/ip_socket.hpp>
+#include <sys/errors.hpp>
 
 #include <cerrno>
 #include <cstdint>
@@ -112,7 +112,9 @@ struct PlotOptions {
                              "looked up"};
         const auto there = endpoint_now(*written);
         if (!there) throw Failure{no_interface(written->interface).text};
-        Plotted plotted{*there, {ids, from, addresses}, frames, streams};
+        FrameOptions options = frames;
+        if (link.empty() && options.config.empty()) options.known = layouts_of_gateway(gateway);
+        Plotted plotted{*there, {ids, from, addresses}, options, streams};
         const std::string why = link.empty() ? watch_frames(gateway.socket(), query(), plotted)
                                              : listen_at_link(plotted, streams);
         plotted.sum_up(streams);
@@ -129,7 +131,8 @@ private:
     }
     std::string query() const {
         return filter_words("id", ids) + filter_words("from", from) + filter_words("to", addresses) +
-               filter_words("link", links) + (directions.empty() ? "&direction=in" : filter_words("direction", directions));
+               filter_words("link", links) + (directions.empty() ? "&direction=in" : filter_words("direction", directions)) +
+               "&elsewhere=no";
     }
 };
 

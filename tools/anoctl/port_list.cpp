@@ -1,5 +1,7 @@
 #include "port_list.hpp"
 
+#include <link/port_identity.hpp>
+
 #include <linux/if_arp.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
@@ -80,7 +82,10 @@ void describe(const fs::path& device, SerialPort& port) {
 // The 8250 driver makes its ports (ttyS0 to ttyS3) even without a UART.
 bool is_phantom(const fs::path& tty) { return line_of(tty / "type") == "0"; }
 
-std::string stable_name(const fs::path& root, const std::string& name) {
+// Adapters without a serial number of their own have the same name in by-id: udev lets it lead to the one plugged in last.
+std::string stable_name(const fs::path& root, const std::string& name, bool by_place) {
+    if (by_place)
+        if (std::string place = anogate::port_identity(root, "/dev/" + name).by_path; !place.empty()) return place;
     for (const char* folder : {"/dev/serial/by-id", "/dev/serial/by-path"}) {
         std::vector<std::string> names;
         for (const fs::path& link : entries(below(root, folder)))
@@ -173,7 +178,9 @@ std::vector<SerialPort> serial_ports(const fs::path& root, const anogate::Device
         SerialPort port;
         port.device = "/dev/" + name;
         describe(tty / "device", port);
-        port.stable = stable_name(root, name);
+        const auto identity = anogate::port_identity(root, port.device);
+        port.by_place = identity.is_one_of_many() || !anogate::twins_of(root, identity).empty();
+        port.stable = stable_name(root, name, port.by_place);
         port.missing = anogate::missing_permission(root, port.device, asker);
         devices[port.device];
         ports.push_back(std::move(port));

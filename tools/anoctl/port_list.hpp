@@ -1,6 +1,6 @@
 // The serial ports and CAN interfaces of a computer, read from its file system.
 #pragma once
-#include <link/device_permission.hpp>
+#include <sys/device_permission.hpp>
 
 #include <filesystem>
 #include <string>
@@ -16,11 +16,12 @@ struct Holder {
 };
 
 struct SerialPort {
-    std::string device;     // "/dev/ttyUSB0"
-    std::string driver;     // of the kernel: "ch341-uart"
-    std::string stable;     // a name that does not depend on the order of plugging in; empty: there is none
-    std::string product;    // the product name of a USB device, as sent by it: not checked
-    std::string usb;        // "1a86:7523"; empty: no USB device
+    std::string device;       // "/dev/ttyUSB0"
+    std::string driver;       // of the kernel: "ch341-uart"
+    std::string stable;       // a name that does not depend on the order of plugging in; empty: there is none
+    bool by_place = false;    // that name belongs to the USB socket, since the adapter has no serial number of its own
+    std::string product;      // the product name of a USB device, as sent by it: not checked
+    std::string usb;          // "1a86:7523"; empty: no USB device
     std::vector<Holder> holders;
     std::string missing;    // the permission that the asker lacks, and how to get it; empty: none is missing
 };

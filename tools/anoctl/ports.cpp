@@ -5,6 +5,7 @@
 #include "detect_rate.hpp"
 #include "port_list.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <ano_json/frame_json.hpp>
 #include <ano_json/text.hpp>
 
@@ -54,6 +55,11 @@ std::string told(const SerialPort& port) {
     if (!port.usb.empty()) first += "  (" + port.usb + ")";
     std::string all = paragraph(first, 0);
     if (!port.stable.empty()) all += paragraph(safe(port.stable), 4);
+    if (port.by_place)
+        all += paragraph(
+            "by its USB socket: the adapter has no serial number of its own, so a name in by-id can lead to another one "
+            "after plugging",
+            4);
     for (const Holder& h : port.holders)
         all += paragraph("in use by " + safe(h.program) + " (pid " + std::to_string(h.pid) + ")", 4);
     if (!port.missing.empty()) all += paragraph("no permission: " + port.missing, 4);
@@ -66,6 +72,7 @@ Json as_json(const SerialPort& port) {
     return {{"kind", "serial"},
             {"device", port.device},
             {"stable", safe(port.stable)},
+            {"by_place", port.by_place},
             {"driver", port.driver},
             {"usb", port.usb},
             {"product", safe(port.product)},
@@ -101,13 +108,13 @@ Json as_json(const CanInterface& can, const CanFigures& figures) {
 void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& asker, bool json, std::ostream& out) {
     const auto serial = serial_ports(root, asker);
     for (const SerialPort& port : serial) {
-        if (json) out << as_json(port).dump() << '\n';
+        if (json) out << ano::json_text(as_json(port)) << '\n';
         else out << told(port);
     }
     const auto can = can_interfaces(root);
     for (const CanInterface& interface : can) {
         const CanFigures figures = root == "/" ? can_figures(interface.name) : CanFigures{};
-        if (json) out << as_json(interface, figures).dump() << '\n';
+        if (json) out << ano::json_text(as_json(interface, figures)) << '\n';
         else out << told(interface, figures);
     }
     if (json) return;

@@ -1,8 +1,8 @@
 // anoctl record FILE: records the frames of the running gateway into a file.
 #include "anoctl.hpp"
 #include "counted.hpp"
-#include "gateway.hpp"
 #include "gateway_json.hpp"
+#include "gateway_layouts.hpp"
 #include "message_encoding.hpp"
 #include "recording_output.hpp"
 #include "say.hpp"
@@ -18,10 +18,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,10 +39,10 @@ constexpr auto sync_time = std::chrono::seconds{1};    // the maximum that a los
 constexpr Clock::duration chunk_time = std::chrono::milliseconds{
     500};    // the maximum that a kill may cost with MCAP; shorter chunks compress badly
 
-anogate::RecordingHead head_now() {
+anogate::RecordingHead head_now(anogate::DecodingPtr decoding) {
     const anogate::ClockReading clocks = anogate::read_clocks();
     return {"anoctl " ANOGATE_VERSION, static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.real}.count()),
-            static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.boot}.count())};
+            static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.boot}.count()), std::move(decoding)};
 }
 
 class Recorder final : public FrameTaker {
@@ -48,11 +50,12 @@ public:
     using Descriptions = std::map<std::string, std::string>;
 
     /// `descriptions`: of each link, by its name.
-    Recorder(RecordingOutput& output, Descriptions descriptions, anogate::RecordingFormat format,
+    Recorder(RecordingOutput& output, Descriptions descriptions, anogate::DecodingPtr decoding, anogate::RecordingFormat format,
              anogate::RecordingOptions options)
         : output_{output},
           descriptions_{std::move(descriptions)},
-          writer_{anogate::make_recording_writer(format, head_now(), waiting_, options)},
+          decoding_{std::move(decoding)},
+          writer_{anogate::make_recording_writer(format, head_now(decoding_), waiting_, options)},
           flush_time_{format == anogate::RecordingFormat::mcap ? chunk_time : Clock::duration{}} {}
 
     bool take(ano::FrameView frame, const Passage& passage) override {
@@ -72,6 +75,11 @@ public:
                        waiting_);
         ++taken_;
         return true;
+    }
+    void use(const anogate::DecodingPtr& decoding) override {
+        if (anogate::decode_alike(decoding_, decoding)) return;
+        decoding_ = decoding;
+        writer_->use(decoding, waiting_);
     }
     bool flush() override {
         const auto now = Clock::now();
@@ -112,6 +120,7 @@ private:
     RecordingOutput& output_;
     Descriptions descriptions_;
     std::string waiting_;
+    anogate::DecodingPtr decoding_;    // of the frames
     std::unique_ptr<anogate::RecordingWriter> writer_;
     std::uint64_t taken_ = 0, flushed_frames_ = 0;
     const ano::TimePoint began_ = Clock::now();
@@ -135,9 +144,11 @@ struct Record {
         const anogate::RecordingOptions options{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true};
         if (file == "-" && streams.terminal)
             throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
-        auto descriptions = described_links();    // before a file is made: fails when there is no gateway
+        const ano::Json links_now = parse_answer(
+            gateway.ask("GET", "/links"));    // before a file is made: there may be no gateway
+        auto decoding = std::make_shared<const anogate::Decoding>(layouts_of_gateway(gateway), lx_links(links_now));
         RecordingOutput output{file, force, streams};
-        Recorder recorder{output, std::move(descriptions), format(), options};
+        Recorder recorder{output, described(links_now), std::move(decoding), format(), options};
         std::string why;
         try {
             why = watch_frames(gateway.socket(), query(), recorder, time);
@@ -155,6 +166,13 @@ struct Record {
 
 private:
     void check_ending(Streams& streams) const {
+        for (const std::string_view word : {"status", "start", "stop", "list", "end", "get", "delete", "save"})
+            if (file == word)
+                throw UsageError{"record writes a FILE here; what the gateway itself records: anoctl recordings " +
+                                 std::string{word == "status" ? "list"
+                                             : word == "stop" ? "end NAME"
+                                                              : word} +
+                                 " (for a file of this name: ./" + file + ")"};
         const std::string name = file.substr(file.rfind('/') + 1);
         if (name.empty() || name == "-" || anogate::recording_format_of(name)) return;
         if (name.rfind('.') != name.npos) throw UsageError{ending_refused(file)};
@@ -183,11 +201,16 @@ private:
         return filter_words("id", ids) + filter_words("from", from) + filter_words("to", to) + filter_words("link", links) +
                filter_words("direction", directions.empty() ? in : directions);
     }
-    Recorder::Descriptions described_links() const {
+    static Recorder::Descriptions described(const ano::Json& all_links) {
         Recorder::Descriptions all;
-        const ano::Json answer = parse_answer(gateway.ask("GET", "/links"));
-        for (const ano::Json& link : answer)
+        for (const ano::Json& link : all_links)
             if (link.is_object()) all.emplace(text_at(link, "name"), text_at(link, "kind"));
+        return all;
+    }
+    static std::set<std::string, std::less<>> lx_links(const ano::Json& all_links) {
+        std::set<std::string, std::less<>> all;
+        for (const ano::Json& link : all_links)
+            if (link.is_object() && text_at(link, "attitude") == "lx") all.insert(text_at(link, "name"));
         return all;
     }
     void sum_up(const Recorder& recorder, const RecordingOutput& output, Streams& streams) const {

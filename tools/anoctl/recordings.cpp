@@ -7,6 +7,7 @@
 #include "say.hpp"
 #include "table.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <ano_json/lower_case.hpp>
 #include <ano_json/text.hpp>
 #include <http/client.hpp>
@@ -96,7 +97,7 @@ private:
 
     int list(Streams& streams) const {
         const Json all = ask("GET", "/recordings");
-        if (json) return streams.out << all.dump() << '\n', fine;
+        if (json) return streams.out << ano::json_text(all) << '\n', fine;
         Table table{{"NAME", "STATE", " SIZE", " FRAMES", " LENGTH", "NOTE"}};
         for (const Json& one : at(all, "running")) table.row(cells_of_running(one));
         for (const Json& one : at(all, "recordings"))
@@ -184,7 +185,7 @@ private:
     }
 
     int say_one(const Json& answer, const char* became, Streams& streams) const {
-        if (json) return streams.out << answer.dump() << '\n', fine;
+        if (json) return streams.out << ano::json_text(answer) << '\n', fine;
         const RecordingSum sum = sum_of_recording(answer);
         const std::string error = text_at(answer, "error");
         std::string text = sum.of + " " + became;

@@ -4,6 +4,7 @@
 #include "gateway_json.hpp"
 #include "table.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <nlohmann/json.hpp>
 
 #include <memory>
@@ -53,7 +54,7 @@ struct Reload {
         if (answer.status == faulty) return refused(answer, streams);
         if (answer.status / 100 != 2) throw_words_of(answer);
         const Json came = parse_answer(answer.body);
-        if (json) streams.out << came.dump() << '\n';
+        if (json) streams.out << ano::json_text(came) << '\n';
         else tell(came, streams.out);
         return fine;
     }
@@ -61,7 +62,7 @@ struct Reload {
 private:
     int confirm_it(Streams& streams) const {
         const std::string body = gateway.ask("POST", "/reload/confirm");
-        if (json) streams.out << parse_answer(body).dump() << '\n';
+        if (json) streams.out << ano::json_text(parse_answer(body)) << '\n';
         else streams.out << "the new configuration stays\n";
         return fine;
     }
@@ -77,7 +78,7 @@ private:
     // The configuration has faults, which the response lists.
     int refused(const anogate::http::Answer& answer, Streams& streams) const {
         const Json came = parse_answer(answer.body);
-        if (json) streams.out << came.dump() << '\n';
+        if (json) streams.out << ano::json_text(came) << '\n';
         else
             for (const Json& fault : at(came, "faults"))
                 if (fault.is_string()) streams.err << "anoctl: " << without_controls(fault.get<std::string>()) << '\n';
@@ -86,6 +87,8 @@ private:
 
     void tell(const Json& came, std::ostream& out) const {
         const bool changed = text_at(came, "changed") == "true";
+        if (const std::string fault = text_at(came, "http_error"); !fault.empty())
+            out << "HTTP is not served now: " << without_controls(fault) << '\n';
         if (changed) write_difference(came, out);
         if (const Json& later = at(came, "needs_restart"); !later.empty()) {
             out << "at the next start:\n";

@@ -8,8 +8,8 @@
 #include <ano/time.hpp>
 #include <ano_json/frame_json.hpp>
 #include <ano_json/text.hpp>
-#include <link/asio.hpp>
 #include <record/replay.hpp>
+#include <sys/asio.hpp>
 
 #include <nlohmann/json.hpp>
 

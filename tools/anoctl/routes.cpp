@@ -4,6 +4,7 @@
 #include "gateway_json.hpp"
 #include "table.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <nlohmann/json.hpp>
 
 #include <memory>
@@ -26,7 +27,7 @@ struct Routes {
         const Json routes = parse_answer(gateway.ask("GET", "/routes"));
         Table table{{"ADDRESS", "WHO", "LINKS", "VIA", " HEARD"}};
         for (const Json& route : routes) {
-            if (json) streams.out << route.dump() << '\n';
+            if (json) streams.out << ano::json_text(route) << '\n';
             else table.row(cells(route));
         }
         if (json) return fine;
@@ -45,7 +46,7 @@ private:
     int forget_one(Streams& streams) const {
         const std::string body = gateway.ask("DELETE", "/routes/" + percent_encoded(*forget));
         const Json answer = parse_answer(body);
-        if (json) streams.out << answer.dump() << '\n';
+        if (json) streams.out << ano::json_text(answer) << '\n';
         else streams.out << text_at(answer, "address") << " is forgotten\n";
         return fine;
     }

@@ -4,11 +4,20 @@
 #include "gateway_json.hpp"
 #include "table.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <nlohmann/json.hpp>
 
+#include <ano_json/text.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
 #include <memory>
 #include <ostream>
 #include <string>
+#include <thread>
+#include <utility>
 
 namespace anoctl {
 namespace {
@@ -30,14 +39,27 @@ std::string sum_of(const Json& link, const std::vector<std::string>& names) {
     return Json(static_cast<std::uint64_t>(sum)).dump();
 }
 
-void write_links(const Json& links, std::ostream& out) {
-    Table table{{"LINK", "KIND", "STATE", "SINCE", " IN", " OUT", " DROPPED"}};
+// Frames a second between two answers; empty: the link was not there before, or is another one.
+std::string rate_of(const Json& link, const char* counter, const Json& before, double seconds) {
+    for (const Json& one : before) {
+        if (text_at(one, "name") != text_at(link, "name") || seconds <= 0) continue;
+        const double frames = number_at(link, counter) - number_at(one, counter);
+        return frames < 0 ? std::string{} : ano::number_text(std::round(frames / seconds));
+    }
+    return {};
+}
+
+// `before`: the same, `seconds` ago. A hint that several links have is written once, at the first of them.
+void write_links(const Json& links, const Json& before, double seconds, std::ostream& out) {
+    Table table{{"LINK", "KIND", "STATE", "SINCE", " IN/s", " OUT/s", " IN", " OUT", " DROPPED"}};
+    Told told;
     for (const Json& link : links) {
         table.row({text_at(link, "name"), text_at(link, "kind"), text_at(link, "state"), time_text(number_at(link, "since_s")),
+                   rate_of(link, "frames_in", before, seconds), rate_of(link, "frames_out", before, seconds),
                    text_at(link, "frames_in"), text_at(link, "frames_out"), sum_of(link, drop_causes())});
         if (const std::string place = listening_place(link); !place.empty()) table.note("    at " + place);
         for (const char* key : {"error", "hint"})
-            if (const std::string words = text_at(link, key); !words.empty()) table.note("    " + words);
+            if (const std::string words = told.once(key, text_at(link, key)); !words.empty()) table.note("    " + words);
     }
     if (table.empty()) out << "no links are configured\n";
     else table.write(out);
@@ -67,25 +89,59 @@ void write_gpio(const Json& lines, std::ostream& out) {
     }
 }
 
+struct Verdict {
+    bool is_ok = true;
+    std::string text = "ok";
+};
+
+// Of what needs somebody: links that are not up, addresses that two devices have, a recording that fails.
+Verdict verdict_of(const Json& status) {
+    std::size_t links = 0, down = 0;
+    for (const Json& link : at(status, "links")) {
+        if (text_at(link, "error_id") == "disabled") continue;
+        ++links;
+        down += text_at(link, "state") == "up" ? 0u : 1u;
+    }
+    std::string what;
+    if (down > 0) what = std::to_string(down) + " of " + plural(links, "link");
+    if (const std::size_t conflicts = at(status, "conflicts").size(); conflicts > 0)
+        what += (what.empty() ? "" : ", ") + plural(conflicts, "conflict");
+    const Json& running = at(at(status, "recording"), "running");
+    if (std::any_of(running.begin(), running.end(), [](const Json& one) { return !text_at(one, "error").empty(); }))
+        what += (what.empty() ? "" : ", ") + std::string{"recording"};
+    return what.empty() ? Verdict{} : Verdict{false, "degraded: " + what};
+}
+
 struct StatusView {
+    static constexpr auto between = std::chrono::milliseconds{500};    // two answers, for the rates
+    static constexpr int degraded = 3;                                 // the exit status
     GatewayOptions gateway;
-    bool json = false;
+    bool json = false, exit_code = false;
 
     int run(Streams& streams) const {
-        const std::string body = gateway.ask("GET", "/status");
-        const Json status = parse_answer(body);
+        Json status = parse_answer(gateway.ask("GET", "/status"));
         if (json) {
-            streams.out << status.dump() << '\n';
-            return fine;
+            streams.out << ano::json_text(status) << '\n';
+            return exit_of(verdict_of(status));
         }
+        const Json before = std::move(status);
+        std::this_thread::sleep_for(between);
+        status = parse_answer(gateway.ask("GET", "/status"));
+        const Verdict verdict = verdict_of(status);
+        const double seconds = number_at(at(status, "gateway"), "uptime_s") - number_at(at(before, "gateway"), "uptime_s");
+        const char* const color = verdict.is_ok ? "\x1b[32m" : "\x1b[31m";
+        streams.out << (streams.color ? color + verdict.text + "\x1b[0m" : verdict.text) << '\n';
         streams.out << first_line(at(status, "gateway")) << '\n';
-        write_links(at(status, "links"), streams.out);
+        write_links(at(status, "links"), at(before, "links"), seconds, streams.out);
         write_conflicts(at(status, "conflicts"), streams.out);
         write_tunnel(at(status, "tunnel"), streams.out);
         write_gpio(at(status, "gpio"), streams.out);
         for (const std::string& line : recording_lines(at(status, "recording"))) streams.out << line << '\n';
-        return fine;
+        return exit_of(verdict);
     }
+
+private:
+    int exit_of(const Verdict& verdict) const { return exit_code && !verdict.is_ok ? degraded : fine; }
 };
 
 }    // namespace
@@ -93,6 +149,9 @@ struct StatusView {
 Run add_status(Options& options) {
     const auto self = std::make_shared<StatusView>();
     GatewayOptions::add(options, self->gateway);
+    options.push_back({"--exit-code", &self->exit_code, "",
+                       "Exit status 3 when it is degraded: a link is not up, two devices have "
+                       "one address, or a recording fails"});
     options.push_back({"--json", &self->json, "", "As the gateway says it: one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -54,6 +54,34 @@ std::string in_cells(std::string_view text, std::size_t cells) {
     return std::string{text.substr(0, at)};
 }
 
+std::string cut_line(std::string_view text, std::size_t cells) {
+    constexpr std::string_view color_begin = "\x1b[", no_color = "\x1b[0m";
+    if (cells == 0) return std::string{text};
+    std::string line;
+    std::size_t taken = 0, fits = 0;    // cells so far; bytes of `line` that leave a cell for the mark
+    bool is_colored = false;
+    for (std::size_t at = 0; at < text.size();) {
+        if (text.substr(at).starts_with(color_begin)) {
+            const std::size_t size = std::min(text.find('m', at), text.size() - 1) + 1 - at;
+            is_colored = text.substr(at, size) != no_color;
+            line += text.substr(at, size);
+            at += size;
+            continue;
+        }
+        const auto [c, size] = character(text, at);
+        const std::size_t of_it = is_wide(c) ? 2 : 1;
+        if (taken + of_it > cells) {
+            line.resize(fits);
+            return line + "…" + (is_colored ? std::string{no_color} : std::string{});
+        }
+        taken += of_it;
+        line += text.substr(at, size);
+        if (taken < cells) fits = line.size();
+        at += size;
+    }
+    return line;
+}
+
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent, std::size_t begin) {
     if (width == 0) return std::string{text};
     std::string all;

@@ -37,6 +37,9 @@ std::size_t cells_of(std::string_view text) noexcept;
 /// The beginning of `text` that fits into `cells`, never half a character.
 std::string in_cells(std::string_view text, std::size_t cells);
 
+/// `text` with its colours; if it takes more than `cells`, its beginning and "…". 0: no limit.
+std::string cut_line(std::string_view text, std::size_t cells);
+
 /// `text` in lines of at most `width` cells, broken between words or Chinese characters. The lines after the first begin with `indent`
 /// spaces; before the first one, `begin` cells are already used. A word that is longer than a line stays whole. `width` 0: unchanged.
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent = 0, std::size_t begin = 0);

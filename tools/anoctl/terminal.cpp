@@ -48,7 +48,8 @@ void Screen::leave() noexcept {
 Screen::Size Screen::size() noexcept {
     winsize size{};
     for (const int fd : {STDOUT_FILENO, STDERR_FILENO, STDIN_FILENO})    // some of them may be files
-        if (::ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 && size.ws_row != 0) return {size.ws_col, size.ws_row};
+        if (::ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col != 0)
+            return {size.ws_col, size.ws_row != 0 ? size.ws_row : Size{}.height};
     return {};
 }
 

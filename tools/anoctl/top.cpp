@@ -52,7 +52,7 @@ public:
         await_signal();
         await_key();
         ask();
-        frames_.open(get("/frames?format=binary&direction=in"), std::make_unique<Counter>(heard_),
+        frames_.open(get("/frames?format=binary&direction=in&elsewhere=no"), std::make_unique<Counter>(heard_),
                      [](const http::Outcome&) {});    // without it the rates of addresses are 0
         io_.run();
         screen_.reset();

@@ -4,7 +4,7 @@
 
 #include <gateway/frame_record.hpp>
 #include <http/client.hpp>
-#include <link/asio.hpp>
+#include <sys/asio.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -98,6 +98,8 @@ private:
         links_.set(told.value("links", Told{}));
         peers_.set(told.value("channels", Told{}));
         causes_.set(told.value("causes", Told{}));
+        if (!told.contains("decoding")) return;    // an older gateway
+        if (const auto decoding = anogate::Decoding::parse(told["decoding"].dump())) taker_.use(decoding);
     }
 
     void tell_lost(const Told& told, std::string_view text) {
@@ -122,6 +124,7 @@ private:
                 passage.peer = peers_.of(record->channel);
             }
             passage.direction = text(record->direction);
+            passage.is_elsewhere = record->is_elsewhere;
             if (record->direction == anogate::Direction::dropped) passage.cause = causes_.of(record->cause);
             if (!taker_.take(record->frame, passage)) return finish();
         }
@@ -160,6 +163,7 @@ public:
         printer_.print(frame, passage);
         return ++shown_ != watching_.count;
     }
+    void use(const anogate::DecodingPtr& decoding) override { printer_.use(decoding); }
     bool flush() override { return bool{streams_.out.flush()}; }
     void miss(std::uint64_t count, const std::string& names, std::string_view json) override {
         lost_ += count;

@@ -7,9 +7,10 @@
 #include "web_names.hpp"
 
 #include <http/certificate.hpp>
-#include <link/errors.hpp>
 #include <link/ip_socket.hpp>
+#include <sys/errors.hpp>
 
+#include <ano_json/escapes.hpp>
 #include <nlohmann/json.hpp>
 
 #include <spawn.h>
@@ -54,7 +55,7 @@ WebDoor door_of(const Json& http) {
 std::string why_not(const Json& http, const std::string& file) {
     const std::string state = text_at(http, "state"), error = text_at(http, "error");
     if (state == "waiting") return "no HTTP yet: " + error + "; the gateway waits for it";
-    if (state == "shut") return "no HTTP: " + error + "; put that right, and restart the gateway";
+    if (state == "shut") return "no HTTP: " + error + "; put that right, then: anoctl reload";
     if (state != "off") return "the gateway does not say whether it serves HTTP: its version is not that of this anoctl";
     return "the gateway serves no HTTP: put \"control\": {\"http\": \"0.0.0.0:8088\"} into " +
            (file.empty() ? "its configuration" : file) +
@@ -132,7 +133,7 @@ private:
             Json told{{"urls", Json::array()}};
             if (is_up) told["urls"] = urls_of(door, computer);
             if (http.is_object()) told.update(http);
-            streams.out << told.dump() << '\n';
+            streams.out << ano::json_text(told) << '\n';
         }
         if (!is_up) throw Failure{why_not(http, text_at(at(at(status, "gateway"), "config"), "file"))};
         if (!json) tell_door(http, door, computer, streams.out);

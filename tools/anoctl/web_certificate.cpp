@@ -3,7 +3,7 @@
 #include "anoctl.hpp"
 
 #include <http/certificate.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <fcntl.h>
 #include <pwd.h>

@@ -45,9 +45,9 @@ _anoctl_parameters() {
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record recordings info convert replay plot-udp web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record recordings info convert replay plot-udp web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -77,6 +77,7 @@ _anoctl() {
         'metrics --control') _anoctl_files; return ;;
         'reload --confirm-within') :; return ;;
         'reload --control') _anoctl_files; return ;;
+        'flexible --control') _anoctl_files; return ;;
         'send --from') _anoctl_addresses; return ;;
         'send --to') _anoctl_addresses; return ;;
         'send --data') :; return ;;
@@ -90,6 +91,8 @@ _anoctl() {
         'param --device') _anoctl_devices; return ;;
         'param --link') _anoctl_links; return ;;
         'param --control') _anoctl_files; return ;;
+        'command --cid') :; return ;;
+        'command --type7') _anoctl_words 'f32 u64'; return ;;
         'command --device') _anoctl_devices; return ;;
         'command --link') _anoctl_links; return ;;
         'command --control') _anoctl_files; return ;;
@@ -108,10 +111,16 @@ _anoctl() {
         'log --link') _anoctl_links; return ;;
         'log --control') _anoctl_files; return ;;
         'log --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'log --since') :; return ;;
+        'alarms --device') _anoctl_devices; return ;;
+        'alarms --control') _anoctl_files; return ;;
         'image --count') :; return ;;
         'image --device') _anoctl_devices; return ;;
         'image --link') _anoctl_links; return ;;
         'image --control') _anoctl_files; return ;;
+        'terminal --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'terminal --end') _anoctl_words 'crlf lf cr none'; return ;;
+        'terminal --control') _anoctl_files; return ;;
         'top --control') _anoctl_files; return ;;
         'record --id') _anoctl_messages; return ;;
         'record --from') _anoctl_addresses; return ;;
@@ -153,20 +162,23 @@ _anoctl() {
         'messages') options='--markdown --json --lua --config -h --help'; operands='_anoctl_messages' ;;
         'monitor') options='--id --from --to --link --direction --count --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
         'ports') options='--detect --json -h --help'; operands=':' ;;
-        'status') options='--control --json -h --help'; operands=':' ;;
+        'status') options='--control --exit-code --json -h --help'; operands=':' ;;
         'links') options='--control --json -h --help'; operands='_anoctl_link_names' ;;
         'routes') options='--forget --control --json -h --help'; operands=':' ;;
         'metrics') options='--control --openmetrics --json -h --help'; operands=':' ;;
         'reload') options='--dry-run --confirm-within --confirm --control --json -h --help'; operands=':' ;;
+        'flexible') options='--json --control -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list set'\''; else _anoctl_files; fi' ;;
         'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_fields' ;;
         'devices') options='--scan --jobs --cancel --link --control --json --yes -h --help'; operands=':' ;;
         'param') options='--all --with-calibration --longer --force --rollback --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list get set save reset export import diff'\''; else _anoctl_parameters; fi' ;;
-        'command') options='--repeat --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list call'\''; else _anoctl_commands; fi' ;;
+        'command') options='--cid --repeat --type7 --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list call'\''; else _anoctl_commands; fi' ;;
         'waypoint') options='--format --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''get put'\''; else _anoctl_files; fi' ;;
         'flash') options='--force --crc --device --link --control --json --yes -h --help'; operands='_anoctl_files' ;;
         'calibrate') options='--device --link --control --json --yes -h --help'; operands='_anoctl_words '\''accelerometer compass'\''' ;;
-        'log') options='--device --link --control --encoding --json -h --help'; operands=':' ;;
+        'log') options='--device --link --control --encoding --since --no-follow --json -h --help'; operands=':' ;;
+        'alarms') options='--follow --device --control --json -h --help'; operands=':' ;;
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
+        'terminal') options='--hex --encoding --end --exclusive --json --control -h --help'; operands='_anoctl_links' ;;
         'top') options='--control -h --help'; operands=':' ;;
         'record') options='--id --from --to --link --direction --seconds --last --message-encoding --force --json --control -h --help'; operands='_anoctl_files' ;;
         'recordings') options='--format --message-encoding --id --from --to --link --direction --seconds --force --json --control -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list start end get delete save'\''; else _anoctl_messages; fi' ;;

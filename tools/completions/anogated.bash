@@ -37,7 +37,7 @@ _anogated() {
         ' --route') :; return ;;
     esac
     case $command in
-        '') options='-h --help --version -c --config --id --unknown --control --http --log-level --route --check --print-config'; operands='_anogated_links' ;;
+        '') options='-h --help -V --version -c --config --id --unknown --control --http --log-level --route --check --print-config'; operands='_anogated_links' ;;
     esac
     if [[ $cur == -* ]]; then _anogated_words "$options"; else eval "$operands"; fi
 }

@@ -1,7 +1,7 @@
 # What fish offers behind anogated. Made from its tables of options and commands.
 complete -c anogated -f
 complete -c anogated -s h -l help -d 'Says what there is, and exits'
-complete -c anogated -l version -d 'print the version'
+complete -c anogated -s V -l version -d 'print the version'
 complete -c anogated -s c -l config -r -F -d 'JSON file'
 complete -c anogated -l id -x -d 'the gateway\'s own hardware id '
 complete -c anogated -l unknown -x -a 'flood drop' -d 'frames to an address that nobody has used'

@@ -66,6 +66,11 @@ std::string configuration_page() {
                                route_keys());
     put_section<AliasSettings>(page, "alias", "A list of objects: a device behind a link appears under another id.",
                                alias_keys());
+    put_section<ClassSettings>(
+        page, "classes",
+        "A list of objects: how the frames of an id wait on a slow link, if not as the protocol has it. For "
+        "setpoints in flexible messages.",
+        class_keys());
     put_section<TunnelSettings>(page, "tunnel", "An object; without it, tunnel frames (0xB1, 0xB2) are not carried over UDP.",
                                 tunnel_keys());
     put_section<WrapSettings>(page, "tunnel: wrap",
@@ -75,7 +80,9 @@ std::string configuration_page() {
     page.text(
         "A list of objects for tools: what the values in the flexible messages 0xF1 to 0xFA are. Each has \"id\", maybe "
         "\"source\", "
-        "and \"fields\", a list of {\"name\", \"type\", \"scale\", \"unit\"}, where type is u8, i8, u16, i16, u32, i32 or f32.");
+        "\"endian\" (little or big), \"when\" (only frames whose first field has this value), "
+        "and \"fields\", a list of {\"name\", \"type\", \"count\", \"scale\", \"unit\"}, where type is u8, i8, u16, i16, u32, "
+        "i32 or f32, and a count above 1 makes an array.");
     put_section<ControlSettings>(page, "control", "An object:", control_keys());
     put_section<RecordSettings>(
         page, "record", "An object; with it the gateway records what passes it into files that Wireshark opens.", record_keys());

@@ -23,7 +23,7 @@ try:
     print(name, "is", json.load(ask("PUT", f"/devices/{device}/parameters/{name}", {"value": value}))["stored"])
     try: import matplotlib.pyplot as plot
     except ImportError: plot = None    # the numbers are enough
-    i, frames = -1, map(json.loads, ask("GET", f"/frames?id=euler&from={device}&direction=in&limit.euler=10"))
+    i, frames = -1, map(json.loads, ask("GET", f"/frames?id=euler&from={device}&direction=in&elsewhere=no&limit.euler=10"))
     for i, frame in enumerate(itertools.islice((f["fields"] for f in frames if "fields" in f), limit)):
         print("rol {rol:7.2f}  pit {pit:7.2f}  yaw {yaw:7.2f}".format(**frame), flush=True)
         if plot and not limit:

@@ -6,6 +6,8 @@ export interface Refusal {
   what: string;
   evidence?: Record<string, unknown> | undefined;
   body?: unknown;
+  /** The request was to change something: without an answer, it may have done so. */
+  writes?: boolean;
 }
 
 export type Answer<T> = { ok: true; value: T; status: number } | { ok: false; refusal: Refusal };
@@ -31,6 +33,8 @@ export function refusalOf(status: number, body: unknown): Refusal {
     body,
   };
 }
+
+export const isWrite = ({ method = "GET" }: Options): boolean => method !== "GET";
 
 /** The path of the page, without its file: the page may be behind a proxy, below a path. */
 const base = (): string => location.pathname.replace(/[^/]*$/, "");
@@ -63,7 +67,7 @@ export async function ask<T>(route: string, options: Options = {}): Promise<Answ
     if (!response.ok) return { ok: false, refusal: refusalOf(response.status, json) };
     return { ok: true, value: json as T, status: response.status };
   } catch {
-    return { ok: false, refusal: { status: 0, error: "", what: "no_contact" } };
+    return { ok: false, refusal: { status: 0, error: "", what: "no_contact", writes: isWrite(options) } };
   } finally {
     clearTimeout(timer);
   }

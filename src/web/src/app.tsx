@@ -2,15 +2,22 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { t, setLanguage, useLanguage } from "./i18n";
-import { access, contact, devices, logIn, silentFor, status, tokenNeeded } from "./live/gateway";
+import { rateText } from "./format";
+import { access, contact, devices, logIn, logOut, lostVehicles, silentFor, status, tokenNeeded, type Status } from "./live/gateway";
+import { editedPages, isEdited } from "./live/edits";
 import { replayedDevices } from "./live/replayed";
 import { useStore, useTick } from "./live/store";
+import { ageOf, alarms, lostDevices, seenRateOf } from "./live/watch";
 import { nameOf } from "./addresses";
 import { hexByte } from "./protocol/table";
+import { Alerts, alertTitle, inWords } from "./parts/alerts";
+import { DeviceName } from "./parts/device_text";
 import { Pinned } from "./parts/pinned";
+import { setSound, soundOn } from "./parts/sound";
 import { pages, pageAt, type Page } from "./pages";
 import { hashOf, place } from "./route";
 import { setTheme, theme, themes } from "./theme";
+import { isolated } from "./visible";
 
 function ContactLamp() {
   useTick(500);
@@ -20,14 +27,42 @@ function ContactLamp() {
   return (
     <span class={`contact ${state}`} role="status">
       <i class="lamp" aria-hidden="true" />
-      {words}
+      <span class="words">{words}</span>
     </span>
   );
 }
 
+/** The chosen device: its rate, and the age of its last frame. */
+function DeviceLamp({ device }: { device: number }) {
+  useTick(200);
+  const one = useStore(devices).find((one) => Number(one.address) === device);
+  const isLost = useStore(lostDevices).has(device), gateway = useStore(contact);
+  const seen = ageOf(device), age = seen ?? one?.age;
+  const isHeard = gateway === "live" && !isLost && seen !== undefined;
+  const rate = one?.rate !== undefined && one.rate > 0 ? rateText(one.rate) : t("at_least", { n: rateText(seenRateOf(device)) });
+  return (
+    <span class={`contact-of-device ${isLost ? "lost" : isHeard ? "live" : "never"}`} role="status" aria-live="off">
+      <i class="lamp" aria-hidden="true" />
+      <b><DeviceName device={device} /></b>{" "}
+      <span class="number">
+        {isLost ? t("no_data_for", { time: inWords(age ?? 0) })
+          : isHeard ? `${rate} ${t("per_second")} · ${t("heard_age", { s: age! < 10 ? age!.toFixed(1) : Math.floor(age!) })}`
+          : age === undefined ? t("not_heard_yet") : t("ago", { time: inWords(age) })}
+      </span>
+    </span>
+  );
+}
+
+/** Offered to who signed in with a token. */
+function SignOut() {
+  const may = useStore(access), needed = useStore(tokenNeeded), known = useStore(status);
+  if (needed || may === "" || known?.http.token_needed !== true) return null;
+  return <button class="plain sign-out" onClick={() => void logOut()}>{t("sign_out")}</button>;
+}
+
 function Switches() {
   const language = useLanguage();
-  const now = useStore(theme);
+  const now = useStore(theme), sounds = useStore(soundOn);
   const next = themes[(themes.indexOf(now) + 1) % themes.length]!;
   const sign = { auto: "◐", light: "☀", dark: "☾" }[now];
   return (
@@ -35,16 +70,20 @@ function Switches() {
       <button class="plain" lang={language === "zh" ? "en" : "zh-CN"} onClick={() => setLanguage(language === "zh" ? "en" : "zh")}>
         {t("language")}
       </button>
+      <button class="plain sound" aria-pressed={!sounds} title={t(sounds ? "sound_on" : "sound_off")} aria-label={t(sounds ? "sound_on" : "sound_off")} onClick={() => setSound(!sounds)}>
+        <svg viewBox="0 0 20 20" width="18" height="18" aria-hidden="true"><path d="M3 8v4h3l4 4V4L6 8zM13 7q3 3 0 6" fill="none" stroke="currentColor" stroke-width="1.8" stroke-linejoin="round" stroke-linecap="round" />{!sounds && <path d="M2 2l16 16" stroke="currentColor" stroke-width="2" />}</svg>
+      </button>
       <button class="plain" title={t(`theme_${now}`)} aria-label={t(`theme_${now}`)} onClick={() => setTheme(next)}>
         {sign}
       </button>
+      <SignOut />
     </span>
   );
 }
 
-/** The addresses whose pages are offered: those that were heard, except hosts; those in a recording; and the chosen one. */
+/** The addresses whose pages are offered: those that were heard, except hosts; lost vehicles; those in a recording; and the chosen one. */
 function useDevices(chosen: number | undefined, replayed: Map<number, string>): number[] {
-  const heard = useStore(devices).map((device) => Number(device.address));
+  const heard = [...useStore(devices), ...useStore(lostVehicles)].map((device) => Number(device.address));
   const all = new Set([...heard.filter((address) => address !== 0xfe && address !== 0xd2), ...replayed.keys()]);
   if (chosen !== undefined) all.add(chosen);
   return [...all].sort((a, b) => a - b);
@@ -53,26 +92,33 @@ function useDevices(chosen: number | undefined, replayed: Map<number, string>): 
 /** `among`: the number of tabs; when it changes, this one may have to be scrolled into view again. */
 function Tab({ page, device, here, among }: { page: Page; device?: number | undefined; here: boolean; among: number }) {
   const ref = useRef<HTMLAnchorElement>(null);
+  const marked = isEdited(useStore(editedPages), device ?? 0, page.name);
   useEffect(() => {
     if (here) ref.current?.scrollIntoView({ block: "nearest", inline: "center" });
   }, [here, among]);
   return (
     <li>
       <a ref={ref} href={hashOf({ page: page.name, device })} aria-current={here ? "page" : undefined}>
-        {t(page.title)}
+        {t(page.title)}{marked && <i class="edited" role="img" aria-label={t("unsaved")} title={t("unsaved")} />}
       </a>
     </li>
   );
+}
+
+/** The chosen device, also on the pages of the gateway: the last one, else the first flight controller. */
+function useSelected(chosen: number | undefined, replayed: Map<number, string>): number | undefined {
+  const all = useDevices(chosen, replayed);
+  const remembered = useRef<number | undefined>(undefined);
+  if (chosen !== undefined) remembered.current = chosen;
+  return chosen ?? remembered.current ?? all.find((address) => address === 0xdc) ?? all[0];
 }
 
 function Navigation() {
   const now = useStore(place);
   const here = pageAt(now);
   const replayed = replayedDevices(useStore(status));
-  const all = useDevices(now.device, replayed);
-  const remembered = useRef<number | undefined>(undefined);
-  if (now.device !== undefined) remembered.current = now.device;
-  const device = now.device ?? remembered.current ?? all.find((address) => address === 0xdc) ?? all[0];
+  const all = useDevices(now.device, replayed), edited = useStore(editedPages);
+  const device = useSelected(now.device, replayed);
   const offered = (of: number): Page[] => pages.filter((page) => page.ofDevice && !(page.asks && replayed.has(of)));
   const ofDevice = device === undefined ? [] : offered(device);
   return (
@@ -95,7 +141,7 @@ function Navigation() {
           >
             {all.map((address) => (
               <option key={address} value={String(address)}>
-                {hexByte(address)} {nameOf(address)}{replayed.has(address) ? ` · ${t("replayed")}` : ""}
+                {isEdited(edited, address) ? "• " : ""}{hexByte(address)} {isolated(nameOf(address))}{replayed.has(address) ? ` · ${t("replayed")}` : ""}{isEdited(edited, address) ? ` · ${t("unsaved")}` : ""}
               </option>
             ))}
           </select>
@@ -121,7 +167,19 @@ function Navigation() {
   );
 }
 
-function Login() {
+/** What a read-only session sees above each page: it can enter the token that allows more. */
+function OnlyView() {
+  const [enters, setEnters] = useState(false);
+  if (enters) return <Login title={t("control_title")} done={() => setEnters(false)} />;
+  return (
+    <p class="note only-view">
+      {t("only_view")} <button class="plain" onClick={() => setEnters(true)}>{t("control_enter")}</button>
+    </p>
+  );
+}
+
+/** `done`: the form can be left without a token. */
+function Login({ title = t("token_title"), done }: { title?: string; done?: () => void }) {
   const [token, setToken] = useState("");
   const [wrong, setWrong] = useState("");
   const [busy, setBusy] = useState(false);
@@ -131,39 +189,38 @@ function Login() {
     setBusy(true);
     const fault = await logIn(token);
     setBusy(false);
+    if (fault === "") done?.();
     setWrong(fault === "no_contact" ? t("no_contact") : fault);
   };
   return (
     <form class="login card" onSubmit={(event) => void enter(event)}>
-      <h1>{t("token_title")}</h1>
+      <h1>{title}</h1>
       <p>{t("token_where", { command: "anoctl web" })}</p>
       <label>
         {t("token")}
         <input type="password" autocomplete="current-password" required autofocus value={token} onInput={(event) => setToken(event.currentTarget.value)} />
       </label>
       <button class="main" disabled={busy}>{t("token_enter")}</button>
+      {done && <button type="button" onClick={done}>{t("token_cancel")}</button>}
       {wrong && <p class="bad" role="alert">{wrong}</p>}
     </form>
   );
 }
 
-function Banner() {
-  const state = useStore(contact);
-  if (state !== "lost") return null;
-  return (
-    <p class="banner" role="alert">
-      <b>{t("no_contact")}{t("full_stop")}</b>{t("old_values")}
-    </p>
-  );
+/** A note when two devices have this address. If one of them is at home, the pages show its values alone, and it gets the commands; otherwise
+ * these may be of either. */
+function conflictWords({ links = [], home = [], pinned, claimed_by: by }: Status["conflicts"][number]): string {
+  if (!by || home.length === 0) return t("two_claim_more", { links: links.join(", ") });
+  const values = { home: home.join(", "), by: by.peer ? `${by.link} (${by.peer})` : by.link };
+  return t(pinned ? "two_claim_pinned" : "two_claim_home", values);
 }
 
-/** A note when two devices have this address: the pages show values of both, and commands may reach either. */
 function ConflictNote({ device }: { device: number }) {
   const conflict = useStore(status)?.conflicts.find((one) => Number(one.address) === device);
   if (!conflict) return null;
   return (
     <p class="note clash" role="alert">
-      <b>{t("two_claim", { address: hexByte(device) })}</b> {t("two_claim_more", { links: (conflict.links ?? []).join(", ") })}
+      <b>{t("two_claim", { address: hexByte(device) })}</b> {conflictWords(conflict)}
     </p>
   );
 }
@@ -173,10 +230,12 @@ function ReplayedNote({ link }: { link: string }) {
   return <p class="note" role="status">{t("replayed_more", { link })}</p>;
 }
 
-function Body({ children }: { children: ComponentChildren }) {
-  const state = useStore(contact);
+/** Grey when what it shows is not current: of the gateway, or of its device. */
+function Body({ device, children }: { device: number | undefined; children: ComponentChildren }) {
+  const state = useStore(contact), lost = useStore(lostDevices);
+  const isOld = state === "lost" || (device !== undefined && lost.has(device));
   return (
-    <main id="content" tabIndex={-1} class={state === "lost" ? "old" : ""}>
+    <main id="content" tabIndex={-1} class={isOld ? "old" : ""}>
       {children}
     </main>
   );
@@ -189,13 +248,18 @@ export function App() {
   const known = useStore(status);
   const may = useStore(access);
   const page = pageAt(now);
+  useStore(lostDevices);
+  useStore(alarms);
+  useStore(contact);
+  useEffect(() => scrollTo(0, 0), [page, now.device]);
   useEffect(() => {
     const whose = page.ofDevice && now.device !== undefined ? nameOf(now.device) || hexByte(now.device) : known?.gateway.name;
-    document.title = `${t(page.title)} · ${whose ?? "anogate"}`;
+    document.title = `${alertTitle()}${t(page.title)} · ${whose ?? "anogate"}`;
   });
   const replayedBy = page.ofDevice && now.device !== undefined ? replayedDevices(known).get(now.device) : undefined;
   const mayAsk = known !== undefined && replayedBy === undefined;
   const View = page.view;
+  const selected = useSelected(now.device, replayedDevices(known));
   return (
     <>
       <a class="skip" href="#content" onClick={(event) => { event.preventDefault(); document.getElementById("content")?.focus(); }}>{t("skip")}</a>
@@ -203,14 +267,15 @@ export function App() {
         <a class="brand" href="#/">anogate</a>
         <span class="of">{known && known.gateway.name !== "anogate" ? known.gateway.name : ""}</span>
         <ContactLamp />
+        {!needed && selected !== undefined && <DeviceLamp device={selected} />}
         <Switches />
       </header>
       {!needed && <Navigation />}
-      <Body>
-        <Banner />
+      <Body device={page.ofDevice ? now.device : undefined}>
+        <Alerts />
         {needed ? <Login /> : (
           <>
-            {may === "view" && known?.http.token_needed && <p class="note">{t("only_view")}</p>}
+            {may === "view" && known?.http.token_needed && <OnlyView />}
             {page.ofDevice && now.device !== undefined && <ConflictNote device={now.device} />}
             {replayedBy !== undefined && <ReplayedNote link={replayedBy} />}
             {page.asks && !mayAsk ? <h1>{t(page.title)}</h1> : <View key={`${page.name} ${now.device ?? ""}`} device={now.device ?? 0} />}

@@ -33,6 +33,14 @@ export function t(key: Key, args?: Record<string, unknown>): string {
   return filled(words[key][language.get() === "zh" ? 1 : 0], args);
 }
 
+/** The parts of the text, with `make` of each value in the place of {x}. */
+export function filledWith<T>(key: Key, args: Record<string, unknown>, make: (value: string) => T): (string | T)[] {
+  return words[key][language.get() === "zh" ? 1 : 0].split(/(\{\w+\})/).map((part) => {
+    const name = /^\{(\w+)\}$/.exec(part)?.[1];
+    return name !== undefined && name in args ? make(String(args[name])) : part;
+  });
+}
+
 export const useLanguage = (): Language => useStore(language);
 
 /** The gateway's text about a link: in Chinese when its id is known, else unchanged. */

@@ -1,7 +1,11 @@
 import { render } from "preact";
 import { App } from "./app";
 import { beginLanguage } from "./i18n";
+import { beginEdits } from "./live/edits";
 import { begin } from "./live/gateway";
+import { beginLimits } from "./live/kept_limits";
+import { beginWatch } from "./live/watch";
+import { beginSound } from "./parts/sound";
 import { beginRoute } from "./route";
 import { beginTheme } from "./theme";
 
@@ -9,4 +13,8 @@ beginTheme();
 beginLanguage();
 beginRoute();
 begin();
+beginLimits();
+beginWatch();
+beginEdits();
+beginSound();
 render(<App />, document.getElementById("app")!);

@@ -23,19 +23,27 @@ const messages: Record<string, string> = {
   "the device is told to forget them": "正在让设备清除旧值",
   "lay it on each of its six faces": "把设备的六个面依次朝上静置",
   "turn it to all sides": "把设备转向各个方向",
+  "checking that nothing was corrected meanwhile": "正在确认采样期间旧校准没有生效",
   "writing the new values": "正在写入新值",
+  "checking the new values: go on turning it": "正在验证新值：请继续转动",
   "writing the old values back": "正在写回旧值",
   "writing back what was before a calibration that never ended": "正在写回一次没做完的校准之前的值",
 };
 
 const reasons: [RegExp, string][] = [
   [/^(.+) is unlocked or flies: this is for the ground$/, "$1 已解锁或在飞行中：这只能在地面上做"],
-  [/^job (\d+) \((\w+)(?: of (.+))?\) has (.+)$/, "$4 正被任务 $1（$2）占用"],
   [/^no answer to (.+): it may have been carried out$/, "没有收到对 $1 的确认：它可能已经执行了"],
   [/^(0x\w\w) is heard, but did not answer the question for its (.+), sent (\d+) times?(?:; .+)?$/, "听得到 $1，但问它 $2，问了 $3 次都没有回答"],
   [/^(0x\w\w) is heard, but did not acknowledge: (.+), sent (\d+) times?(?:; .+)?$/, "听得到 $1，但它没有确认 $2，发了 $3 次"],
   [/^(0x\w\w) does not answer: (.+), sent (\d+) times?$/, "$1 没有回答：$2，发了 $3 次"],
+  [/^(0x\w\w) fell silent: nothing came for (.+) s$/, "$1 没有数据了：已有 $2 秒什么都没收到"],
   [/^(0x\w\w) fell silent: (.+)$/, "$1 中途没有了回答：$2"],
+  [/^(0x\w\w) is heard, but does not answer: (.+)$/, "听得到 $1，但它没有回答：$2"],
+  [/^(0x\w\w) sent 0xF0 with (.+), which is no answer: (.+)$/, "$1 发来 0xF0 $2，不是应有的回答：$3"],
+  [/^(0x\w\w) was not heard, and does not answer$/, "没有听到 $1，问它也没有回答"],
+  [/^(0x\w\w) acknowledged with wrong check bytes \((.+)\): (.+), sent (\d+) times?$/, "$1 的确认里校验字节不对（$2）：$3，发了 $4 次"],
+  [/^(0x\w\w) acknowledged (.+) with wrong check bytes \((.+)\): it has probably been carried out$/, "$1 对 $2 的确认里校验字节不对（$3）：它很可能已经执行了"],
+  [/^(0x\w\w) has not kept these waypoints \(it has probably restarted\): (.+)$/, "$1 没有保留这些航点（很可能重新启动过）：$2"],
   [/^cancelled, nothing was changed$/, "已取消，什么都没有改"],
   [/^cancelled, some values may be written$/, "已取消，有些值可能已经写入"],
   [/^cancelled after (\d+) of (\d+)$/, "已取消，做了 $2 项中的 $1 项"],
@@ -43,6 +51,7 @@ const reasons: [RegExp, string][] = [
   [/^rejected: the six faces do not belong together: lay it flat on each$/, "新值不采用：六个面对不上，每个面都要放平"],
   [/^rejected: the residual is (.+) cm\/s²: lay it flat on each$/, "新值不采用：残差有 $1 cm/s²，每个面都要放平"],
   [/^rejected: the residual would be (.+), and is (.+)$/, "新值不采用：残差会是 $1，现在是 $2，没有变好"],
+  [/^rejected: the device can store the new values too coarsely only$/, "新值不采用：设备存储的精度不够"],
   [/^rejected: only (.+) of all directions were measured$/, "新值不采用：只测到 $1 的方向"],
   [/^rejected: the samples are no ellipsoid: turn it slowly, away from iron$/, "新值不采用：采样不成椭球，请远离铁器慢慢转"],
   [/^the image did not pass the device's check$/, "固件没有通过设备的校验"],
@@ -54,6 +63,8 @@ const reasons: [RegExp, string][] = [
   [/^(.+): (.+) is out of range$/, "$1：$2 超出范围"],
   [/^(.+): (.+) is not a number$/, "$1：$2 不是数"],
   [/^(.+): (.+) is not whole$/, "$1：$2 不是整数"],
+  [/^(.+) takes a value of type 7, .+: state it once \(type7\)$/, "$1 有类型 7 的值：老设备里是 f32，新设备里是 u64，设备的描述没有说明是哪一种，请指明一次（type7）"],
+  [/^command (.+) is not (.+) any more: read the commands again$/, "编号 $1 的命令已不是 $2，请重新读取命令"],
   [/^(.+) keeps (.+) at (.+)$/, "$1 没有接受，$2 仍是 $3"],
   [/^(.+) is being recorded already$/, "$1 已在录制"],
   [/^(\d+) recordings that were asked for run already: end one of them$/, "已有 $1 个录制在进行：先结束一个"],
@@ -79,6 +90,11 @@ const reasons: [RegExp, string][] = [
   [/^another map was put in its place$/, "地图文件换过了"],
   [/^nobody said go on within 10 minutes; nothing was changed$/, "10 分钟内没有人按继续；什么都没有改"],
   [/^it was not turned to all sides within 10 minutes$/, "10 分钟内没有转遍所有方向"],
+  [/^(0x\w\w) restarted (\d+) times \(.+\)$/, "$1 重启了 $2 次：请检查供电和接线"],
+  [/^(0x\w\w) is heard, but sends no samples: (.+)$/, "$1 在线，但没有发送采样：$2"],
+  [/^not verified: with the new values it is off by (.+?)( on [+-][xyz])? instead of (.+)$/, "新值未通过验证：误差是 $1，应为 $3"],
+  [/^the new values could not be verified: it did not lie still on (..) when they were stored$/, "无法验证新值：存入后没有保持 $1 朝上静置"],
+  [/^the new values could not be verified: it was not turned when they were stored$/, "无法验证新值：存入后没有继续转动"],
 ];
 
 /** Also of texts with numbers: "sending, 12.3 KB/s, 40 s left". */
@@ -86,12 +102,25 @@ export function messageInChinese(message: string): string {
   const [first = "", ...rest] = message.split(", ");
   const whole = messages[message];
   if (whole !== undefined) return whole;
+  const restarted = /^the device restarted \(.+\), so all samples are discarded: (.+)$/.exec(message);
+  if (restarted) return `设备重启过，之前的采样全部作废：${messageInChinese(restarted[1] ?? "")}`;
+  const onFace = /^checking the new values: leave it still on (..)$/.exec(message);
+  if (onFace) return `正在验证新值：请保持 ${onFace[1]} 朝上不动`;
+  const onOther = /^checking the new values: lay it still on (..)$/.exec(message);
+  if (onOther) return `正在验证新值：请再让 ${onOther[1]} 朝上静置`;
   const known = messages[first];
   if (known !== undefined) return [known, ...rest.map((one) => one.replace(/^(\d+) s left$/, "还要 $1 秒").replace("KB/s", "KB/秒"))].join("，");
   return message.replace(/^reading /, "正在读取 ").replace(/^writing /, "正在写入 ").replace(/^calling /, "正在执行 ");
 }
 
+const actions: Record<string, string> = {
+  "reading parameters": "读取参数", "writing a parameter": "写入参数", "writing parameters": "写入参数", "saving or restoring parameters": "保存或恢复参数", "reading commands": "读取命令",
+  "calling a command": "执行命令", "reading waypoints": "读取航点", "writing waypoints": "写入航点", "firmware upgrade": "固件升级", "calibration": "校准", "scan": "扫描",
+};
+
 export function reasonInChinese(error: string): string {
+  const used = /^(.+) is used by job (\d+) \(([^,]+?)(?:, by (.+))?\)$/.exec(error);
+  if (used) return `${used[1]} 正被任务 ${used[2]}（${actions[used[3]!] ?? used[3]}${used[4] ? `，来自 ${used[4]}` : ""}）占用`;
   for (const [pattern, chinese] of reasons) if (pattern.test(error)) return error.replace(pattern, chinese);
   return error;
 }

@@ -54,7 +54,7 @@ test("says in Chinese what the gateway says of jobs, and leaves what it does not
   assert.equal(messageInChinese("sending, 12.3 KB/s, 40 s left"), "正在发送固件，12.3 KB/秒，还要 40 秒");
   assert.equal(messageInChinese("calling LAND"), "正在执行 LAND");
   assert.equal(reasonInChinese("no answer to LAND: it may have been carried out"), "没有收到对 LAND 的确认：它可能已经执行了");
-  assert.equal(reasonInChinese("job 7 (firmware of anoctl) has 0xDC"), "0xDC 正被任务 7（firmware）占用");
+  assert.equal(reasonInChinese("0xDC is used by job 7 (firmware upgrade, by 192.168.1.5)"), "0xDC 正被任务 7（固件升级，来自 192.168.1.5）占用");
   assert.equal(reasonInChinese("0x1E is heard, but did not answer the question for its number of commands, sent 5 times; it probably has none"), "听得到 0x1E，但问它 number of commands，问了 5 次都没有回答");
   assert.equal(reasonInChinese("/rec: only 1.0 MB of the disk are free, and 500.0 MB must be to write more"), "/rec：磁盘只剩 1.0 MB，至少要有 500.0 MB 才继续写");
   assert.equal(reasonInChinese("/mnt/a.pcapng: Read-only file system"), "/mnt/a.pcapng：文件系统只读");

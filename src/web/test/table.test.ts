@@ -83,8 +83,35 @@ test("takes the flexible layout of a sender before the one for all", () => {
   assert.equal(table.read(0xf1, 30, data), "unknown_layout");
 });
 
+test("takes the flexible layout for the value of the first field, in either byte order", () => {
+  const row = (only: [number, number] | undefined, name: string, endian?: "big"): MessageRow =>
+    ({ ...rows.find((one) => one.id === 0xf1)!, size: 3,
+       fields: [{ name: "kind", type: "u8", offset: 0, scale: 1, ...(only && { only }) }, { name, type: "u16", offset: 1, scale: 1, ...(endian && { endian }) }] });
+  const table = new MessageTable([row(undefined, "any"), row([3, 3], "three", "big")]);
+  const value = (kind: number): unknown => {
+    const reading = table.read(0xf1, 30, Uint8Array.of(kind, 1, 2)) as Reading;
+    return [reading.row.fields[1]!.name, reading.value(reading.row.fields[1]!)];
+  };
+  assert.deepEqual(value(3), ["three", 0x0102]);
+  assert.deepEqual(value(4), ["any", 0x0201]);
+  assert.equal(new MessageTable([row([3, 3], "three")]).read(0xf1, 30, Uint8Array.of(4, 1, 2)), "unknown_layout");
+});
+
 test("reads text as GBK where it is no UTF-8, and never beyond its NUL", () => {
   assert.equal(textOf(new Uint8Array([0xc4, 0xe3, 0xba, 0xc3])), "你好");
   assert.equal(textOf(new TextEncoder().encode("你好")), "你好");
   assert.equal(textOf(new Uint8Array([65, 0, 66])), "A");
+});
+
+test("a text that is cut inside a character loses that character alone", () => {
+  assert.equal(textOf(new Uint8Array([0xc4, 0xe3, 0xba, 0xc3, 0xc4])), "你好");
+  assert.equal(textOf(new TextEncoder().encode("你好").subarray(0, 5)), "你");
+  assert.equal(textOf(new TextEncoder().encode("A你").subarray(0, 2)), "A");
+});
+
+test("a sender that has sent a text in GBK is read as GBK from then on", () => {
+  const text = (bytes: number[]): unknown => (table.read(0xa0, 77, new Uint8Array([0, ...bytes])) as Reading).get("str");
+  assert.equal(text([0xc4, 0xa3]), "ģ"); // valid in both
+  assert.equal(text([0xc4, 0xe3, 0xba, 0xc3]), "你好");
+  assert.equal(text([0xc4, 0xa3]), "模");
 });

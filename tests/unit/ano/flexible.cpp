@@ -44,9 +44,84 @@ TEST(Flexible, the_layout_of_a_source_goes_before_the_one_for_all) {
     FlexibleLayouts layouts;
     ASSERT_FALSE(layouts.add(0xF5, std::nullopt, abc));
     ASSERT_FALSE(layouts.add(0xF5, 30, std::vector<FlexibleField>{{"mine", Type::f32, 1, ""}}));
-    EXPECT_EQ(layouts.find(0xF5, 30)->fields()[0].name, "mine");
-    EXPECT_EQ(layouts.find(0xF5, 31)->fields()[0].name, "a");
-    EXPECT_EQ(layouts.find(0xF6, 30), nullptr);
+    EXPECT_EQ(layouts.find(0xF5, 30, {})->fields()[0].name, "mine");
+    EXPECT_EQ(layouts.find(0xF5, 31, {})->fields()[0].name, "a");
+    EXPECT_EQ(layouts.find(0xF6, 30, {}), nullptr);
+}
+
+TEST(Flexible, numbers_may_be_big_endian) {
+    FlexibleLayouts layouts;
+    ASSERT_FALSE(layouts.add({.id = 0xF1,
+                              .fields = {{"a", Type::i16, 0.01, ""}, {"b", Type::u32, 1, ""}, {"c", Type::f32, 1, ""}},
+                              .endian = ByteOrder::big}));
+    const support::Bytes data{0xFF, 0xC7, 1, 2, 3, 4, 0x3F, 0xC0, 0, 0};
+    const Reading reading = read(0xF1, data, &layouts);
+    ASSERT_TRUE(reading);
+    EXPECT_EQ(reading.number(reading.fields()[0]), -0.57);
+    EXPECT_EQ(reading.number(reading.fields()[1]), 0x01020304);
+    EXPECT_EQ(reading.number(reading.fields()[2]), 1.5);
+}
+
+TEST(Flexible, a_field_may_be_an_array) {
+    FlexibleLayouts layouts;
+    ASSERT_FALSE(layouts.add({.id = 0xF1, .fields = {{"n", Type::u8, 1, ""}, {"cells", Type::u16, 0.001, "V", 3}}}));
+    EXPECT_EQ(layouts.all().front().size(), 7);
+    const support::Bytes data{7, 0x10, 0x0E, 0x11, 0x0E, 0x12, 0x0E, 9};
+    const Reading reading = read(0xF1, data, &layouts);
+    ASSERT_TRUE(reading);
+    EXPECT_EQ(reading.bytes_of(reading.fields()[1]).size(), 6u);
+    EXPECT_EQ(std::get<double>(value_at(reading.fields()[1], reading.bytes_of(reading.fields()[1]).data() + 4)), 3.602);
+    EXPECT_EQ(reading.extra().size(), 1u);
+}
+
+TEST(Flexible, the_first_field_may_select_the_layout) {
+    FlexibleLayouts layouts;
+    const auto layout = [](const char* name, std::optional<std::uint32_t> when, std::optional<std::uint8_t> source = {},
+                           Type first = Type::u8, ByteOrder endian = ByteOrder::little) {
+        return FlexibleSpec{.id = 0xF2,
+                            .source = source,
+                            .fields = {{"kind", first, 1, ""}, {name, Type::u8, 1, ""}},
+                            .endian = endian,
+                            .when = when};
+    };
+    ASSERT_FALSE(layouts.add(layout("any", {})));
+    ASSERT_FALSE(layouts.add(layout("three", 3)));
+    ASSERT_FALSE(layouts.add(layout("own three", 3, 30)));
+    ASSERT_FALSE(layouts.add(layout("big", 0x0102, 31, Type::u16, ByteOrder::big)));
+    EXPECT_EQ(layouts.add(layout("again", 3)).fault, Fault::duplicate);
+    const auto name = [&](std::uint8_t source, support::Bytes data) {
+        return layouts.find(0xF2, source, data)->fields()[1].name;
+    };
+    EXPECT_EQ(name(1, {3, 0}), "three");
+    EXPECT_EQ(name(1, {4, 0}), "any");
+    EXPECT_EQ(name(30, {3, 0}), "own three");
+    EXPECT_EQ(name(30, {4, 0}), "any");
+    EXPECT_EQ(name(31, {1, 2, 0}), "big");
+    EXPECT_EQ(name(31, {2, 1, 0}), "any");
+    EXPECT_EQ(name(31, {3, 1, 0}), "three");
+
+    FlexibleLayouts only;
+    ASSERT_FALSE(only.add(layout("three", 3)));
+    EXPECT_EQ(read(0xF2, support::Bytes{4, 0}, &only).readable(), Readable::unknown_layout);
+    EXPECT_EQ(read(0xF2, support::Bytes{3}, &only).readable(), Readable::too_short);
+    EXPECT_EQ(read(0xF2, support::Bytes{}, &only).readable(), Readable::unknown_layout);
+}
+
+TEST(Flexible, a_value_that_the_first_field_can_not_have_selects_nothing) {
+    const auto fault = [](Type type, double scale, std::uint16_t count, std::uint32_t when) {
+        FlexibleLayouts layouts;
+        return layouts.add({.id = 0xF1, .fields = {{"kind", type, scale, "", count}}, .when = when}).fault;
+    };
+    EXPECT_EQ(fault(Type::u8, 1, 1, 255), Fault::none);
+    EXPECT_EQ(fault(Type::u8, 1, 1, 256), Fault::when);
+    EXPECT_EQ(fault(Type::u16, 1, 1, 65535), Fault::none);
+    EXPECT_EQ(fault(Type::u16, 1, 1, 65536), Fault::when);
+    EXPECT_EQ(fault(Type::u32, 1, 1, 0xFFFFFFFF), Fault::none);
+    EXPECT_EQ(fault(Type::i8, 1, 1, 3), Fault::when);
+    EXPECT_EQ(fault(Type::f32, 1, 1, 3), Fault::when);
+    EXPECT_EQ(fault(Type::u8, 0.1, 1, 3), Fault::when);
+    EXPECT_EQ(fault(Type::u8, 1, 2, 3), Fault::when);
+    EXPECT_EQ(fault(Type::u8, 1, 0, 3), Fault::count);
 }
 
 TEST(Flexible, keeps_its_names_when_it_is_moved) {

@@ -163,5 +163,22 @@ TEST(FrameParser, joins_nothing_across_the_end_of_input) {
     EXPECT_EQ(line.frames, Frames{numbered(2)});
 }
 
+// A radio that sends a frame in packets: pauses inside a frame are normal there, and a frame waits while its bytes still come.
+TEST(FrameParser, lets_a_frame_pause_for_its_frame_gap_also_on_a_fast_line_and_between_datagrams) {
+    const Bytes frame = support::frame(0xDC, 2, 3, Bytes(40) + numbered(7) + Bytes(40));
+    for (const bool datagrams : {false, true})
+        for (const auto pause : {390ms, 410ms}) {
+            Line line{{.line_rate = 50'000, .frame_gap = 400ms}};
+            for (std::size_t i = 0; i < frame.size(); i += 20) {
+                const Bytes piece = begin_of(rest_of(frame, i), std::min<std::size_t>(20, frame.size() - i));
+                datagrams ? line.put_datagram(piece) : line.put(piece);
+                EXPECT_EQ(line.parser.deadline().value_or(line.now + 400ms), line.now + 400ms);
+                line.pass(pause);
+                line.expire();
+            }
+            EXPECT_EQ(line.frames, pause < 400ms ? Frames{frame} : Frames{});
+        }
+}
+
 }    // namespace
 }    // namespace parser_time_tests

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 #include <ano/reading.hpp>
+#include <ano/typed.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include <support/bytes.hpp>
 #include <support/random.hpp>
@@ -47,12 +50,66 @@ TEST(Reading, says_why_there_are_no_fields) {
 }
 
 TEST(Reading, keeps_what_stands_behind_the_layout) {
-    const support::Bytes data{1, 2, 3, 4, 5};
+    const support::Bytes data{1, 2, 3, 4, 5, 6};
     const Reading reading = read(0x0D, data);
     ASSERT_TRUE(reading);
     EXPECT_TRUE(reading.message()->is_base());
-    ASSERT_EQ(reading.extra().size(), 1u);
+    ASSERT_EQ(reading.extra().size(), 2u);
     EXPECT_EQ(reading.extra()[0], 5);
+}
+
+// One byte more may be a mode byte before the fields, as some devices have it.
+TEST(Reading, of_what_is_sent_again_and_again_has_not_one_byte_more) {
+    for (const Message& row : messages) {
+        if (!row.is_base() || is_flexible(row.id)) continue;
+        support::Bytes data(row.fixed_size + 1u);
+        if (row.selective)
+            data[0] = static_cast<std::uint8_t>(row.fields().front().selects ? row.fields().front().selects->first : 0);
+        const bool is_stream = row.traffic.replaces != Replaces::nothing && !row.is_open();
+        const bool has_variant = std::any_of(messages.begin(), messages.end(), [&](const Message& other) {
+            return other.id == row.id && other.variant.length == data.size();
+        });
+        if (has_variant || row.variant.length != 0) continue;
+        EXPECT_EQ(read(row.id, data).readable() == Readable::unknown_layout, is_stream) << row.name;
+    }
+    const support::Bytes air = support::frame(0xDC, 0xFE, 0x06, {1, 0, 2, 0, 0, 0});
+    EXPECT_FALSE(as<"mode">(FrameView{air}));
+    const support::Bytes stored = support::frame(0xDC, 0xFE, 0x61, support::Bytes(23));
+    EXPECT_TRUE(as<"waypoint">(FrameView{stored})) << "what is asked for may be longer";
+}
+
+// Where the layouts of a message have their fields in different places, a third length could be any of them.
+TEST(Reading, never_has_shifted_fields) {
+    const auto readable = [](std::uint8_t id, std::size_t size, std::uint8_t first = 1) {
+        support::Bytes data(size);
+        if (size > 0) data[0] = first;
+        return read(id, data).readable();
+    };
+    struct Lengths {
+        std::uint8_t id;
+        std::vector<std::size_t> known;
+    };
+    for (const auto& [id, known] : {Lengths{0x02, {9, 14}}, {0x03, {7, 8}}, {0x05, {9, 13}}, {0x34, {5, 7}}}) {
+        const std::size_t base = layouts_of(id).front().fixed_size;
+        for (std::size_t size = 0; size < 40; ++size) {
+            const bool is_known = std::find(known.begin(), known.end(), size) != known.end();
+            const Readable expected = is_known ? Readable::yes : size < base ? Readable::too_short : Readable::unknown_layout;
+            EXPECT_EQ(readable(id, size), expected) << +id << " with " << size;
+        }
+    }
+    EXPECT_EQ(readable(0x03, 8, 0), Readable::unknown_layout);
+    EXPECT_EQ(readable(0x03, 8, 2), Readable::unknown_layout);
+}
+
+TEST(Reading, of_euler_angles_with_a_mode_is_that_of_the_angles) {
+    const support::Bytes data{1, 0x7B, 0x00, 0x29, 0xEE, 0x4F, 0x46, 2};
+    const Reading reading = read(0x03, data);
+    ASSERT_TRUE(reading);
+    EXPECT_EQ(reading.message()->variant.label, "field");
+    EXPECT_EQ(reading.number(*reading.field("rol")), 1.23);
+    EXPECT_EQ(reading.number(*reading.field("pit")), -45.67);
+    EXPECT_EQ(reading.number(*reading.field("yaw")), 179.99);
+    EXPECT_EQ(reading.number(*reading.field("fusion_sta")), 2);
 }
 
 TEST(Reading, of_a_list_has_its_whole_elements_and_the_rest_as_extra) {
@@ -92,6 +149,30 @@ TEST(Reading, tells_an_old_parameter_info_by_its_look) {
     EXPECT_EQ(info(11, {}, "SHORT", 40), "");                // with a name where the current layout has it
     EXPECT_EQ(info(8, {}, "", 40), "");                      // without a name
     EXPECT_EQ(info(0, small, "ROL", 29), "");                // too short for the old one
+}
+
+// A generation of devices between the two has a third i32, by which a value is multiplied.
+TEST(Reading, tells_a_scaled_parameter_info_by_its_look) {
+    const auto info = [](std::int32_t min, std::int32_t max, std::int32_t mul, std::string_view name, std::size_t size = 50) {
+        support::Bytes data(14);
+        data[0] = 1;
+        store(data.data() + 2, min);
+        store(data.data() + 6, max);
+        store(data.data() + 10, mul);
+        data.insert(data.end(), name.begin(), name.end());
+        data.resize(size);
+        return std::string{read(0xE2, data).message()->variant.label};
+    };
+    for (const std::int32_t mul : {0, 1, 10, 32, 100, 1000, 10'000, 65'536, 1'000'000}) {
+        EXPECT_EQ(info(-100, 100, mul, "PID_P"), "scaled") << mul;
+        EXPECT_EQ(info(0, 0, mul, "A_NAME_OF_20_BYTES_X"), "scaled") << mul;
+        EXPECT_EQ(info(INT32_MIN, INT32_MAX, mul, "\xBD\xE2", 34), "scaled") << mul;
+    }
+    EXPECT_NE(info(0, 100, 100, "PID_P", 33), "scaled") << "too short";
+    EXPECT_NE(info(100, -100, 100, "PID_P"), "scaled") << "no range";
+    EXPECT_NE(info(0, 100, -1, "PID_P"), "scaled");
+    EXPECT_NE(info(0, 100, 100'000'000, "PID_P"), "scaled");
+    EXPECT_EQ(info(0, 100, 0x504950, "", 60), "old") << "PIP is a name, no factor";
 }
 
 TEST(Reading, no_data_is_nothing_and_as_a_number_not_one) {

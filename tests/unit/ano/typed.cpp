@@ -34,14 +34,18 @@ TEST(As, reads_the_fields_of_its_message_in_their_units) {
 TEST(As, is_nothing_for_another_message_or_a_short_one) {
     const auto other = frame(1, 2, 0x04, support::Bytes(9));
     const auto too_short = frame(1, 2, 0x03, support::Bytes(6));
-    const auto longer = frame(1, 2, 0x03, support::Bytes(8));
+    const auto longer = frame(1, 2, 0x04, support::Bytes(11));
+    const auto by_one = frame(1, 2, 0x04, support::Bytes(10));         // a mode byte may stand before the fields
+    const auto of_no_layout = frame(1, 2, 0x03, support::Bytes(9));    // the base layout of 0x03 is exact
     EXPECT_FALSE(as<"euler">(FrameView{other}));
     EXPECT_FALSE(as<"euler">(FrameView{too_short}));
-    EXPECT_TRUE(as<"euler">(FrameView{longer}));
+    EXPECT_TRUE(as<"quaternion">(FrameView{longer}));
+    EXPECT_FALSE(as<"quaternion">(FrameView{by_one}));
+    EXPECT_FALSE(as<"euler">(FrameView{of_no_layout}));
 }
 
 TEST(As, takes_a_variant_only_at_exactly_its_length) {
-    for (const std::size_t size : {4u, 5u, 9u, 11u}) {
+    for (const std::size_t size : {4u, 6u, 9u, 11u}) {
         const auto bytes = frame(1, 2, 0x0D, support::Bytes(size));
         EXPECT_TRUE(as<"power">(FrameView{bytes})) << size;
         EXPECT_FALSE((as<"power", "field">(FrameView{bytes}))) << size;
@@ -63,6 +67,8 @@ TEST(As, takes_a_layout_by_its_mode) {
     EXPECT_FALSE(as<"firmware">(FrameView{written}));
     const auto erase = frame(1, 2, 0xF0, {0, 0x10, 0x01});
     EXPECT_TRUE(as<"firmware">(FrameView{erase}));
+    const auto erase_high_first = frame(1, 2, 0xF0, {0, 0x01, 0x10});
+    EXPECT_EQ((as<"firmware", "reading">(FrameView{erase_high_first})->get<"code">()), 0x0110);
 }
 
 TEST(As, gives_nothing_where_there_is_no_data) {

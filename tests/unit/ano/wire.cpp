@@ -18,6 +18,9 @@ static_assert(load<std::uint16_t>(counting.data()) == 0x0201);
 static_assert(load<std::uint32_t>(counting.data()) == 0x04030201);
 static_assert(load<std::int64_t>(counting.data()) < 0);
 
+static_assert(load<std::uint16_t>(counting.data(), ByteOrder::big) == 0x0102);
+static_assert(load<std::int32_t>(counting.data() + 4, ByteOrder::big) == 0x05060788);
+
 struct At {
     std::array<std::uint8_t, 8> bytes{0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE};
     Stored put(const Field& f, Number n) { return store_number(f, n, bytes.data()); }
@@ -27,6 +30,23 @@ TEST(Wire, loads_the_same_at_compile_time_and_at_run_time) {
     constexpr auto expected = load<double>(counting.data());
     auto copy = counting;
     EXPECT_EQ(load<double>(copy.data()), expected);
+}
+
+TEST(Wire, a_field_may_have_its_high_byte_first) {
+    constexpr Field hundredth{"f", i16, times(100)};
+    constexpr Field integer{"f", u64};
+    constexpr Field number{"f", f64};
+    Field scaled = hundredth, whole = integer, real = number;
+    scaled.order = whole.order = real.order = ByteOrder::big;
+    At at;
+    EXPECT_EQ(at.put(scaled, 2.58), Stored::ok);
+    EXPECT_EQ(at.bytes[0], 1);
+    EXPECT_EQ(at.bytes[1], 2);
+    EXPECT_EQ(at.put(whole, std::uint64_t{0x0102030405060788}), Stored::ok);
+    EXPECT_EQ(at.bytes, counting);
+    EXPECT_EQ(at.put(real, 1.5), Stored::ok);
+    EXPECT_EQ(load<double>(at.bytes.data(), ByteOrder::big), 1.5);
+    EXPECT_EQ(at.bytes[0], 0x3F);
 }
 
 TEST(Wire, every_scaled_i16_survives_the_way_to_its_unit_and_back) {

@@ -21,9 +21,9 @@ TEST(CompleteFields, a_message_comes_first) {
 }
 
 TEST(CompleteFields, then_the_fields_that_it_has_and_were_not_given) {
-    EXPECT_EQ(offered({"send", "euler", ""}), (Words{"rol=", "pit=", "yaw=", "fusion_sta="}));
-    EXPECT_EQ(offered({"send", "euler", "pit=1", "rol", "=", "2", "y"}), (Words{"yaw=", "fusion_sta="}));
-    EXPECT_EQ(offered({"send", "--to", "optical_flow", "euler", "--from", "imu", ""}).size(), 4u);
+    EXPECT_EQ(offered({"send", "euler", ""}), (Words{"rol=", "pit=", "yaw=", "fusion_sta=", "mode="}));
+    EXPECT_EQ(offered({"send", "euler", "pit=1", "rol", "=", "2", "y"}), (Words{"yaw=", "fusion_sta=", "mode="}));
+    EXPECT_EQ(offered({"send", "--to", "optical_flow", "euler", "--from", "imu", ""}).size(), 5u);
 }
 
 TEST(CompleteFields, behind_a_field_the_words_for_its_values) {

@@ -110,6 +110,13 @@ TEST(Decode, a_short_payload_is_data_and_a_word_on_stderr) {
     EXPECT_EQ(decoded.err, "anoctl: offset 0: malformed euler: 2 bytes of data, it has 7 at least\n");
 }
 
+TEST(Decode, tells_a_length_that_no_layout_has) {
+    const auto result = anoctl({"decode", "-"}, anoctl({"encode", "euler", "--data", "000000000000000000", "--raw"}).out);
+    EXPECT_EQ(result.exit, 0);
+    EXPECT_EQ(result.out, "0xFE 0xFF 0x03 euler data=\"000000000000000000\"\n");
+    EXPECT_EQ(result.err, "anoctl: offset 0: unknown layout of euler, LEN 9\n");
+}
+
 TEST(Decode, an_unknown_id_is_fine) {
     const auto decoded = anoctl({"decode", "-"}, anoctl({"encode", "0x77", "--data", "01", "--raw"}).out);
     EXPECT_EQ(decoded.exit, 0);
@@ -153,7 +160,7 @@ TEST(Decode, knows_flexible_layouts_from_a_configuration) {
     EXPECT_EQ(no_file.exit, 2);
     EXPECT_EQ(no_file.err, "anoctl: --config " + folder.path().string() + ": it can't be read: Is a directory\n");
     EXPECT_EQ(anoctl({"decode", "--config", "/dev/zero", log_hex}).err,
-              "anoctl: --config /dev/zero: it can't be read: File too large\n");
+              "anoctl: --config /dev/zero: it is no ordinary file, but a pipe, socket or device\n");
 }
 
 TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from_the_wire) {

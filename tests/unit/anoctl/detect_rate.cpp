@@ -81,7 +81,7 @@ Found detect(const std::string& port, bool json = false, anoctl::ListeningTime t
 }
 
 TEST(DetectRate, names_the_one_rate_at_which_good_frames_arrive) {
-    for (const std::uint32_t right : {500000u, 38400u, 256000u}) {
+    for (const std::uint32_t right : {500000u, 38400u, 256000u, 2400u}) {
         const Speaker speaker{[=](std::uint32_t baud) { return baud == right ? euler : garbage; }};
         const Found found = detect(speaker.path());
         EXPECT_EQ(found.exit, 0) << found.wrong;
@@ -98,7 +98,7 @@ TEST(DetectRate, says_when_nothing_comes) {
     const support::PtyDevice device{(folder.path() / "tty").string()};
     const Found found = detect(device.path(), false, {moment, moment});
     EXPECT_EQ(found.exit, 1);
-    EXPECT_NE(found.wrong.find(": nothing came at any of 14 rates: is the device powered, are RX and TX crossed"),
+    EXPECT_NE(found.wrong.find(": nothing came at any of 16 rates: is the device powered, are RX and TX crossed"),
               std::string::npos)
         << found.wrong;
 }
@@ -107,7 +107,7 @@ TEST(DetectRate, says_when_bytes_come_and_no_frames) {
     const Speaker speaker{[](std::uint32_t) { return garbage; }};
     const Found found = detect(speaker.path());
     EXPECT_EQ(found.exit, 1);
-    EXPECT_NE(found.wrong.find(": bytes but no frames at any of 14 rates: another protocol"), std::string::npos) << found.wrong;
+    EXPECT_NE(found.wrong.find(": bytes but no frames at any of 16 rates: another protocol"), std::string::npos) << found.wrong;
 }
 
 TEST(DetectRate, knows_frames_of_the_version_before) {
@@ -153,6 +153,14 @@ TEST(DetectRate, tries_the_rates_of_v8_devices_first_and_each_once) {
     EXPECT_EQ(rates[1], 115200u);
     for (std::size_t i = 0; i < rates.size(); ++i)
         for (std::size_t k = 0; k < i; ++k) EXPECT_NE(rates[i], rates[k]);
+}
+
+// A flight controller's telemetry at 2400 baud: 13 to 21 bytes a frame, the first not whole.
+TEST(DetectRate, listens_longer_at_a_slow_rate) {
+    const anoctl::ListeningTime time;
+    EXPECT_EQ(time.at(500000), time.for_frames);
+    EXPECT_EQ(time.at(9600), time.for_frames);
+    EXPECT_GE(time.at(2400), std::chrono::milliseconds{1600});
 }
 
 TEST(DetectRate, takes_one_frame_among_noise_for_an_accident) {

@@ -83,9 +83,18 @@ TEST(ParameterFile, has_no_holes) {
     Json holed = answered;
     holed["parameters"][1].erase("value");
     EXPECT_EQ(thrown<Failure>([&] { parameter_file(holed); }), "nothing is exported: these did not come: CAL_AOFF_X");
-    Json doubled = answered;
-    doubled["parameters"][2]["name"] = "PID_P";
-    EXPECT_EQ(thrown<Failure>([&] { parameter_file(doubled); }), "nothing is exported: several parameters are called PID_P");
+}
+
+TEST(ParameterFile, says_the_number_where_a_name_is_not_enough) {
+    Json alike = answered;
+    alike["parameters"][0]["id"] = 0;
+    alike["parameters"][1]["id"] = 1;
+    alike["parameters"][2]["id"] = 2;
+    alike["parameters"][2]["name"] = "PID_P";
+    alike["parameters"][1]["name"] = "a\nb";
+    EXPECT_EQ(parameter_file(alike)["parameters"].dump(), R"({"PID_P#0":1.5,"a?b#1":0.25,"PID_P#2":"x"})");
+    alike["parameters"][1]["name"] = "";
+    EXPECT_TRUE(parameter_file(alike)["parameters"].contains("#1"));
 }
 
 TEST(ParameterFile, is_read_as_it_was_written_or_as_plain_names_and_values) {
@@ -324,6 +333,10 @@ TEST(LiveLines, are_written_anew_where_they_began_although_somebody_pressed_ente
 TEST(CalibrationText, has_the_residuals_and_what_was_found) {
     EXPECT_EQ(calibration_result(Json{{"before", 25.31}, {"after", 1.25}, {"values", {{"CAL_AOFF_X", 1.5}}}}, "accelerometer"),
               (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "CAL_AOFF_X=1.5",
+                                        "the device has stored them: they stay over a restart"}));
+    EXPECT_EQ(calibration_result(Json{{"before", 25.31}, {"after", 1.25}, {"verified", 2.5}, {"restarts", 2}}, "accelerometer"),
+              (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "measured with the new values: 2.5 cm/s²",
+                                        "the device restarted 2 times meanwhile: only samples after that were used",
                                         "the device has stored them: they stay over a restart"}));
     EXPECT_EQ(calibration_result(Json{{"values", {{"CAL_AEM1_X", 1.0}}}}, "accelerometer")[1], "CAL_AEM1_X=1")
         << "as param has it";

@@ -112,13 +112,24 @@ TEST(Anoctl, takes_json_before_the_command) {
     EXPECT_EQ(anoctl({"--json", "--help"}).exit, 0);
     EXPECT_EQ(anoctl({"--json"}).err,
               "anoctl: --json is for a command; the commands are decode, encode, messages, monitor, ports, status, links, "
-              "routes, metrics, reload, send, devices, param, command, waypoint, flash, calibrate, log, image, top, record, "
+              "routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, calibrate, log, alarms, image, "
+              "terminal, top, record, "
               "recordings, info, convert, replay, plot-udp, web\n");
     EXPECT_EQ(anoctl({"--json", "encod"}).err.rfind("anoctl: there is no command 'encod' (did you mean 'encode'?)", 0), 0u);
 }
 
 TEST(Anoctl, help_of_a_command_offers_what_it_takes_alone) {
     EXPECT_NE(anoctl({"--help"}).out.find("--json"), std::string::npos);
+    for (const char* words : {"Devices:", "Recordings:", "Gateway:", "Examples:"})
+        EXPECT_NE(anoctl({"--help"}).out.find(words), std::string::npos) << words;
+    EXPECT_NE(anoctl({"param", "--help"}).out.find("anoctl param diff backup.json"), std::string::npos);
+    EXPECT_EQ(anoctl({"-V"}).out, anoctl({"--version"}).out);
+    EXPECT_EQ(anoctl({"-V"}).exit, 0);
+    for (const char* word : {"status", "start", "stop"}) {
+        const auto ran = anoctl({"record", word});
+        EXPECT_EQ(ran.exit, 2);
+        EXPECT_NE(ran.err.find("anoctl recordings "), std::string::npos) << ran.err;
+    }
     EXPECT_NE(anoctl({"status", "--help"}).out.find("--json"), std::string::npos);
     EXPECT_EQ(anoctl({"top", "--help"}).out.find("--json"), std::string::npos) << anoctl({"top", "--help"}).out;
     EXPECT_EQ(anoctl({"decode", "--help"}).out.find("--control"), std::string::npos);

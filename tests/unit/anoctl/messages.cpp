@@ -33,10 +33,10 @@ TEST(Messages, as_json_are_one_object_a_layout) {
         EXPECT_EQ(row["fields"].size(), expected.fields().size());
     }
     EXPECT_EQ(rows, ano::messages.size());
-    const auto euler = nlohmann::json::parse(anoctl({"messages", "--json", "euler"}).out);
-    EXPECT_EQ(euler["class"], "telemetry");
-    EXPECT_EQ(euler["fields"][0]["scale"], 0.01);
-    EXPECT_EQ(euler["fields"][0]["unit"], "°");
+    const auto target = nlohmann::json::parse(anoctl({"messages", "--json", "target_attitude"}).out);
+    EXPECT_EQ(target["class"], "telemetry");
+    EXPECT_EQ(target["fields"][0]["scale"], 0.01);
+    EXPECT_EQ(target["fields"][0]["unit"], "°");
 }
 
 TEST(Messages, as_json_have_the_layouts_of_a_configuration) {
@@ -106,15 +106,18 @@ TEST(Anoctl, a_command_that_is_none_is_named) {
     EXPECT_EQ(
         ran.err,
         "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor, "
-        "ports, status, links, routes, metrics, reload, send, devices, param, command, waypoint, flash, calibrate, log, image, "
-        "top, record, recordings, info, convert, replay, plot-udp, web\n");
+        "ports, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, calibrate, "
+        "log, alarms, image, "
+        "terminal, top, record, recordings, info, convert, replay, plot-udp, web\n");
     EXPECT_EQ(anoctl({"help"}).out, anoctl({"--help"}).out);
     EXPECT_EQ(anoctl({"help", "decode"}).out, anoctl({"decode", "--help"}).out);
     EXPECT_EQ(anoctl({}).exit, 2);
-    EXPECT_EQ(anoctl({}).err,
-              "anoctl: no command; the commands are decode, encode, messages, monitor, "
-              "ports, status, links, routes, metrics, reload, send, devices, param, command, waypoint, flash, calibrate, log, "
-              "image, top, record, recordings, info, convert, replay, plot-udp, web, and anoctl COMMAND --help says more\n");
+    EXPECT_EQ(
+        anoctl({}).err,
+        "anoctl: no command; the commands are decode, encode, messages, monitor, "
+        "ports, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, calibrate, "
+        "log, alarms, "
+        "image, terminal, top, record, recordings, info, convert, replay, plot-udp, web, and anoctl COMMAND --help says more\n");
 }
 
 }    // namespace

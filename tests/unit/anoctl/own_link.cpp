@@ -1,5 +1,5 @@
 #include <anoctl/own_link.hpp>
-#include <link/asio.hpp>
+#include <sys/asio.hpp>
 
 #include <support/loop.hpp>
 #include <support/temp_dir.hpp>

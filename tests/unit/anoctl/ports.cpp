@@ -2,6 +2,7 @@
 #include <anoctl/can_figures.hpp>
 #include <anoctl/port_list.hpp>
 #include <anoctl/ports.hpp>
+#include <link/port_identity.hpp>
 #include <nlohmann/json.hpp>
 
 #include <linux/can/netlink.h>
@@ -101,12 +102,95 @@ TEST(Ports, are_shown_with_driver_product_and_the_name_that_stays) {
     computer.link("dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0", "../../ttyUSB2");
     computer.link("dev/serial/by-id/usb-1a86_USB_Serial-if00-port0", "../../ttyUSB2");
     computer.link("dev/serial/by-path/pci-0000:00:14.0-usb-0:2:1.0-port0", "../../ttyUSB10");
+    computer.file("sys/devices/usb1/1-1/serial", "7A21");
+    computer.file("sys/devices/usb1/1-2/serial", "7A22");
     EXPECT_EQ(computer.shown(administrator),
               "/dev/ttyUSB2 ch341-uart USB Serial (1a86:7523)\n"
               "    /dev/serial/by-id/usb-1a86_USB_Serial-if00-port0\n"
               "/dev/ttyUSB10 cp210x CP2102N (1a86:7523)\n"
               "    /dev/serial/by-path/pci-0000:00:14.0-usb-0:2:1.0-port0\n"
               "no CAN interface\n");
+}
+
+// Two CH340: udev gives both the same name, and the one plugged in last has it.
+TEST(Ports, of_adapters_without_a_serial_number_are_named_by_their_socket) {
+    Computer computer;
+    computer.usb("ttyUSB0", "usb1/1-1", "ch341-uart", "USB Serial");
+    computer.usb("ttyUSB1", "usb1/1-2", "cp210x", "CP2102");
+    computer.usb("ttyUSB2", "usb1/1-3", "cp210x", "CP2102");
+    computer.file("sys/devices/usb1/1-2/serial", "0001");    // as all of them have
+    computer.file("sys/devices/usb1/1-3/serial", "53FF");
+    for (int i = 0; i < 3; ++i) {
+        const std::string n = std::to_string(i);
+        computer.link("dev/serial/by-path/pci-0000:00:14.0-usb-0:" + n + ":1.0-port0", "../../ttyUSB" + n);
+        computer.link("dev/serial/by-id/usb-maker_" + n + "-if00-port0", "../../ttyUSB" + n);
+    }
+    const auto ports = anoctl::serial_ports(computer.root(), administrator);
+    ASSERT_EQ(ports.size(), 3u);
+    EXPECT_EQ(ports[0].stable, "/dev/serial/by-path/pci-0000:00:14.0-usb-0:0:1.0-port0");
+    EXPECT_EQ(ports[1].stable, "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0");
+    EXPECT_EQ(ports[2].stable, "/dev/serial/by-id/usb-maker_2-if00-port0");
+    EXPECT_NE(computer.shown(administrator).find("by its USB socket: the adapter has no serial number of its own"),
+              std::string::npos);
+    EXPECT_TRUE(nlohmann::json::parse(lines_of(computer.shown(administrator, true)).at(0))["by_place"].get<bool>());
+    const auto fault = [&](const std::string& device) { return anogate::fault_of_by_id(computer.root(), device); };
+    EXPECT_EQ(fault("/dev/serial/by-id/usb-maker_0-if00-port0"),
+              "its adapter has no serial number of its own, so this name leads to another one of its kind after plugging: use "
+              "/dev/serial/by-path/pci-0000:00:14.0-usb-0:0:1.0-port0, which stays with the USB socket");
+    EXPECT_NE(fault("/dev/serial/by-id/usb-maker_1-if00-port0"), "");
+    EXPECT_EQ(fault("/dev/serial/by-id/usb-maker_2-if00-port0"), "");
+    EXPECT_EQ(fault("/dev/serial/by-path/pci-0000:00:14.0-usb-0:0:1.0-port0"), "");
+    EXPECT_EQ(fault("/dev/ttyUSB0"), "");
+    EXPECT_NE(fault("/dev/serial/by-id/usb-1a86_USB_Serial-if00-port0"), "") << "not plugged in: a CH340 by its name";
+    EXPECT_EQ(fault("/dev/serial/by-id/usb-FTDI_FT232R_A50285BI-if00-port0"), "") << "not plugged in";
+}
+
+// Both are pulled out and plugged in in the other order: the name of by-id leads to the other vehicle.
+TEST(Ports, whose_name_leads_to_the_twin_after_plugging_are_noticed) {
+    Computer computer;
+    const auto plug = [&](const std::string& socket) {
+        fs::remove_all(computer.root() / "sys");
+        fs::remove_all(computer.root() / "dev");
+        computer.usb("ttyUSB0", "usb1/1-" + socket, "ch341-uart", "USB Serial");
+        computer.link("dev/serial/by-id/usb-1a86_USB_Serial-if00-port0", "../../ttyUSB0");
+    };
+    const auto plug_twin = [&](const std::string& socket) {
+        computer.usb("ttyUSB1", "usb1/1-" + socket, "ch341-uart", "USB Serial");
+    };
+    anogate::SocketWatch watch;
+    const auto open = [&] { watch.opened(computer.root(), "/dev/serial/by-id/usb-1a86_USB_Serial-if00-port0"); };
+    plug("1");
+    plug_twin("2");
+    open();
+    EXPECT_EQ(watch.twin(), "");
+    plug("2");
+    plug_twin("1");
+    open();
+    EXPECT_EQ(watch.twin(), "/dev/ttyUSB1");
+    EXPECT_EQ(watch.from() + " " + watch.to(), "1-1 1-2");
+    plug("3");
+    open();
+    EXPECT_EQ(watch.twin(), "") << "it was plugged into another socket, and is the only one";
+    plug("1");
+    plug_twin("2");
+    open();
+    EXPECT_EQ(watch.twin(), "");
+}
+
+TEST(Ports, of_the_same_kind_are_twins_unless_they_have_numbers) {
+    Computer computer;
+    computer.usb("ttyUSB0", "usb1/1-1", "ch341-uart", "USB Serial");
+    computer.usb("ttyUSB1", "usb1/1-2", "ch341-uart", "USB Serial");
+    const auto twins = [&] {
+        return anogate::twins_of(computer.root(), anogate::port_identity(computer.root(), "/dev/ttyUSB0"));
+    };
+    EXPECT_EQ(twins(), (std::vector<std::string>{"/dev/ttyUSB1"}));
+    computer.file("sys/devices/usb1/1-1/serial", "7A21");
+    EXPECT_TRUE(twins().empty());
+    computer.file("sys/devices/usb1/1-2/serial", "7A21");
+    EXPECT_EQ(twins().size(), 1u) << "a maker who gives all the same number";
+    EXPECT_EQ(anogate::port_identity(computer.root(), "/dev/ttyUSB0").place, "1-1");
+    EXPECT_TRUE(anogate::twins_of(computer.root(), anogate::port_identity(computer.root(), "/dev/nothing")).empty());
 }
 
 TEST(Ports, are_real_ones_only) {

@@ -106,7 +106,7 @@ TEST(Convert, makes_a_table_of_each_message) {
     EXPECT_NE(made.err.find("4 frames of "), std::string::npos);
     const std::string euler = text_of(folder / "out-euler.csv");
     EXPECT_TRUE(euler.starts_with("time [s],link,peer,frame_direction,frame_cause,from,to,rol [°],")) << euler;
-    EXPECT_NE(euler.find("\n1763898045.000000000,fc,,in,,220,254,1.23,0,0,1,,\n"), std::string::npos) << euler;
+    EXPECT_NE(euler.find("\n1763898045.000000000,fc,,in,,220,254,1.23,0,0,1,,,\n"), std::string::npos) << euler;
     EXPECT_NE(text_of(folder / "out-wind.csv").find("dropped,limited"), std::string::npos);
     const auto again = anoctl({"convert", file, folder / "out.csv"});
     EXPECT_EQ(again.exit, 2);

@@ -13,6 +13,16 @@ std::string written(const Table& table, std::string_view indent = {}) {
     return out.str();
 }
 
+TEST(Table, a_line_that_is_too_long_is_cut_with_its_colors) {
+    EXPECT_EQ(cut_line("0123456789", 10), "0123456789");
+    EXPECT_EQ(cut_line("0123456789a", 10), "012345678…");
+    EXPECT_EQ(cut_line("0123456789a", 0), "0123456789a");
+    EXPECT_EQ(cut_line("\x1b[1m0123456789\x1b[0m", 10), "\x1b[1m0123456789\x1b[0m") << "colours take no cell";
+    EXPECT_EQ(cut_line("\x1b[1m0123456789a\x1b[0m", 10), "\x1b[1m012345678…\x1b[0m");
+    EXPECT_EQ(cut_line("横滚横滚横滚", 5), "横滚…");
+    EXPECT_EQ(cut_line("横滚横滚横滚", 6), "横滚…") << "never more than there is room for";
+}
+
 TEST(Table, has_columns_as_wide_as_they_need) {
     Table table{{"LINK", "KIND", "EMPTY", " IN"}};
     table.row({"fc", "serial", "", "7"});

@@ -5,7 +5,9 @@
 #include <support/files.hpp>
 #include <support/temp_dir.hpp>
 
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 namespace anogate::command_line_tests {
 namespace {
@@ -126,6 +128,9 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
     EXPECT_NE(warnings("serial:" + there + ",baud=500000").find("': is a folder: name the port in it"), std::string::npos);
     EXPECT_NE(warnings("serial:" + file + ",baud=500000").find("': is an ordinary file, no serial port"), std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/null,baud=500000"), "");
+    EXPECT_NE(warnings("serial:/dev/serial/by-id/usb-1a86_USB_Serial-if00-port0,baud=500000")
+                  .find("': its adapter has no serial number of its own, so this name leads to another one of its kind"),
+              std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/nonexistent,baud=500000"), "") << "it is waited for";
     const auto of_log = [&](const std::string& path) {
         const std::string config = folder.write("log.json", R"({"links": ["sim:fc"], "log": {"file": ")" + path + "\"}}");
@@ -233,7 +238,7 @@ TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
     const support::TempDir folder;
     EXPECT_EQ(error_of({"-c", "/proc/nonexistent"}), "anogated: /proc/nonexistent: No such file or directory\n");
     EXPECT_EQ(error_of({"-c", folder.path().c_str()}), "anogated: " + folder.path().string() + ": Is a directory\n");
-    EXPECT_EQ(error_of({"-c", "/dev/zero"}), "anogated: /dev/zero: more than 1 MiB, no configuration\n");
+    EXPECT_EQ(error_of({"-c", "/dev/zero"}), "anogated: /dev/zero: is no ordinary file, but a pipe, socket or device\n");
     const std::string file = folder.write("a.json", "{\n,");
     EXPECT_EQ(error_of({"-c", file.c_str(), "--route", "5=x"}),
               "anogated: " + file +
@@ -289,7 +294,7 @@ TEST(CommandLine, an_option_does_not_take_the_next_one_for_its_value) {
 TEST(CommandLine, a_key_of_a_link_is_no_option) {
     EXPECT_EQ(error_of({"sim:fc", "--baud=9600"}),
               "anogated: unknown option '--baud': it is a key of a LINK, written KIND:ADDRESS,baud=NUMBER\n");
-    EXPECT_EQ(error_of({"sim:fc", "-v"}), "anogated: unknown option '-v'; --help has them all\n");
+    EXPECT_EQ(error_of({"sim:fc", "-v"}), "anogated: unknown option '-v'; --help all has them all\n");
 }
 
 TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {
@@ -310,7 +315,15 @@ TEST(CommandLine, what_it_says_printed_as_a_file_means_the_same) {
 }
 
 TEST(CommandLine, help_and_version) {
-    const Exit help = exit_of({"--help"});
+    const Exit brief = exit_of({"--help"});
+    EXPECT_EQ(brief.code, 0);
+    EXPECT_LE(std::count(brief.text.begin(), brief.text.end(), '\n'), 24) << "a screen of a terminal: " << brief.text;
+    std::istringstream lines{brief.text};
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+    for (const char* word : {"serial:", "udp-listen:", "can:", "--help all", "--version", "Example: "})
+        EXPECT_NE(brief.text.find(word), std::string::npos) << word;
+    EXPECT_EQ(exit_of({"-V"}).text, exit_of({"--version"}).text);
+    const Exit help = exit_of({"--help", "all"});
     EXPECT_EQ(help.code, 0);
     for (const char* word : {"--config FILE", "--id", "--route", "--unknown", "--control", "--check", "--print-config",
                              "--log-level", "--version", "--help", "serial:", "udp-listen:", "baud=", "forget_after"})

@@ -1,6 +1,6 @@
 #include <daemon/service.hpp>
 #include <support/temp_dir.hpp>
-#include <unit/daemon/faults.hpp>
+#include <unit/config/faults.hpp>
 
 #include <gtest/gtest.h>
 

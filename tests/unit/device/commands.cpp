@@ -41,7 +41,7 @@ TEST(Commands, are_counted_and_described) {
     EXPECT_EQ(answer(device, how_many_commands()), says(0xC1, {0, 2, 0}));
     // The text's own example 2.
     EXPECT_EQ(answer(device, describe_command(0)),
-              says(0xC2, Bytes{0, 0, 1, 0x80, 1, 1, 4, 7, 0, 0, 0, 0, 0} + bytes("USERCMD1", 20) + bytes("UserDefCmd1")));
+              says(0xC2, Bytes{0, 0, 1, 0x80, 1, 1, 4, 9, 0, 0, 0, 0, 0} + bytes("USERCMD1", 20) + bytes("UserDefCmd1")));
     EXPECT_EQ(answer(device, describe_command(1)), says(0xC2, Bytes{1, 0, 9, 9, 9} + Bytes(8) + bytes("REBOOT", 20)));
     EXPECT_EQ(answer(device, describe_command(2)), silence);
     EXPECT_EQ(answer(device, ask(0xC1, {2, 0, 0})), silence);
@@ -83,6 +83,15 @@ TEST(Commands, take_type_7_for_what_the_profile_says) {
     EXPECT_NE(answer(field, run({1, 0, 0}, packed(UINT64_MAX) + packed(0.5f))), silence);
     EXPECT_EQ(wide, UINT64_MAX);
     EXPECT_EQ(narrow, 0.5f);
+}
+
+TEST(Commands, of_an_old_device_have_f32_as_type_7) {
+    Device old{{.id = self}, {.old_layouts = true}};
+    old.commands().add({1, 0, 0}, "F32", "", [](float) {});
+    EXPECT_EQ(answer(old, describe_command(0)), says(0xC2, Bytes{0, 0, 1, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0} + bytes("F32", 20)));
+    old.commands().add({1, 0, 1}, "I64", "", [](std::int64_t) {});
+    EXPECT_EQ(answer(old, describe_command(0)), says(0xC2, Bytes{0, 0, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0} + bytes("F32", 20)))
+        << "hosts take a device with such a type for one of the newest";
 }
 
 TEST(Commands, run_each_time_that_they_are_asked_for) {

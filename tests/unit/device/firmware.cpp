@@ -97,6 +97,35 @@ TEST(Firmware, takes_a_bin) {
     EXPECT_EQ(loader.device.firmware().state(), State::passed);
 }
 
+TEST(Firmware, sends_codes_high_byte_first_where_its_profile_says_so) {
+    Loader loader{Profile{.firmware_order = ano::ByteOrder::big}};
+    loader.device.firmware().allow(loader.flash);
+    EXPECT_EQ(answer(loader.device, image_info(loader.info())), says(0xF0, {0, 0x01, 0x02}));
+    EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x01, 0x10})), says(0xF0, {0, 0x01, 0x12}));
+    EXPECT_EQ(answer(loader.device, image_frame(2, {})), says(0xF0, {0, 0x10, 0x01, 2, 0})) << "failed";
+    for (const std::uint8_t number : Bytes{0, 1, 2})
+        EXPECT_EQ(answer(loader.device, loader.frame(number)), says(0xF0, {0, 0x10, 0x02, number, 0}));
+    EXPECT_EQ(answer(loader.device, all_sent), says(0xF0, {0, 0x10, 0x12}));
+    EXPECT_EQ(loader.installed, loader.image);
+}
+
+TEST(Firmware, understands_an_erase_in_both_orders_and_goes_on_in_that_order) {
+    for (const auto order : {ano::ByteOrder::little, ano::ByteOrder::big}) {
+        Loader loader{Profile{.firmware_order = order}};
+        loader.device.firmware().allow(loader.flash);
+        answer(loader.device, image_info(loader.info()));
+        EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x10, 0x01})), says(0xF0, {0, 0x12, 0x01})) << "little";
+        loader.write(0);
+        EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x01, 0x10})), says(0xF0, {0, 0x01, 0x12})) << "big";
+        EXPECT_EQ(answer(loader.device, loader.frame(0)), says(0xF0, {0, 0x10, 0x02, 0, 0}));
+    }
+    Loader loader;
+    loader.begin();
+    EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x01, 0x10, 7, 0})), silence) << "frame 7 failed, of another loader: no erase";
+    EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x10, 0x01, 7, 0})), silence);
+    loader.write(0);
+}
+
 TEST(Firmware, takes_a_bia_for_its_own_hardware_only) {
     Loader loader;
     Bytes header(100);

@@ -103,11 +103,11 @@ TEST(Profile, vendor_fails_an_image_frame_ahead_of_its_turn) {
     Device device{{.id = self}, vendor_at_once()};
     device.firmware().allow({.max_size = 100});
     answer(device, ask(0xF0, Bytes{1, 20, 0, 0, 0, 10, 0} + Bytes(13)));
-    answer(device, ask(0xF0, {0, 0x10, 0x01}));
-    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 1, 0} + Bytes(10))), says(0xF0, {0, 0x01, 0x10, 1, 0}));
-    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), says(0xF0, {0, 0x02, 0x10, 0, 0}));
-    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 1, 0} + Bytes(10))), says(0xF0, {0, 0x02, 0x10, 1, 0}));
-    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), says(0xF0, {0, 0x02, 0x10, 0, 0})) << "again";
+    answer(device, ask(0xF0, {0, 0x01, 0x10}));
+    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 1, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x01, 1, 0}));
+    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x02, 0, 0}));
+    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 1, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x02, 1, 0}));
+    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x02, 0, 0})) << "again";
 }
 
 TEST(Profile, vendor_queues_twenty_frames_and_drops_further_ones_without_a_word) {
@@ -139,8 +139,8 @@ TEST(Profile, vendor_that_crashed_forgets_what_waits) {
 }
 
 TEST(Profile, vendor_does_in_turn_what_takes_its_time) {
-    const Bytes accept = ask(0xF0, Bytes{1, 20, 0, 0, 0, 10, 0} + Bytes(13)), erase = ask(0xF0, {0, 0x10, 0x01});
-    const Bytes erased = says(0xF0, {0, 0x12, 0x01});
+    const Bytes accept = ask(0xF0, Bytes{1, 20, 0, 0, 0, 10, 0} + Bytes(13)), erase = ask(0xF0, {0, 0x01, 0x10});
+    const Bytes erased = says(0xF0, {0, 0x01, 0x12});
     for (const bool late : {false, true}) {
         Device device{{.id = self}, Profile::vendor()};
         device.firmware().allow({.max_size = 100, .erase_time = 500us});
@@ -187,6 +187,33 @@ TEST(Profile, old_describes_ranges_and_sends_every_value_as_i32) {
     EXPECT_EQ(wide, 0u) << "the nearest";
     EXPECT_EQ(answer(device, ask(0xE1, Bytes{2, 0, 1, 0, 0, 0})), silence);
     EXPECT_EQ(text, "text");
+}
+
+TEST(Profile, scaled_describes_ranges_and_a_factor) {
+    Profile profile = Profile::scaled();
+    profile.queue = 0;
+    Device device{{.id = self}, profile};
+    float gain = 2.5f;
+    std::uint8_t small = 7;
+    std::string text = "text";
+    device.parameters().add("GAIN", gain, {.info = "info", .min = -0.5f, .max = 10});
+    device.parameters().add("SMALL", small, {.info = "", .min = 1, .max = 9});
+    device.parameters().add("TEXT", text);
+    EXPECT_EQ(answer(device, ask(0xE0, {3, 0, 0})),
+              says(0xE2, Bytes{0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 10, 0, 0, 0, 0xE8, 3, 0, 0} + bytes("GAIN", 20) + bytes("info")));
+    EXPECT_EQ(answer(device, ask(0xE0, {3, 1, 0})),
+              says(0xE2, Bytes{1, 0, 1, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0} + bytes("SMALL", 20)));
+    for (const std::uint8_t id : Bytes{0, 1, 2}) {
+        const Bytes described = answer(device, ask(0xE0, {3, id, 0}));
+        EXPECT_TRUE((ano::as<"parameter_info", "scaled">(FrameView{described}))) << "and is recognised by it";
+    }
+    EXPECT_EQ(answer(device, read_first), says(0xE1, {0, 0, 0xC4, 9, 0, 0}));
+    EXPECT_EQ(answer(device, ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 7, 0, 0, 0}));
+    answer(device, ask(0xE1, {0, 0, 0x06, 0xFF, 0xFF, 0xFF}));
+    EXPECT_EQ(gain, -0.25f);
+    answer(device, ask(0xE1, {1, 0, 200, 0, 0, 0}));
+    EXPECT_EQ(small, 9) << "clamped";
+    EXPECT_EQ(answer(device, ask(0xE1, Bytes{2, 0, 1, 0, 0, 0})), silence);
 }
 
 TEST(Profile, old_counts_commands_in_four_bytes) {

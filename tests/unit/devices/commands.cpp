@@ -35,6 +35,360 @@ TEST_F(CommandRoutes, are_called_by_name_or_number) {
     EXPECT_EQ(calls(), 2u);
 }
 
+// What the device was sent by `body` to `target`: ids of frames, in order.
+struct KnownCommands : CommandRoutes {
+    KnownCommands() {
+        net.ask("GET", "/devices/0xDC/commands");
+        net.sent.clear();
+    }
+    Bytes ids_of_call(const std::string& command = "LAND", const std::string& body = "") {
+        net.sent.clear();
+        EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/" + command, body).status, 200u) << command << ' ' << body;
+        Bytes ids;
+        for (const Bytes& f : net.sent) ids.push_back(f[3]);
+        return ids;
+    }
+    void telemetry(Duration time) {
+        for (const TimePoint end = net.time + time; net.time < end; net.pass(5s)) net.passes(euler());
+    }
+    static Bytes euler() { return frame(0xDC, 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 0}); }
+    const Bytes only_the_call{0xC0}, one_question_first{0xC1, 0xC0};
+    // Behind them its device info is asked for.
+    static Bytes first_two(Bytes ids) {
+        ids.resize(2);
+        return ids;
+    }
+    // The device in its place: the same bytes mean something else.
+    void swap_for_a_car() {
+        fake.name = "CAR";
+        fake.version = 7;
+        fake.commands = {{{1, 0, 2}, {}, "FULL_SPEED", ""}, {{1, 0, 1}, {}, "HORN", ""}, {{9, 9, 9}, {}, "LAND", ""}};
+    }
+    Bytes cid_of_call() const {
+        for (const Bytes& f : net.sent)
+            if (f[3] == 0xC0) return {f.begin() + 6, f.begin() + 9};
+        return {};
+    }
+    void stream(Duration time) {
+        for (const TimePoint end = net.time + time; net.time < end; net.pass(100ms)) net.passes(euler());
+    }
+};
+
+TEST_F(KnownCommands, are_called_by_the_first_frame) {
+    EXPECT_EQ(ids_of_call("LAND"), only_the_call);
+    EXPECT_EQ(ids_of_call("1"), only_the_call);
+    EXPECT_EQ(ids_of_call("TAKE_OFF", R"({"values": [300]})"), only_the_call);
+    EXPECT_EQ(ids_of_call("1", R"({"name": "LAND"})"), only_the_call) << "as the page calls it";
+    EXPECT_EQ(Bytes(net.sent[0].begin() + 6, net.sent[0].end() - 2), (Bytes{1, 0, 2}));
+}
+
+TEST_F(KnownCommands, are_listed_without_a_question_where_that_is_enough) {
+    const json all = net.ask("GET", "/devices/0xDC/commands?known").json;
+    EXPECT_EQ(all.at("commands").size(), 2u);
+    EXPECT_EQ(all.at("device").at("name"), "fake");
+    EXPECT_EQ(all.at("known"), true);
+    EXPECT_TRUE(net.sent.empty());
+    net.ask("GET", "/devices/0xDC/commands");
+    EXPECT_EQ(net.sent.size(), 4u) << "two counts, two descriptions";
+    net.add(0xDD).commands = fake.commands;
+    net.sent.clear();
+    EXPECT_EQ(net.ask("GET", "/devices/0xDD/commands?known").json.at("commands").size(), 2u);
+    EXPECT_EQ(net.sent.size(), 5u) << "not known: read, and beside it the device info";
+}
+
+TEST_F(KnownCommands, are_listed_without_a_question_also_after_an_absence) {
+    net.pass(40s);
+    net.passes(euler());
+    net.pass(1s);
+    net.sent.clear();
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/commands?known").json.at("commands").size(), 2u);
+    EXPECT_TRUE(net.sent.empty()) << "the call will have it confirmed";
+    EXPECT_EQ(ids_of_call("1", R"({"name": "LAND"})"), one_question_first);
+}
+
+TEST_F(KnownCommands, stay_known_while_the_device_is_heard) {
+    stream(1s);
+    ids_of_call();
+    stream(1min);
+    telemetry(10min);
+    ids_of_call();
+    telemetry(10min);
+    EXPECT_TRUE(net.listens);
+    EXPECT_EQ(ids_of_call(), only_the_call);
+    net.pass(2min);
+    EXPECT_FALSE(net.listens) << "it is away";
+}
+
+TEST_F(KnownCommands, of_a_device_that_was_away_are_confirmed_by_one_question) {
+    net.pass(40s);
+    EXPECT_EQ(first_two(ids_of_call()), one_question_first);
+    net.pass(1s);
+    EXPECT_EQ(ids_of_call(), only_the_call);
+    net.pass(29s);
+    EXPECT_EQ(ids_of_call(), only_the_call) << "it sends nothing unasked: its silence shows nothing";
+    net.pass(31s);
+    net.passes(euler());
+    EXPECT_EQ(first_two(ids_of_call()), one_question_first) << "it is back, and may be another one";
+    net.pass(3min);
+    EXPECT_EQ(first_two(ids_of_call()), one_question_first) << "meanwhile nothing was listened to";
+}
+
+TEST_F(KnownCommands, of_a_device_whose_link_was_down_are_those_of_the_device_that_is_there_now) {
+    stream(1s);
+    net.service.link_was_down(0xDC);
+    swap_for_a_car();
+    stream(300ms);
+    ids_of_call();
+    EXPECT_EQ(cid_of_call(), (Bytes{9, 9, 9}));
+    EXPECT_EQ(net.ask("GET", "/devices").json.at("devices")[0].at("name"), "CAR") << "its name was asked for as well";
+}
+
+TEST_F(KnownCommands, of_a_device_whose_link_was_down_are_confirmed_once) {
+    stream(1s);
+    net.service.link_was_down(0xDC);
+    stream(300ms);
+    EXPECT_EQ(ids_of_call(), one_question_first);
+    EXPECT_EQ(ids_of_call(), only_the_call);
+    EXPECT_EQ(ids_of_call("TAKE_OFF", R"({"values": [300]})"), one_question_first) << "another table may share one of them";
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})").status, 200u);
+}
+
+TEST_F(KnownCommands, of_a_device_that_paused_right_behind_the_list_are_confirmed) {
+    net.pass(1100ms);
+    stream(500ms);
+    EXPECT_EQ(first_two(ids_of_call()), one_question_first) << "how often it sends was not known yet";
+    EXPECT_EQ(ids_of_call(), only_the_call);
+}
+
+TEST_F(KnownCommands, of_a_device_that_restarted_right_behind_the_list_are_confirmed) {
+    net.pass(1s);
+    net.passes(frame(0xDC, 0xFE, 0xE3, {0xDC, 100, 0, 100, 0, 0, 0, 32, 3, 'f', 'a', 'k', 'e'}));
+    EXPECT_EQ(ids_of_call(), one_question_first) << "so late it is no answer to what was asked before the list";
+}
+
+// A quick restart, without a word, with another table of as many commands.
+TEST_F(KnownCommands, of_a_device_that_paused_are_confirmed) {
+    stream(2s);
+    EXPECT_EQ(ids_of_call(), only_the_call);
+    std::swap(fake.commands[0].cid, fake.commands[1].cid);
+    net.pass(900ms);
+    stream(300ms);
+    ids_of_call();
+    EXPECT_EQ(cid_of_call(), (Bytes{1, 0, 1}));
+    net.pass(900ms);
+    EXPECT_EQ(ids_of_call(), one_question_first) << "it pauses now";
+}
+
+TEST_F(KnownCommands, that_are_not_confirmed_are_not_sent) {
+    stream(1s);
+    net.service.link_was_down(0xDC);
+    fake.instead = [](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        return f.id() == 0xC1 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    net.sent.clear();
+    const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/LAND");
+    EXPECT_EQ(status, 504u);
+    EXPECT_TRUE(error.at("error").get<std::string>().starts_with("LAND was not sent: 0xDC was silent or away")) << error;
+    EXPECT_EQ(calls(), 0u);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})").status, 200u) << "by its bytes, at once";
+    EXPECT_EQ(calls(), 1u);
+}
+
+TEST_F(KnownCommands, of_a_device_that_reports_another_version_are_read_again) {
+    fake.commands = {{{7, 7, 7}, {}, "LAND", ""}};
+    net.passes(frame(0xDC, 0xFF, 0xE3, {0xDC, 100, 0, 101, 0, 0, 0, 32, 3, 'f', 'a', 'k', 'e'}));
+    EXPECT_EQ(ids_of_call()[0], 0xC1);
+    EXPECT_EQ(Bytes(net.sent.back().begin() + 6, net.sent.back().end() - 2), (Bytes{7, 7, 7}));
+}
+
+// A device that restarted has the same name and versions, and perhaps another list: its old bytes must not be sent.
+TEST_F(KnownCommands, of_a_device_that_announces_itself_are_read_again) {
+    const Bytes info = frame(0xDC, 0xFF, 0xE3, {0xDC, 100, 0, 100, 0, 0, 0, 32, 3, 'f', 'a', 'k', 'e'});
+    net.pass(10s);
+    net.passes(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    net.passes(info);
+    EXPECT_EQ(ids_of_call(), only_the_call) << "another host asked for it";
+    net.pass(10s);
+    net.service.sent_by_others(ano::FrameView{frame(0xFE, 0xFF, 0xE0, {0, 0, 0})}, net.time);
+    net.passes(info);
+    EXPECT_EQ(ids_of_call(), only_the_call) << "a hello asked for it";
+    net.pass(10s);
+    fake.commands = {{{7, 7, 7}, {}, "LAND", ""}, fake.commands[0]};
+    net.passes(info);
+    EXPECT_EQ(ids_of_call()[0], 0xC1);
+    EXPECT_EQ(Bytes(net.sent.back().begin() + 6, net.sent.back().end() - 2), (Bytes{7, 7, 7}));
+}
+
+TEST_F(KnownCommands, of_a_device_that_reports_another_number_of_them_are_read_again) {
+    net.passes(frame(0xDC, 0xFD, 0xC1, {0, 3, 0}));
+    EXPECT_EQ(ids_of_call()[0], 0xC1);
+}
+
+TEST_F(KnownCommands, are_read_again_after_an_upgrade_by_another_host) {
+    net.passes(frame(0xFD, 0xDC, 0xF0, {0, 0x10, 0x01}));
+    net.pass(3s);
+    EXPECT_EQ(ids_of_call()[0], 0xC1);
+}
+
+TEST_F(KnownCommands, whose_number_is_that_of_another_one_now_are_not_called) {
+    std::swap(fake.commands[0], fake.commands[1]);
+    net.pass(40s);
+    const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/0", R"({"name": "TAKE_OFF", "values": [300]})");
+    EXPECT_EQ(status, 409u);
+    EXPECT_EQ(error.at("error"), "command 0 is not 'TAKE_OFF' any more: read the commands again");
+    EXPECT_EQ(calls(), 0u);
+}
+
+TEST_F(KnownCommands, that_lack_the_name_are_read_again) {
+    fake.commands.push_back({{1, 0, 3}, {}, "HOVER", ""});
+    EXPECT_EQ(ids_of_call("HOVER"), (Bytes{0xC1, 0xC1, 0xC1, 0xC1, 0xC1, 0xC0}));
+}
+
+TEST_F(CommandRoutes, are_called_by_their_three_bytes_without_any_question) {
+    const auto [status, told] = net.ask("POST", "/devices/0xDC/commands/by-cid",
+                                        R"({"cid": [1, 0, 1], "values": [{"u16": 300}]})");
+    EXPECT_EQ(status, 200u) << told;
+    EXPECT_EQ(told, json::parse(R"({"cid": [1, 0, 1], "called": true})"));
+    ASSERT_EQ(net.sent.size(), 1u);
+    EXPECT_EQ(Bytes(net.sent[0].begin() + 3, net.sent[0].end() - 2), (Bytes{0xC0, 5, 0, 1, 0, 1, 0x2C, 1}));
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})").status, 200u);
+    const auto unknown = net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [9, 0, 2]})");
+    EXPECT_EQ(unknown.json.at("error"), "no answer to command 0x09 0x00 0x02: it may have been carried out") << unknown.json;
+}
+
+TEST_F(CommandRoutes, called_by_their_bytes_need_types_unless_they_were_read) {
+    const std::string call = R"({"cid": [1, 0, 1], "values": [300]})";
+    const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/by-cid", call);
+    EXPECT_EQ(status, 422u);
+    EXPECT_EQ(error.at("error"), "each value needs a type, as in {\"u16\": 150}: the command is not known");
+    EXPECT_TRUE(net.sent.empty());
+    net.ask("GET", "/devices/0xDC/commands");
+    net.sent.clear();
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", call).status, 200u);
+    EXPECT_EQ(net.sent.size(), 1u);
+}
+
+TEST_F(CommandRoutes, with_bad_bytes_or_values_are_never_sent) {
+    for (const char* body :
+         {"", R"({"cid": [1, 2]})", R"({"cid": [1, 2, 256]})", R"({"cid": [1, 2, -1]})", R"({"cid": "1 2 3"})",
+          R"({"cid": [1, 2, 3], "values": 5})", R"({"cid": [1, 2, 3], "name": "LAND"})", R"({"cid": [1, 2, 3], "repeat": 1})"})
+        EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", body).status, 400u) << body;
+    for (const char* values : {R"([{"u16": 70000}])", R"([{"u17": 1}])", R"([{"text": 1}])", R"([{"u8": 1, "i8": 1}])", R"([{}])",
+                               R"([{"u8": "x"}])", R"([null])", R"([1,2,3,4,5,6,7,8,9])", R"([{"u8": 1}, 2])"})
+        EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 1], "values": )" + std::string{values} + "}")
+                      .status,
+                  422u)
+            << values;
+    EXPECT_TRUE(net.sent.empty());
+}
+
+// Value type 7, of a device whose descriptions do not show what it means.
+struct OpenTypes : CommandRoutes {
+    OpenTypes() { fake.commands = {{{1, 0, 7}, {7}, "SEVEN", ""}, {{1, 0, 2}, {}, "LAND", ""}}; }
+    SimulatedNet::Answer call(const std::string& more = "") {
+        net.sent.clear();
+        return net.ask("POST", "/devices/0xDC/commands/SEVEN", R"({"values": [2])" + more + "}");
+    }
+    Bytes values_sent() const {
+        const Bytes& last = net.sent.back();
+        EXPECT_EQ(last[3], 0xC0);
+        return {last.begin() + 9, last.end() - 2};
+    }
+    std::string listed() {
+        return net.ask("GET", "/devices/0xDC/commands").json.at("commands")[0].at("values")[0].get<std::string>();
+    }
+    const Bytes as_u64{2, 0, 0, 0, 0, 0, 0, 0}, as_f32{0, 0, 0, 0x40};
+};
+
+TEST_F(OpenTypes, are_refused_until_the_user_states_their_meaning) {
+    EXPECT_EQ(listed(), "f32|u64");
+    const auto [status, error] = call();
+    EXPECT_EQ(status, 422u);
+    EXPECT_EQ(error.at("what"), "invalid");
+    EXPECT_NE(error.at("error").get<std::string>().find("state it once (type7)"), std::string::npos);
+    EXPECT_EQ(calls(), 0u);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 200u) << "it has no such value";
+    EXPECT_EQ(call(R"(, "type7": "u16")").status, 400u);
+    EXPECT_EQ(call(R"(, "type7": "u64")").status, 200u);
+    EXPECT_EQ(values_sent(), as_u64);
+    EXPECT_EQ(call().status, 200u) << "it is kept";
+    EXPECT_EQ(net.sent.size(), 1u);
+    EXPECT_EQ(values_sent(), as_u64);
+    EXPECT_EQ(listed(), "u64");
+    const auto other = call(R"(, "type7": "f32")");
+    EXPECT_EQ(other.status, 200u);
+    EXPECT_EQ(other.json.value("note", ""), "value type 7 of this device is f32 from now on, it was kept as u64");
+    EXPECT_EQ(values_sent(), as_f32);
+    EXPECT_FALSE(call(R"(, "type7": "f32")").json.contains("note"));
+}
+
+TEST_F(OpenTypes, keep_their_meaning_over_a_restart_and_only_for_this_device) {
+    ASSERT_EQ(net.kept.size(), 0u);
+    call(R"(, "type7": "u64")");
+    ASSERT_EQ(net.kept.size(), 1u);
+    const auto [name, text] = *net.kept.begin();
+    EXPECT_TRUE(name.starts_with("type7-0xDC-")) << name;
+    EXPECT_TRUE(anogate::is_note(name));
+    EXPECT_FALSE(net.ask("GET", "/devices").json.at("devices")[0].contains("kept")) << "it is no unfinished work";
+
+    struct Other {
+        const char* what;
+        std::function<void(SimulatedNet&)> becomes;
+    };
+    for (const Other& other : {Other{"", [](SimulatedNet&) {}},
+                               {"name", [](SimulatedNet& to) { to.fakes[0]->name = "another"; }},
+                               {"version", [](SimulatedNet& to) { ++to.fakes[0]->version; }},
+                               {"gateway", [](SimulatedNet& to) { to.unit.gateway = "/run/other.sock"; }},
+                               {"link", [](SimulatedNet& to) { to.unit.link = "radio"; }},
+                               {"wire", [](SimulatedNet& to) { to.unit.wire = "serial:/dev/other"; }}}) {
+        SCOPED_TRACE(other.what);
+        SimulatedNet again;
+        again.add().commands = fake.commands;
+        other.becomes(again);
+        EXPECT_TRUE(again.service.remember(name, text));
+        const bool is_same = *other.what == '\0';
+        EXPECT_EQ(again.ask("POST", "/devices/0xDC/commands/SEVEN", R"({"values": [2]})").status, is_same ? 200u : 422u);
+    }
+}
+
+TEST_F(OpenTypes, mean_what_the_link_states) {
+    net.link_manners.value_type_7 = ano::ValueType7::f32;
+    EXPECT_EQ(call().status, 200u);
+    EXPECT_EQ(values_sent(), as_f32);
+    const auto [status, error] = call(R"(, "type7": "u64")");
+    EXPECT_EQ(status, 422u);
+    EXPECT_EQ(error.at("error"), "value type 7 is f32 for this link (value_type_7, or profile): change it there");
+    EXPECT_EQ(calls(), 1u);
+}
+
+TEST_F(OpenTypes, mean_what_the_device_shows) {
+    fake.commands.push_back({{1, 0, 9}, {9}, "NINE", ""});
+    EXPECT_EQ(listed(), "u64");
+    EXPECT_EQ(call().status, 200u);
+    EXPECT_EQ(values_sent(), as_u64);
+    EXPECT_EQ(call(R"(, "type7": "u64")").status, 200u);
+    const std::size_t before = calls();
+    const auto [status, error] = call(R"(, "type7": "f32")");
+    EXPECT_EQ(status, 422u) << "it is not taken silently";
+    EXPECT_NE(error.at("error").get<std::string>().find("is u64, as its descriptions show, and not f32"), std::string::npos)
+        << error;
+    EXPECT_EQ(calls(), before);
+}
+
+TEST_F(OpenTypes, by_cid_need_no_meaning_where_a_type_is_given) {
+    const auto by_cid = [&](const char* value) {
+        net.sent.clear();
+        return net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 7], "values": [)" + std::string{value} + "]}")
+            .status;
+    };
+    EXPECT_EQ(by_cid(R"({"u64": 2})"), 200u);
+    EXPECT_EQ(values_sent(), as_u64);
+    listed();
+    EXPECT_EQ(by_cid("2"), 422u);
+    EXPECT_EQ(by_cid(R"({"f32": 2})"), 200u);
+    EXPECT_EQ(values_sent(), as_f32);
+}
+
 TEST_F(CommandRoutes, that_do_not_fit_are_never_sent) {
     for (const char* body :
          {R"({"values": [70000]})", R"({"values": [1, 2]})", "", R"({"values": ["high"]})", R"({"values": [null]})"})
@@ -56,6 +410,42 @@ TEST_F(CommandRoutes, without_an_answer_are_sent_once_and_their_outcome_is_not_k
     EXPECT_EQ(calls(), 1u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND", R"({"repeat": true})").json.at("what"), "timeout");
     EXPECT_EQ(calls(), 6u);
+}
+
+// The user presses LAND while the device does not answer something else.
+TEST_F(KnownCommands, are_called_at_once_while_another_one_is_not_answered) {
+    fake.instead = [](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        const bool is_take_off = f.id() == 0xC0 && f.data()[2] == 1;
+        return is_take_off ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    const auto waits = net.asked("POST", "/devices/0xDC/commands/TAKE_OFF", R"({"values": [300]})");
+    net.pass(300ms);
+    ASSERT_FALSE(waits->has_value());
+    const TimePoint pressed = net.time;
+    EXPECT_EQ(ids_of_call("LAND"), only_the_call);
+    EXPECT_LE(net.time - pressed, 50ms);
+    EXPECT_FALSE(waits->has_value());
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/0", R"({"value": 1})").status, 409u) << "writes wait for their turn";
+    net.pass(3s);
+    ASSERT_TRUE(waits->has_value());
+    EXPECT_EQ((*waits)->json.at("what"), "unknown");
+}
+
+TEST_F(KnownCommands, that_no_rule_lets_pass_do_not_end_other_work) {
+    fake.make_parameters(3);
+    net.ask("GET", "/devices/0xDC/parameters");
+    fake.instead = [](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        return f.id() == 0xE0 && f.data()[0] == 0x10 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    const auto saving = net.asked("POST", "/devices/0xDC/actions", R"({"action": "save"})");
+    net.pass(300ms);
+    net.refuses[0xC0] = "the rules do not let this pass";
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 403u);
+    EXPECT_FALSE(saving->has_value());
+    fake.instead = nullptr;
+    net.pass(20s);
+    ASSERT_TRUE(saving->has_value());
+    EXPECT_EQ((*saving)->status, 200u);
 }
 
 TEST_F(CommandRoutes, actions_are_acknowledged) {

@@ -30,7 +30,8 @@ TEST_F(Jobs, a_second_that_writes_is_told_who_has_the_device) {
     const auto first = net.asked("PUT", "/devices/0xDC/parameters/PAR_0?client=one", R"({"value": 1})");
     const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 2})");
     EXPECT_EQ(status, 409u);
-    EXPECT_EQ(error, json::parse(R"({"error": "job 1 (write of one) has 0xDC", "what": "busy", "job": 1})"));
+    EXPECT_EQ(error,
+              json::parse(R"x({"error": "0xDC is used by job 1 (writing a parameter, by one)", "what": "busy", "job": 1})x"));
     ASSERT_TRUE(net.until([&] { return first->has_value(); }));
     EXPECT_EQ((*first)->status, 200u);
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 2})").status, 200u);
@@ -47,9 +48,28 @@ TEST_F(Jobs, those_that_read_share_the_device) {
     EXPECT_EQ((*third)->status, 200u);
 }
 
+TEST_F(Jobs, frames_that_wait_in_our_own_queue_are_not_sent_again) {
+    net.queued_until = net.time + 4s;
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
+    EXPECT_EQ(net.sent.size(), 3 + 2 * 20u);
+    EXPECT_TRUE(net.flushed_before.empty());
+}
+
+TEST_F(Jobs, a_frame_that_never_leaves_counts_as_sent_after_a_while) {
+    net.queued_until = net.time + 1h;
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 504u);
+}
+
+TEST_F(Jobs, a_parser_that_may_be_deaf_is_flushed_before_the_question_is_repeated) {
+    fake.deaf = true;
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 504u);
+    ASSERT_EQ(net.flushed_before.size(), net.sent.size() - 1) << "the line permits one a second";
+    EXPECT_EQ(net.flushed_before[0], net.sent[0]);
+}
+
 TEST_F(Jobs, are_told_line_by_line_to_who_accepts_that) {
     fake.make_parameters(200);
-    const auto lines = net.lines("GET", "/devices/0xDC/parameters");
+    const auto lines = net.lines("GET", "/devices/0xDC/parameters?client=test");
     ASSERT_TRUE(lines);
     bool woken = false;
     lines->start([&] { woken = true; });
@@ -91,7 +111,10 @@ TEST_F(Jobs, no_more_are_kept_than_there_is_room_for) {
     for (int i = 0; i < 70; ++i) net.ask("GET", "/devices/0xDC/parameters/PAR_1");
     EXPECT_EQ(net.ask("GET", "/jobs").json.at("jobs").size(), anogate::DeviceService::max_jobs);
     fake.deaf = true;
-    for (std::size_t i = 0; i < anogate::DeviceService::max_running; ++i) net.asked("GET", "/devices/0xDC/parameters");
+    for (std::size_t i = 0; i < anogate::DeviceService::running_places.of_control; ++i) {
+        net.peer = std::to_string(i);
+        net.asked("GET", "/devices/0xDC/parameters/" + net.peer);
+    }
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 503u);
     net.pass(1min);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 504u) << "they ended";
@@ -242,7 +265,7 @@ TEST_F(Jobs, of_a_port_and_of_the_device_behind_it_are_of_one_device) {
     const auto first = net.asked("PUT", "/devices/0xDC/parameters/PAR_0?client=one", R"({"value": 1})");
     const auto [status, error] = net.ask("PUT", "/devices/3/parameters/PAR_0", R"({"value": 2})");
     EXPECT_EQ(status, 409u);
-    EXPECT_EQ(error.at("error"), "job 1 (write of one) has 0x03");
+    EXPECT_EQ(error.at("error"), "0x03 is used by job 1 (writing a parameter, by one)");
     ASSERT_TRUE(net.until([&] { return first->has_value(); }));
 }
 
@@ -282,7 +305,7 @@ TEST_F(Jobs, say_what_is_changed_when_the_rules_keep_off_the_rest) {
 
 TEST_F(Jobs, leave_places_for_those_who_do_not_wait_for_them) {
     std::vector<decltype(net.lines("GET", ""))> waiting;
-    for (long i = 0; i < anogate::DeviceService::max_waiting; ++i)
+    for (std::size_t i = 0; i < anogate::DeviceService::waiting_places.of_control / 2; ++i)    // of one client
         waiting.push_back(net.lines("GET", "/devices/0xDC/parameters"));
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 503u);
     EXPECT_EQ(net.ask("GET", "/jobs").status, 200u);
@@ -305,11 +328,51 @@ TEST_F(Jobs, write_no_number_that_is_none) {
 }
 
 TEST_F(Jobs, are_not_begun_for_who_is_not_there) {
-    EXPECT_EQ(net.ask("GET", "/devices/0xDD/parameters").json.at("error"), "0xDD was not heard");
+    const TimePoint begin = net.time;
+    const auto [status, absent] = net.ask("GET", "/devices/0xDD/parameters");
+    EXPECT_EQ(status, 404u);
+    EXPECT_EQ(absent.at("error"), "0xDD was not heard, and does not answer");
+    EXPECT_EQ(net.time - begin, 2s);
+    EXPECT_EQ(net.sent, std::vector<Bytes>(4, frame(0xFE, 0xDD, 0xE0, {0, 0, 0}))) << "it was asked whether it is there";
+    net.sent.clear();
     EXPECT_EQ(net.ask("GET", "/devices/nobody/parameters").status, 404u);
     EXPECT_EQ(net.ask("GET", "/devices/255/parameters").status, 400u);
     EXPECT_EQ(net.ask("GET", "/devices/host/parameters").status, 400u);
     EXPECT_TRUE(net.sent.empty());
+}
+
+TEST_F(Jobs, ask_a_device_that_was_not_heard_before_anything_else) {
+    net.add(0xDD).make_parameters(3);
+    net.where[0xDD] = {};
+    net.learns = true;
+    const TimePoint begin = net.time;
+    const auto several = net.asked("GET", "/devices/0xDD/commands");
+    const auto [status, answer] = net.ask("PUT", "/devices/0xDD/parameters/PAR_0", R"({"value": 1})");
+    EXPECT_EQ(status, 200u) << answer;
+    EXPECT_LT(net.time - begin, 1s);
+    ASSERT_TRUE(several->has_value());
+    EXPECT_EQ((*several)->status, 200u);
+    EXPECT_EQ(net.sent.front(), frame(0xFE, 0xDD, 0xE0, {0, 0, 0}));
+    EXPECT_NE(net.sent[1], net.sent.front()) << "both wait for the same answer";
+}
+
+TEST_F(Jobs, take_an_acknowledgement_from_a_port_of_the_device_for_its_own) {
+    net.fakes[0]->instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0xE0 || f.data()[0] != 0x10) return std::nullopt;
+        return std::vector<Bytes>{frame(0x05, 0xFE, 0x00, {f.id(), f.checks().sum, f.checks().add})};
+    };
+    const TimePoint begin = net.time;
+    const auto [status, job] = net.ask("POST", "/devices/0xDC/actions", R"({"action": "save"})");
+    EXPECT_EQ(status, 200u) << job;
+    EXPECT_LT(net.time - begin, 1s);
+    EXPECT_EQ(job.value("note", ""), "acknowledged by 0x05, a port");
+    const auto lists_the_port = [&] {
+        const auto devices = net.ask("GET", "/devices").json.at("devices");
+        return std::any_of(devices.begin(), devices.end(), [](const auto& one) { return one.at("address") == "0x05"; });
+    };
+    EXPECT_FALSE(lists_the_port()) << "it is no device of its own";
+    net.passes(frame(0x05, 0xFE, 0x03, Bytes(7)));
+    EXPECT_TRUE(lists_the_port()) << "now it is";
 }
 
 TEST_F(Jobs, do_not_write_while_another_host_does) {
@@ -384,6 +447,7 @@ struct Socket final : anogate::http::WebSocket {
     std::size_t waiting() const noexcept override { return is_slow ? 1 : 0; }
     std::uint64_t reads() const noexcept override { return 0; }
     void close(std::uint16_t code, std::string_view) override { closed = code; }
+    void give_up() noexcept override { closed = 0; }
 };
 
 TEST_F(Jobs, are_told_by_messages_to_who_wants_a_web_socket) {

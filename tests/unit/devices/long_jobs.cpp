@@ -36,7 +36,7 @@ struct LongJobs : testing::Test {
 
 TEST_F(LongJobs, an_upgrade_writes_the_whole_file) {
     load();
-    const std::string file(10'000, '\x5A');
+    const std::string file(10'000, '\x01');
     const auto [status, job] = net.ask("POST", "/devices/0xDC/firmware", file);
     EXPECT_EQ(status, 202u);
     EXPECT_EQ(job.at("kind"), "firmware");
@@ -48,13 +48,13 @@ TEST_F(LongJobs, an_upgrade_writes_the_whole_file) {
     EXPECT_EQ(over.at("result").at("frames"), 52);
     EXPECT_EQ(over.at("unit"), "bytes");
     EXPECT_EQ(over.at("progress"), 1.0);
-    EXPECT_EQ(loader.flash, Bytes(10'000, 0x5A));
+    EXPECT_EQ(loader.flash, Bytes(10'000, 0x01));
 }
 
 TEST_F(LongJobs, an_upgrade_that_is_refused_says_so) {
     load();
     loader.refuses = true;
-    net.ask("POST", "/devices/0xDC/firmware", std::string(1000, 'x'));
+    net.ask("POST", "/devices/0xDC/firmware", std::string(1000, '\x01'));
     json over = until_over(1);
     EXPECT_EQ(over.at("state"), "failed");
     EXPECT_EQ(over.at("status"), 502);
@@ -62,12 +62,33 @@ TEST_F(LongJobs, an_upgrade_that_is_refused_says_so) {
     over = until_over(2);
     EXPECT_EQ(over.at("status"), 422) << over;
     EXPECT_EQ(loader.erases, 0u);
-    EXPECT_EQ(net.ask("POST", "/devices/0xDC/firmware?crc=crc99", "x").status, 400u);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/firmware?crc=crc99", "\x01").status, 400u);
+}
+
+TEST_F(LongJobs, an_upgrade_goes_on_after_a_lost_connection_and_says_so_meanwhile) {
+    for (const bool loses_power : {false, true}) {
+        loader = {};
+        bool is_cut = false;
+        fake.instead = [&](ano::FrameView f) { return is_cut ? std::vector<Bytes>{} : loader.take(fake, f); };
+        const int id = net.ask("POST", "/devices/0xDC/firmware", std::string(10'000, '\x01')).json.at("id");
+        ASSERT_TRUE(net.until([&] { return loader.frames > 10; }));
+        is_cut = true;
+        if (loses_power) loader.lose_power();
+        net.pass(50s);
+        const std::string meanwhile = net.ask("GET", "/jobs/" + std::to_string(id)).json.at("message");
+        EXPECT_EQ(meanwhile.substr(0, 22), "sending, no answer for") << meanwhile;
+        is_cut = false;
+        const json over = until_over(id);
+        EXPECT_EQ(over.at("state"), "done") << over;
+        EXPECT_EQ(loader.erases, loses_power ? 2u : 1u);
+        EXPECT_EQ(over.at("result").contains("note"), loses_power) << over;
+        EXPECT_EQ(loader.flash, Bytes(10'000, 0x01));
+    }
 }
 
 TEST_F(LongJobs, an_upgrade_that_is_cancelled_says_what_is_half_done) {
     load();
-    net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, 'x'));
+    net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, '\x01'));
     ASSERT_TRUE(net.until([&] { return loader.frames > 10; }));
     const json over = net.ask("DELETE", "/jobs/1").json;
     EXPECT_EQ(over.at("state"), "cancelled");
@@ -77,9 +98,12 @@ TEST_F(LongJobs, an_upgrade_that_is_cancelled_says_what_is_half_done) {
 TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) {
     load();
     net.ask("GET", "/devices/0xDC/parameters");
-    net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, 'x'));
+    net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, '\x01'));
     ASSERT_TRUE(net.until([&] { return loader.frames > 10; }));
-    ASSERT_TRUE(net.kept.contains("firmware-0xDC.json"));
+    ASSERT_EQ(net.kept.size(), 1u);
+    const auto [name, note] = *net.kept.begin();
+    EXPECT_TRUE(anogate::is_note(name)) << name;
+    EXPECT_TRUE(name.starts_with("firmware-0xDC-")) << name;
     auto lines = net.lines("GET", "/jobs/2");
     net.service.stop(net.time);
     std::string text;
@@ -90,7 +114,7 @@ TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) 
     SimulatedNet again;
     again.add();
     again.kept = net.kept;
-    again.service.remember("firmware-0xDC.json", net.kept.at("firmware-0xDC.json"));
+    EXPECT_TRUE(again.service.remember(name, note));
     EXPECT_EQ(again.ask("GET", "/devices").json.at("devices")[0].at("in_loader"), true);
     FakeLoader other;
     again.fakes[0]->instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -101,7 +125,7 @@ TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) 
     file[0] = 'b', file[1] = 'i', file[2] = 'a';
     const Bytes image(file.begin() + 100, file.end());
     ano::store(&file[12], ano::crc16_of(image));
-    const json known = json::parse(net.kept.at("firmware-0xDC.json")).at("device");
+    const json known = json::parse(note).at("device");
     file[20] = known.at("dev_id").get<std::uint8_t>();
     ano::store(&file[30], known.at("hw").get<std::uint16_t>());
     ano::store(&file[32], known.at("hw").get<std::uint16_t>());
@@ -117,7 +141,7 @@ TEST_F(LongJobs, one_for_which_there_is_no_place_may_be_asked_for_again) {
     net.add(0xDD);
     net.add(0xDE);
     const auto ask = [&](const std::string& device) {
-        return net.routes.answer(SimulatedNet::request("POST", "/devices/" + device + "/firmware", "x"));
+        return net.routes.answer(SimulatedNet::request("POST", "/devices/" + device + "/firmware", "\x01"));
     };
     EXPECT_EQ(ask("0xDC").status, 202u);
     EXPECT_EQ(ask("0xDD").status, 202u);
@@ -137,10 +161,12 @@ struct Calibrates : LongJobs {
         before = fake.parameters[0].value;
     }
     std::string state() { return net.ask("GET", "/jobs/1").json.at("state").get<std::string>(); }
-    void lie(std::size_t face) {
+    std::string message() { return net.ask("GET", "/jobs/1").json.at("message").get<std::string>(); }
+    // `corrected`: with the values that a calibration finds.
+    void lie(std::size_t face, bool corrected = false) {
         ano::Draft<"inertial"> m;
-        std::array<int, 3> acc{20, 0, 0};
-        acc[face / 2] += face % 2 == 0 ? 1000 : -1000;
+        std::array<int, 3> acc{corrected ? 0 : 20, 0, 0};
+        acc[face / 2] += (face % 2 == 0 ? 1 : -1) * (corrected ? 981 : 1000);
         for (int i = 0; i < 100; ++i) {
             (void)m.set<"acc_x">(acc[0] + i % 3);
             (void)m.set<"acc_y">(acc[1] - i % 3);
@@ -160,7 +186,7 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
     EXPECT_EQ(net.kept.size(), 1u) << "the old values survive a crash";
     EXPECT_EQ(json::parse(net.kept.begin()->second).at("parameters").size(), 15u);
-    EXPECT_EQ(net.kept.begin()->first, "calibration-0xDC-accelerometer.json");
+    EXPECT_TRUE(anogate::is_note(net.kept.begin()->first)) << net.kept.begin()->first;
     net.pass(1min);
     EXPECT_EQ(state(), "waiting");
     const auto next = net.ask("POST", "/jobs/1/next");
@@ -175,6 +201,8 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
     EXPECT_EQ(step.at("done"), json::array({"+x"}));
     EXPECT_EQ(step.at("still"), 1.0);
     for (std::size_t face = 1; face < 6; ++face) lie(face);
+    ASSERT_TRUE(net.until([&] { return message() == "checking the new values: leave it still on -z"; }));
+    lie(5, true);
     const json over = until_over(1);
     EXPECT_EQ(over.at("state"), "done") << over;
     EXPECT_LT(over.at("result").at("after").get<double>(), over.at("result").at("before").get<double>());
@@ -194,6 +222,66 @@ TEST_F(Calibrates, and_puts_the_old_values_back_when_it_is_cancelled) {
     EXPECT_EQ(over.at("error"), "cancelled; the old values are back");
     EXPECT_EQ(fake.parameters[0].value, before);
     EXPECT_TRUE(net.kept.empty());
+}
+
+TEST_F(Calibrates, again_from_the_beginning_when_the_device_restarts) {
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    net.ask("POST", "/jobs/1/next");
+    net.pass(1s);
+    for (std::size_t face = 0; face < 3; ++face) lie(face);
+    net.pass(600ms);
+    lie(3);
+    net.pass(1s);
+    EXPECT_EQ(message(),
+              "the device restarted (no samples for 0.8 s), so all samples are discarded: lay it on each of its six faces");
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("step").at("done"), json::array());
+    for (std::size_t face = 0; face < 6; ++face) lie(face);
+    ASSERT_TRUE(net.until([&] { return message().starts_with("checking the new values"); }));
+    lie(5, true);
+    const json over = until_over(1);
+    EXPECT_EQ(over.at("state"), "done") << over;
+    EXPECT_EQ(over.at("result").at("restarts"), 1);
+    EXPECT_LT(over.at("result").at("verified").get<double>(), 10);
+}
+
+TEST_F(Calibrates, without_an_end_for_those_who_ask_who_is_there) {
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    net.ask("POST", "/jobs/1/next");
+    net.pass(1s);
+    for (int i = 0; i < 25; ++i) lie(0);    // longer than an answer to the last question may take
+    const auto all = net.asked("POST", "/devices/scan");
+    for (int i = 0; i < 35; ++i) lie(0);
+    EXPECT_TRUE(all->has_value());
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("step").at("done"), json::array({"+x"}));
+    net.passes(frame(0xD2, 0xDC, 0xE0, {0, 0, 0}));    // another host asks it
+    net.passes(fake.take(ano::FrameView{frame(0xFE, 0xDC, 0xE0, {0, 0, 0})}).at(0));
+    EXPECT_NE(message().find("lay it on"), std::string::npos);
+    EXPECT_EQ(message().find("restarted"), std::string::npos) << message();
+}
+
+TEST_F(Calibrates, whose_device_dies_is_over_within_five_seconds_and_the_old_values_are_written_when_it_is_back) {
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    net.ask("POST", "/jobs/1/next");
+    net.pass(1s);
+    lie(0);
+    fake.deaf = true;
+    const auto died = net.time;
+    const json over = until_over(1);
+    EXPECT_LE(net.time - died, 5s);
+    EXPECT_EQ(over.at("error"),
+              "0xDC fell silent: nothing came for 4.5 s; the old values could not be written back; they are kept as " +
+                  net.kept.begin()->first + " and are written back when it is heard on the ground");
+    net.where[0xDC] = {};
+    net.pass(10min);
+    EXPECT_EQ(net.kept.size(), 1u);
+    fake.deaf = false;
+    fake.parameters[0].value = Bytes(4);
+    net.where[0xDC] = {.is_known = true};
+    EXPECT_TRUE(net.until([&] { return net.kept.empty(); }, 1min));
+    EXPECT_EQ(fake.parameters[0].value, before);
 }
 
 TEST_F(Calibrates, nothing_when_the_old_values_can_not_be_kept) {
@@ -255,16 +343,14 @@ struct CutOff : Calibrates {
 
 TEST_F(CutOff, its_last_line_says_where_the_old_values_are) {
     EXPECT_EQ(last.at("state"), "cancelled");
-    EXPECT_EQ(last.at("error"),
-              "the gateway ends: the old values are kept as calibration-0xDC-accelerometer.json and are written back "
-              "at the next start");
+    EXPECT_EQ(last.at("error"), "the gateway ends: the old values are kept as " + net.kept.begin()->first +
+                                    " and are written back at the next start");
     EXPECT_EQ(net.kept.size(), 1u);
 }
 
 TEST_F(CutOff, the_old_values_are_written_back_by_the_next_run) {
     start();
-    EXPECT_EQ(again.ask("GET", "/devices").json.at("devices")[0].at("kept"),
-              json::array({"calibration-0xDC-accelerometer.json"}));
+    EXPECT_EQ(again.ask("GET", "/devices").json.at("devices")[0].at("kept"), json::array({net.kept.begin()->first}));
     ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 1min));
     EXPECT_EQ(value(), before);
     again.pass(5s);
@@ -272,6 +358,11 @@ TEST_F(CutOff, the_old_values_are_written_back_by_the_next_run) {
     ASSERT_EQ(jobs.size(), 1u);
     EXPECT_EQ(jobs[0].at("state"), "done");
     EXPECT_EQ(jobs[0].at("client"), "the gateway");
+    EXPECT_EQ(again.reports,
+              std::vector<std::string>{
+                  "wrote back the old calibration values, because their calibration never ended: accelerometer of fake "
+                  "(0xDC), link 'fc', kept 2026-11-26 12:00:00 UTC; read back and equal, so " +
+                  net.kept.begin()->first + " is removed"});
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("kept"));
     again.pass(3min);
     EXPECT_FALSE(again.listens) << "nothing is left to do";
@@ -317,6 +408,78 @@ TEST_F(CutOff, not_in_the_air_and_not_to_another_device) {
     EXPECT_EQ(value(), before);
 }
 
+// Whatever differs, the values are of another unit perhaps, and the note is their only copy.
+TEST_F(CutOff, the_old_values_are_written_to_no_other_unit_with_this_address) {
+    const std::string name = net.kept.begin()->first;
+    const auto left_alone = [&](const std::string& why) {
+        again.kept = net.kept;
+        again.reports.clear();
+        start();
+        again.pass(150s);
+        EXPECT_EQ(value(), Bytes(4)) << why;
+        EXPECT_EQ(again.kept, net.kept) << why;
+        ASSERT_EQ(again.reports.size(), 1u) << why;
+        EXPECT_NE(again.reports[0].find(why), std::string::npos) << again.reports[0];
+        EXPECT_NE(again.reports[0].find(name), std::string::npos) << again.reports[0];
+    };
+    again.unit.gateway = "/run/other.sock";
+    left_alone("is left alone: it is of the gateway /run/test.sock");
+    again.unit = net.unit;
+    again.unit.link = "radio";
+    left_alone("is left alone: it is of the link 'fc'");
+    again.unit = net.unit;
+    again.unit.wire = "serial:/dev/other";
+    left_alone("is left alone: it is of the link 'fc' (serial:/dev/fake)");
+    again.unit = net.unit;
+    again.fakes[0]->version = 101;
+    left_alone("is left alone: it is of another device, fake (dev_id ");
+    again.fakes[0]->version = fake.version;
+    again.pass(2min);
+    EXPECT_EQ(value(), before) << "it is the one again";
+    EXPECT_TRUE(again.kept.empty());
+}
+
+TEST_F(CutOff, a_calibration_of_another_unit_with_this_address_keeps_its_own_values) {
+    again.unit.link = "radio";
+    start();
+    const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_EQ(answer.status, 202u) << answer.json;
+    const std::string job = "/jobs/" + std::to_string(answer.json.at("id").get<int>());
+    ASSERT_TRUE(again.until([&] { return again.ask("GET", job).json.at("state") == "waiting"; }, 1min));
+    EXPECT_EQ(again.kept.size(), 2u) << "one for each unit";
+    EXPECT_EQ(again.kept.at(net.kept.begin()->first), net.kept.begin()->second);
+    again.ask("POST", job + "/next");
+    again.pass(1s);
+    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(value(), Bytes(4)) << "its own ones";
+    EXPECT_EQ(again.kept, net.kept) << "the other's stays";
+}
+
+TEST_F(CutOff, a_note_that_does_not_say_of_which_gateway_it_is_is_left_alone) {
+    json note = json::parse(net.kept.begin()->second);
+    note.erase("gateway");
+    again.kept = {{"calibration-0xDC-accelerometer.json", note.dump()}};
+    EXPECT_TRUE(again.service.remember("calibration-0xDC-accelerometer.json", note.dump()));
+    again.pass(150s);
+    EXPECT_EQ(value(), Bytes(4));
+    EXPECT_EQ(again.kept.size(), 1u);
+    EXPECT_EQ(again.reports.at(0),
+              "calibration-0xDC-accelerometer.json is left alone: it is of an older version, and does not say of "
+              "which gateway and link");
+}
+
+TEST_F(CutOff, the_note_stays_until_the_device_has_read_as_written) {
+    start();
+    again.fakes[0]->parameters[0].store = [](Bytes) { return Bytes(4); };    // it keeps nothing
+    again.pass(70s);
+    EXPECT_EQ(again.kept.size(), 1u);
+    ASSERT_EQ(again.reports.size(), 1u) << "once, though tried again";
+    EXPECT_NE(again.reports[0].find(" is not written back: "), std::string::npos) << again.reports[0];
+    again.fakes[0]->parameters[0].store = nullptr;
+    again.pass(2min);
+    EXPECT_TRUE(again.kept.empty());
+}
+
 TEST_F(CutOff, notes_that_can_not_be_used_are_tried_once_a_minute) {
     again.fakes[0]->name = "another";
     start();
@@ -342,11 +505,10 @@ TEST_F(CutOff, a_damaged_note_begins_no_job_and_keeps_nobody_out) {
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("kept"));
     EXPECT_EQ(again.ask("PUT", "/devices/0xDC/parameters/CAL_AOFF_Y", R"({"value": 1})").status, 200u);
     EXPECT_TRUE(again.service.remember("calibration-0xDC-accelerometer.json", whole.dump()));
-    EXPECT_TRUE(again.service.remember("firmware-0xDC.json", "{}")) << "it says who is in its loader by its name alone";
 }
 
 TEST_F(CutOff, a_calibration_before_that_puts_back_what_was_before_the_first) {
-    EXPECT_TRUE(again.service.remember("calibration-0xDC-accelerometer.json", net.kept.begin()->second));
+    EXPECT_TRUE(again.service.remember(net.kept.begin()->first, net.kept.begin()->second));
     const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_EQ(answer.status, 202u) << answer.json;
     const std::string job = "/jobs/" + std::to_string(answer.json.at("id").get<int>());
@@ -399,12 +561,56 @@ TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {
     EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 200u);
 }
 
+// A loader may not say who it is: then gateway, link and address tell.
+TEST_F(LongJobs, a_note_of_a_loader_is_of_one_unit) {
+    load();
+    net.ask("GET", "/devices/0xDC/parameters");
+    net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, '\x01'));
+    ASSERT_TRUE(net.until([&] { return loader.frames > 10; }));
+    ASSERT_EQ(net.kept.size(), 1u);
+    const std::string name = net.kept.begin()->first, note = net.kept.begin()->second;
+    const auto in_loader = [&](const std::string& text, const anogate::UnitPlace& unit) {
+        SimulatedNet again;
+        again.add();
+        again.unit = unit;
+        EXPECT_TRUE(again.service.remember(name, text));
+        const json device = again.ask("GET", "/devices").json.at("devices")[0];
+        EXPECT_FALSE(device.contains("kept"));
+        return device.contains("in_loader");
+    };
+    EXPECT_TRUE(in_loader(note, net.unit));
+    EXPECT_FALSE(in_loader(note, {"/run/other.sock", net.unit.link, net.unit.wire}));
+    EXPECT_FALSE(in_loader(note, {net.unit.gateway, "radio", net.unit.wire}));
+    EXPECT_FALSE(in_loader(note, {net.unit.gateway, net.unit.link, "serial:/dev/other"}));
+    json older = json::parse(note);
+    older.erase("gateway");
+    EXPECT_FALSE(in_loader(older.dump(), net.unit));
+}
+
+TEST(Notes, that_are_damaged_say_what_it_means_and_are_not_used) {
+    const std::string whole = R"({"gateway": "g", "link": "l", "wire": "w", "device": {"address": "0xDC"}, "type7": "u64"})";
+    for (const char* const name : {"firmware-0xDC-12ab34cd.json", "firmware-0xDC.json"}) {
+        EXPECT_EQ(anogate::damage_of_note(name, whole), "");
+        for (const std::string& text : {std::string{}, std::string{"{"}, std::string{"{}"}, std::string{"[]"}, whole + "x",
+                                        std::string(200, '['), std::string{R"({"device": {"address": "0xDD"}})"},
+                                        std::string{R"({"device": {"address": "0xDC", "address": "0xDC"}})"}})
+            EXPECT_TRUE(
+                anogate::damage_of_note(name, text).starts_with("is damaged and ignored: the device 0xDC may be in its loader"))
+                << text;
+    }
+    EXPECT_EQ(anogate::damage_of_note("type7-0xDC.json", whole), "");
+    EXPECT_NE(anogate::damage_of_note("type7-0xDC.json", R"({"device": {"address": "0xDC"}, "type7": "u16"})"), "");
+}
+
 TEST(Notes, are_files_of_exactly_their_names) {
-    for (const char* name : {"calibration-0xDC-accelerometer.json", "calibration-0x01-compass.json", "firmware-0xDC.json"})
+    for (const char* name :
+         {"calibration-0xDC-accelerometer.json", "calibration-0x01-compass.json", "firmware-0xDC.json",
+          "calibration-0xDC-12ab34cd-compass.json", "firmware-0xDC-12ab34cd.json", "type7-0x01-00000000.json", "type7-0xDC.json"})
         EXPECT_TRUE(anogate::is_note(name)) << name;
     for (const char* name : {"calibration-0xDC\n2026 all is well-accelerometer.json", "calibration-0xDC-\x1B[2J-compass.json",
                              "calibration-0xdc-compass.json", "calibration-0xDC-gyroscope.json", "firmware-0xDC-old.json",
-                             "firmware-0x\n.json", "firmware-0xDC.json.tmp", "firmware-0xDC", ""})
+                             "firmware-0x\n.json", "calibration-0xDC-12AB34CD-compass.json", "firmware-0xDC-12AB34CD.json",
+                             "firmware-0xDC-1.json", "firmware-0xDC.json.tmp", "firmware-0xDC", ""})
         EXPECT_FALSE(anogate::is_note(name)) << name;
 }
 

@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <set>
+#include <string>
+#include <utility>
+
 namespace parameters_tests {
 namespace {
 
@@ -38,12 +43,12 @@ TEST_F(ParameterRoutes, all_are_read_with_their_values) {
 TEST_F(ParameterRoutes, one_of_a_device_that_has_fewer_meanwhile_is_told_as_gone) {
     int asked = 0;
     fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
-        if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = static_cast<std::uint16_t>(++asked <= 2 ? 5 : 1);
+        if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = static_cast<std::uint16_t>(++asked <= 1 ? 5 : 1);
         return std::nullopt;
     };
     const auto [status, answer] = net.ask("GET", "/devices/0xDC/parameters/I16");
-    EXPECT_EQ(status, 502u);
-    EXPECT_EQ(answer.at("error"), "the device changed while it was asked: it no longer has I16");
+    EXPECT_EQ(status, 404u);
+    EXPECT_EQ(answer.at("error"), "no parameter is called 'I16'");
 }
 
 TEST_F(ParameterRoutes, without_values_only_descriptions_are_read) {
@@ -91,6 +96,31 @@ TEST_F(ParameterRoutes, a_name_that_several_have_is_ambiguous_and_their_numbers_
     }
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/5", R"({"value": 1})").json.at("stored"), 1);
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
+}
+
+// A file has "NAME#NUMBER" where the name alone does not say which parameter is meant.
+TEST_F(ParameterRoutes, those_that_no_name_tells_apart_are_applied_by_name_and_number) {
+    fake.parameters.push_back({0, "U8", "another", {9}});
+    fake.parameters.push_back({0, "", "", {1}});
+    fake.parameters.push_back({0, "", "", {2}});
+    fake.parameters.push_back({0, "a\nb", "", {3}});
+    const auto states = [](const json& answer) {
+        std::string all;
+        for (const json& row : answer.at("parameters")) all += (all.empty() ? "" : " ") + row.at("state").get<std::string>();
+        return all;
+    };
+    const char* const values = R"({"U8#0": 7, "U8#5": 9, "#6": 1, "#7": 2, "a?b#8": 3, "I16": 1})";
+    const auto same = net.ask("POST", "/devices/0xDC/apply", std::string{R"({"dry_run": true, "parameters": )"} + values + "}");
+    EXPECT_EQ(same.status, 200u) << same.json;
+    EXPECT_EQ(states(same.json), "unchanged unchanged unchanged unchanged unchanged unchanged");
+    const auto written = net.ask("POST", "/devices/0xDC/apply", R"({"parameters": {"U8#5": 10, "#7": 11, "a?b#8": 12}})");
+    EXPECT_EQ(written.status, 200u) << written.json;
+    EXPECT_EQ(fake.parameters[0].value, Bytes{7});
+    EXPECT_EQ(fake.parameters[5].value, Bytes{10});
+    EXPECT_EQ(fake.parameters[6].value, Bytes{1});
+    EXPECT_EQ(fake.parameters[7].value, Bytes{11});
+    EXPECT_EQ(fake.parameters[8].value, Bytes{12});
+    EXPECT_NE(net.ask("POST", "/devices/0xDC/apply", R"({"parameters": {"I16#5": 10}})").status, 200u) << "another is called so";
 }
 
 TEST_F(ParameterRoutes, a_write_says_what_was_stored) {
@@ -142,8 +172,8 @@ TEST_F(ParameterRoutes, silence_is_told_with_the_evidence) {
     const auto [status, error] = net.ask("GET", "/devices/0xDC/parameters");
     EXPECT_EQ(status, 504u);
     EXPECT_EQ(error.at("what"), "timeout");
-    EXPECT_EQ(error.at("evidence").at("sent"), 5);
-    EXPECT_EQ(error.at("error"), "0xDC does not answer: device info, sent 5 times");
+    EXPECT_EQ(error.at("evidence").at("sent"), 30);
+    EXPECT_EQ(error.at("error"), "0xDC does not answer: device info, sent 30 times");
 }
 
 TEST_F(ParameterRoutes, apply_writes_what_differs_and_lists_each) {
@@ -191,10 +221,252 @@ TEST_F(ParameterRoutes, nothing_is_applied_when_one_can_not_be) {
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
 
+// The requests of `anoctl param get` and `set` to a device that was read before, 200 ms away each way.
+struct KnownParameters : ParameterRoutes {
+    KnownParameters() {
+        fake.make_parameters(100);
+        net.line.delay = 200ms;
+        net.ask("GET", "/devices/0xDC/parameters");
+        net.sent.clear();
+    }
+    static constexpr Duration round_trip = 400ms;
+    /// How long `asks` takes.
+    Duration time(const std::function<void()>& asks) {
+        const TimePoint begin = net.time;
+        asks();
+        return net.time - begin;
+    }
+    json get(const std::string& query) {
+        const auto [status, answer] = net.ask("GET", "/devices/0xDC/parameters?" + query);
+        EXPECT_EQ(status, 200u) << answer;
+        return answer;
+    }
+    void described() {
+        EXPECT_EQ(get("values=0&known").at("known"), true);
+        EXPECT_TRUE(net.sent.empty());
+    }
+    static std::string five(int value) {
+        json parameters = json::object();
+        for (const int i : {10, 20, 30, 40, 50}) parameters["PAR_" + std::to_string(i)] = value;    // u8 all of them
+        return json{{"parameters", parameters}, {"goes_on", false}, {"also_the_same", true}}.dump();
+    }
+    std::size_t sent(std::uint8_t id) const {
+        return static_cast<std::size_t>(
+            std::count_if(net.sent.begin(), net.sent.end(), [&](const Bytes& f) { return f[3] == id; }));
+    }
+};
+
+TEST_F(KnownParameters, are_read_in_one_round_trip) {
+    EXPECT_EQ(time([&] {
+                  const json answer = get("name=PAR_20");
+                  ASSERT_EQ(answer.at("parameters").size(), 1u) << answer;
+                  EXPECT_EQ(answer.at("parameters")[0].at("value"), 20);
+              }),
+              round_trip);
+    EXPECT_EQ(net.sent.size(), 3u) << "device info, number, value";
+    EXPECT_EQ(time([&] { EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/PAR_20").json.at("value"), 20); }), round_trip);
+    EXPECT_EQ(time([&] {
+                  const json answer = get("name=PAR_10&name=PAR_20&name=PAR_30&name=PAR_40&name=7&name=NONE");
+                  EXPECT_EQ(answer.at("parameters").size(), 5u) << answer;
+              }),
+              round_trip);
+}
+
+TEST_F(KnownParameters, are_written_in_two_round_trips) {
+    EXPECT_EQ(time([&] {
+                  described();
+                  const json written = net.ask("PUT", "/devices/0xDC/parameters/PAR_20", R"({"value": 99})").json;
+                  EXPECT_EQ(written.at("was"), 20);
+                  EXPECT_EQ(written.at("stored"), 99);
+              }),
+              2 * round_trip);
+    EXPECT_EQ(fake.parameters[25].value, Bytes{99});
+}
+
+TEST_F(KnownParameters, clamped_ones_are_written_in_three) {
+    fake.parameters[25].store = [](const Bytes&) { return Bytes{50}; };
+    EXPECT_EQ(time([&] {
+                  const json written = net.ask("PUT", "/devices/0xDC/parameters/PAR_20", R"({"value": 99})").json;
+                  EXPECT_EQ(written.at("clamped"), true);
+              }),
+              3 * round_trip);
+}
+
+TEST_F(KnownParameters, five_are_written_within_four_seconds) {
+    EXPECT_EQ(time([&] {
+                  described();
+                  const auto [status, answer] = net.ask("POST", "/devices/0xDC/apply", five(99));
+                  EXPECT_EQ(status, 200u) << answer;
+                  for (const json& row : answer.at("parameters")) EXPECT_EQ(row.at("state"), "written") << row;
+              }),
+              7 * round_trip)
+        << "the last is that in which all are read once more";
+    EXPECT_EQ(sent(0xE1), 5u);
+    EXPECT_LT(7 * round_trip, 4s);
+}
+
+TEST_F(KnownParameters, of_a_device_that_has_fewer_now_are_read_again_and_nothing_is_written) {
+    const auto old = std::exchange(fake.parameters, {{0, "OTHER", "", {7}}, {0, "PAR_20", "", {8}}});
+    fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {    // does not crash, so that more is seen
+        const bool asks_beyond = f.id() == 0xE0 && f.data()[0] == 2 && f.data()[1] > 1;
+        return asks_beyond ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    const auto [status, written] = net.ask("PUT", "/devices/0xDC/parameters/PAR_20", R"({"value": 99})");
+    EXPECT_EQ(status, 200u) << written;
+    EXPECT_EQ(written.at("id"), 1);
+    EXPECT_EQ(written.at("was"), 8);
+    EXPECT_EQ(fake.parameters[1].value, Bytes{99});
+    EXPECT_EQ(fake.parameters[0].value, Bytes{7});
+}
+
+TEST_F(KnownParameters, of_a_device_of_another_version_are_read_again) {
+    fake.version = 101;
+    std::swap(fake.parameters[25].name, fake.parameters[35].name);
+    const json row = get("name=PAR_20").at("parameters")[0];
+    EXPECT_EQ(row.at("id"), 35);
+    EXPECT_EQ(row.at("value"), 30);
+}
+
+TEST_F(KnownParameters, of_a_device_that_was_away_are_not_asked_before_it_told_their_number) {
+    net.pass(40s);
+    fake.parameters.resize(5);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/PAR_20").status, 404u);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/I16").json.at("value"), 1);
+}
+
+TEST_F(KnownParameters, are_read_even_if_the_device_takes_one_question_at_a_time) {
+    TimePoint last{};
+    fake.instead = [&](ano::FrameView) -> std::optional<std::vector<Bytes>> {
+        const bool is_busy = net.time - last < 1ms;
+        last = net.time;
+        return is_busy ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_20", R"({"value": 99})").json.at("stored"), 99);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", five(98)).status, 200u);
+    EXPECT_EQ(fake.parameters[55].value, Bytes{98});
+}
+
+TEST_F(KnownParameters, that_are_set_together_stop_at_the_first_that_is_refused) {
+    fake.parameters[25].store = [](const Bytes& value) { return value == Bytes{99} ? Bytes{20} : value; };
+    const auto [status, error] = net.ask("POST", "/devices/0xDC/apply", five(99));
+    EXPECT_EQ(status, 502u);
+    EXPECT_EQ(error.at("error"), "0xDC keeps PAR_20 at 20");
+    std::string states;
+    for (const json& row : error.at("result").at("parameters")) states += row.at("state").get<std::string>() + " ";
+    EXPECT_EQ(states, "written failed waiting waiting waiting ");
+}
+
+TEST_F(KnownParameters, are_written_over_a_line_that_loses_a_tenth) {
+    net.line.loss = 0.1;
+    for (int value = 100; value < 120; ++value) {
+        const auto [status, answer] = net.ask("POST", "/devices/0xDC/apply", five(value));
+        ASSERT_EQ(status, 200u) << answer;
+        for (const std::size_t i : {15u, 25u, 35u, 45u, 55u}) ASSERT_EQ(fake.parameters[i].value[0], value);
+    }
+}
+
 TEST_F(ParameterRoutes, at_a_loss_of_a_third_all_is_read) {
     fake.make_parameters(100);
     net.line.loss = 0.3;
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").json.at("parameters").size(), 105u);
+}
+
+// A later run of a program that opens the line itself, over a line of 300 ms each way.
+struct KeptDescriptions : testing::Test {
+    static constexpr std::size_t many = 150;
+    SimulatedNet first;
+
+    KeptDescriptions() {
+        first.add().make_parameters(many);
+        first.service.keep_descriptions();
+        EXPECT_EQ(first.ask("GET", "/devices/0xDC/parameters").status, 200u);
+        EXPECT_EQ(first.cache_folder.size(), 1u);
+    }
+    struct Set {
+        unsigned status = 0;
+        ano::Duration took{};
+        std::size_t descriptions = 0;    // that were asked for
+        Bytes stored;                    // in the device
+    };
+    /// PAR_70 is set by a run that has the cache.
+    Set set(const std::function<void(SimulatedNet&)>& change = [](SimulatedNet&) {}) const {
+        SimulatedNet net;
+        net.line.delay = 300ms;
+        net.add().make_parameters(many);
+        net.cache_folder = first.cache_folder;
+        net.service.keep_descriptions();
+        change(net);
+        const ano::TimePoint begin = net.time;
+        Set set;
+        set.status = net.ask("PUT", "/devices/0xDC/parameters/PAR_70", R"({"value": 5})").status;
+        set.took = net.time - begin;
+        std::set<Bytes> asked;    // each once, though it may be repeated
+        for (const Bytes& frame : net.sent)
+            if (frame[3] == 0xE0 && frame[6] == 3) asked.insert(frame);
+        set.descriptions = asked.size();
+        for (const auto& parameter : net.fakes[0]->parameters)
+            if (parameter.name == "PAR_70") set.stored = parameter.value;
+        EXPECT_FALSE(net.fakes[0]->crashed);
+        return set;
+    }
+};
+
+TEST_F(KeptDescriptions, spare_the_line_all_but_the_one_that_is_used) {
+    const Set known = set(), unknown = set([](SimulatedNet&net) { net.cache_folder.clear(); });
+    EXPECT_EQ(known.status, 200u);
+    EXPECT_EQ(known.stored, Bytes{5});
+    EXPECT_EQ(known.descriptions, 1u) << "before anything is written";
+    EXPECT_LT(known.took, 4s);
+    EXPECT_GE(unknown.descriptions, many);
+    EXPECT_GT(unknown.took, 10s);
+    RecordProperty("ms", std::to_string(known.took / 1ms));
+}
+
+TEST_F(KeptDescriptions, that_are_wrong_are_read_again) {
+    const auto moved = [](SimulatedNet& net) { std::swap(net.fakes[0]->parameters[70].name, net.fakes[0]->parameters[71].name); };
+    const auto of_other_type = [](SimulatedNet& net) {
+        net.fakes[0]->parameters[70].type = 2;
+        net.fakes[0]->parameters[70].value = {1, 2};
+    };
+    const auto damaged = [](SimulatedNet& net) {
+        for (auto& [name, text] : net.cache_folder) text.resize(text.size() / 2);
+    };
+    const auto of_another_version = [](SimulatedNet& net) { ++net.fakes[0]->version; };
+    const auto more = [](SimulatedNet& net) { net.fakes[0]->make_parameters(1); };
+    const auto of_another_line = [](SimulatedNet& net) { net.unit.wire = "serial:/dev/other"; };
+    struct Change {
+        const char* what;
+        std::function<void(SimulatedNet&)> makes;
+        Bytes stored;
+    };
+    for (const Change& change : {Change{"moved", moved, {5}},
+                                 {"type", of_other_type, {5, 0}},
+                                 {"damaged", damaged, {5}},
+                                 {"version", of_another_version, {5}},
+                                 {"count", more, {5}},
+                                 {"line", of_another_line, {5}}}) {
+        SCOPED_TRACE(change.what);
+        const Set written = set(change.makes);
+        EXPECT_EQ(written.status, 200u);
+        EXPECT_GE(written.descriptions, many);
+        EXPECT_EQ(written.stored, change.stored);
+    }
+}
+
+// The text that is written is in the encoding of the names that were not read again.
+TEST(KeptTexts, of_a_device_tell_its_encoding) {
+    const auto make = [](SimulatedNet& net) {
+        net.add().parameters = {{10, "NAME", "", {'a', 'b', 'c', 'd', 'e', 'f'}}, {0, "\xB8\xDF\xB6\xC8", "", {1}}};
+        net.service.keep_descriptions();
+    };
+    SimulatedNet first, later;
+    make(first);
+    make(later);
+    EXPECT_EQ(first.ask("GET", "/devices/0xDC/parameters").status, 200u);
+    later.cache_folder = first.cache_folder;
+    EXPECT_EQ(later.ask("PUT", "/devices/0xDC/parameters/NAME", R"({"value": "起飞"})").status, 200u);
+    const Bytes stored = later.fakes[0]->parameters[0].value;
+    EXPECT_EQ(Bytes(stored.begin(), stored.begin() + 4), (Bytes{0xC6, 0xF0, 0xB7, 0xC9}));
 }
 
 }    // namespace

@@ -49,6 +49,18 @@ TEST_F(Alias, frame_to_the_id_behind_an_alias_is_for_another_device) {
     EXPECT_EQ(out(frame(0xFE, 0xDE, 0xE0, {0, 0, 0})), Bytes{});
 }
 
+TEST_F(Alias, of_a_device_that_sends_from_no_address) {
+    for (const std::uint8_t nobody : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
+        aliases = Aliases{{{.device = nobody, .as = 31}}, 200};
+        EXPECT_EQ(in(frame(nobody, 0xFE, 0x51, {1, 2, 3})), frame(31, 0xFE, 0x51, {1, 2, 3}));
+        EXPECT_EQ(out(frame(0xFE, 31, 0xE0, {2, 0, 0})), frame(0xFE, nobody, 0xE0, {2, 0, 0}));
+        EXPECT_EQ(out(frame(0xFE, 0xFF, 0xE0, {0, 0, 0})), frame(0xFE, 0xFF, 0xE0, {0, 0, 0})) << "to everybody";
+        EXPECT_EQ(out(frame(0xFE, 0xDE, 0xE0, {0, 0, 0})), frame(0xFE, 0xDE, 0xE0, {0, 0, 0}));
+        const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
+        EXPECT_EQ(in(acknowledgement(out(sent), nobody)), acknowledgement(sent, 31));
+    }
+}
+
 TEST_F(Alias, device_info_tells_the_alias) {
     EXPECT_EQ(in(frame(0xDE, 0xFE, 0xE3, {0xDE, 100, 0, 'x'})), frame(31, 0xFE, 0xE3, {31, 100, 0, 'x'}));
     EXPECT_EQ(in(frame(0xDE, 0xFE, 0xE3, {0xDD, 100})), frame(31, 0xFE, 0xE3, {0xDD, 100}));

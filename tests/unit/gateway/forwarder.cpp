@@ -104,10 +104,14 @@ TEST_F(Forwarding, of_several_steps_the_first_counts) {
     receive(device, telemetry);
     EXPECT_EQ(told(radio, command), (Lines{"received 1", "dropped 1 denied_in"})) << "the filter before the switch";
     EXPECT_EQ(told(wifi, command), (Lines{"received 2", "dropped 2 duplicate"})) << "a copy before the filter";
-    EXPECT_EQ(told(radio, telemetry), (Lines{"received 1", "said 1", "dropped 1 looped"})) << "what went round before all";
+    EXPECT_EQ(told(radio, telemetry), (Lines{"received 1", "offered 0", "offered 1", "offered 0"})) << "with probes ahead of it";
+    for (const Bytes& bytes : taken(device))
+        if (is_probe(ano::FrameView{bytes})) receive(radio, bytes);
+    EXPECT_EQ(told(radio, telemetry).at(1), "dropped 1 looped") << "what went round before all";
     const Bytes parameter = frame(host, fc, 0xE1, {1, 0, 0});
     EXPECT_EQ(told(radio, parameter), (Lines{"received 1", "dropped 1 inhibited"}));
-    EXPECT_EQ(radio.routed.denied_in + radio.routed.inhibited + radio.routed.looped + radio.routed.duplicate, 3u);
+    EXPECT_EQ(radio.routed.denied_in + radio.routed.inhibited + radio.routed.looped + radio.routed.duplicate, 4u)
+        << "and the probe";
     EXPECT_EQ(radio.routed.no_route, 0u);
 }
 
@@ -193,6 +197,21 @@ TEST_F(Forwarding, an_alias_is_known_by_it_and_its_own_id_is_kept_from_it) {
     EXPECT_EQ(taken(aliased), Frames{frame(host, fc, 0xC0, {1})});
 }
 
+TEST_F(Forwarding, a_source_is_elsewhere_where_it_is_not_at_home_by_the_id_that_others_see) {
+    Channel& aliased = add_with([](ForwarderLink& link) { link.aliases = {{fc, 31}}; });
+    Channel& home = add();
+    Channel& stranger = add();
+    receive(home, frame(fc, all, 0x03, {1}));
+    EXPECT_FALSE(forwarder.is_elsewhere(home, fc));
+    EXPECT_FALSE(forwarder.is_elsewhere(aliased, fc)) << "it appears as 31, which is pinned there";
+    EXPECT_TRUE(forwarder.is_elsewhere(stranger, fc)) << "learned elsewhere";
+    EXPECT_TRUE(forwarder.is_elsewhere(stranger, 31)) << "pinned elsewhere";
+    EXPECT_FALSE(forwarder.is_elsewhere(stranger, 0x55)) << "at home nowhere";
+    EXPECT_FALSE(forwarder.is_elsewhere(stranger, host));
+    const Channel own{ourselves, stranger.link, "send", ano::FrameParser::Options{}, Outbox::Options{}, now};
+    EXPECT_FALSE(forwarder.is_elsewhere(own, fc));
+}
+
 TEST_F(Forwarding, a_copy_is_told_by_its_bytes_before_its_alias) {
     const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
     Channel& radio = add_with([&](ForwarderLink& link) {
@@ -239,7 +258,9 @@ TEST_F(Forwarding, an_answer_is_known_again_as_it_went_to_its_asker) {
     receive(radio, frame(fc, host, 0xE1, {5, 0, 1}));
     const Bytes answer = frame(fc, ros, 0xE1, {5, 0, 1});
     EXPECT_EQ(taken(ground), Frames{answer});
-    EXPECT_EQ(told(ground, answer).back(), "dropped 0 looped");
+    EXPECT_EQ(told(ground, answer).back(), "dropped 0 no_route") << "a copy may be another device's";
+    close_loop(ground, radio);
+    EXPECT_EQ(told(ground, answer).at(1), "dropped 0 looped");
 }
 
 TEST_F(Forwarding, a_device_on_two_links_of_a_group_is_no_conflict) {
@@ -280,30 +301,6 @@ TEST_F(Forwarding, a_group_whose_peer_refuses_goes_by_another_until_it_is_heard)
     EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {5})), (Lines{"received 0", "offered 1"}));
 }
 
-TEST_F(Forwarding, a_frame_that_waits_is_told_once_and_goes_on_at_its_time) {
-    Channel& a = add();
-    Channel& b = add();
-    Channel& c = add();
-    const Bytes order = frame(host, all, 0xC0, {1});
-    receive(a, order);
-    now += 10ms;
-    EXPECT_EQ(told(b, order), (Lines{"received 1", "said 1", "offered 0", "offered 2"})) << "with a probe ahead of it";
-    now += 10ms;
-    EXPECT_FALSE(forwarder.due());
-    EXPECT_EQ(told(b, order), (Lines{"received 1"}));
-    ASSERT_EQ(forwarder.due(), std::optional{now + RingWatch::patience});
-    const TimePoint due = *forwarder.due();
-    diary.take();
-    forwarder.tick(due - 1ms);
-    EXPECT_EQ(diary.take(), Lines{});
-    now = due;
-    forwarder.tick(now);
-    EXPECT_EQ(diary.take(), (Lines{"offered 0", "offered 2"}));
-    EXPECT_FALSE(forwarder.due());
-    EXPECT_EQ(c.sent().offered, 3u);
-    EXPECT_EQ(a.routed.looped + b.routed.looped, 0u);
-}
-
 TEST_F(Forwarding, what_comes_back_by_a_known_ring_ends) {
     Channel& a = add();
     Channel& b = add();
@@ -316,11 +313,11 @@ TEST_F(Forwarding, what_comes_back_by_a_known_ring_ends) {
         if (is_probe(ano::FrameView{bytes})) probe = bytes;
     ASSERT_FALSE(probe.empty());
     EXPECT_EQ(told(a, probe), (Lines{"received 0", "dropped 0 looped"})) << "its answer goes no further";
-    EXPECT_TRUE(forwarder.rings().ring(a.id, now) && forwarder.rings().ring(b.id, now));
+    EXPECT_TRUE(forwarder.loops().loop(a.id, now) && forwarder.loops().loop(b.id, now));
     EXPECT_EQ(told(b, order), (Lines{"received 1", "dropped 1 looped"}));
 }
 
-TEST_F(Forwarding, a_copy_that_waited_to_be_read_ends_however_late_that_is) {
+TEST_F(Forwarding, a_copy_that_waited_to_be_read_is_one_however_late_that_is) {
     Channel& a = add();
     Channel& b = add();
     add();
@@ -329,18 +326,9 @@ TEST_F(Forwarding, a_copy_that_waited_to_be_read_ends_however_late_that_is) {
     b.arrived_at = now + 50ms;
     now += 10s;
     forwarder.receive(b, ano::FrameView{telemetry}, now);
-    EXPECT_EQ(diary.take(), (Lines{"received 1", "said 1", "dropped 1 looped"}));
-}
-
-TEST_F(Forwarding, what_is_withheld_for_good_is_counted_with_the_next_of_its_channel) {
-    Channel& a = add();
-    add();
-    for (std::uint32_t i = 0; i < LoopGuard::repeats; ++i, now += 10ms) receive(a, telemetry);
-    EXPECT_EQ(told(a, telemetry), Lines{"received 0"});
-    EXPECT_EQ(a.routed.looped, 0u);
-    now += 10s;
-    receive(a, frame(fc, all, 0x04, {1}));
-    EXPECT_EQ(a.routed.looped, 1u);
+    EXPECT_EQ(diary.take(), (Lines{"received 1", "offered 0", "offered 1", "offered 2", "refused 0 stale", "refused 2 stale"}))
+        << "with probes ahead of it";
+    EXPECT_EQ(forwarder.router().learned(fc, a.arrived_at).links, LinkSet{a.link}) << "it teaches nothing";
 }
 
 TEST_F(Forwarding, a_copy_that_ends_says_that_its_source_is_still_there) {
@@ -363,11 +351,11 @@ TEST_F(Forwarding, anothers_probe_goes_on_as_it_is) {
         link.present_as = 0x20;
     });
     add_with([](ForwarderLink& link) { link.takes_probes = false; });
-    RingWatch rings{8};
-    rings.open(ChannelId{0}, LinkId{0}, true);
-    const auto view = rings.ask(ChannelId{0}, now).bytes();
+    LoopGuard other{8};
+    other.open(ChannelId{0}, LinkId{0}, 0, true, now);
+    const auto view = other.ask(ChannelId{0}, now).bytes();
     const Bytes probe{view.begin(), view.end()};
-    EXPECT_EQ(told(a, probe), (Lines{"received 0", "said 1"}));
+    EXPECT_EQ(told(a, probe), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(diary.last, probe);
 }
 
@@ -387,7 +375,7 @@ TEST_F(Forwarding, a_holder_is_asked_before_its_address_moves) {
         forwarder.tick(now);
     }
     EXPECT_FALSE(forwarder.due());
-    EXPECT_EQ(home.sent().offered, 1u + 3u);
+    EXPECT_EQ(home.sent().offered, 3u) << "and no telemetry for hosts";
     receive(thief, frame(fc, host, 0x03, {10}));
     EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{thief.link}) << "three times silent";
     EXPECT_FALSE(forwarder.take_conflict());
@@ -497,6 +485,113 @@ TEST_F(Forwarding, observers_come_and_go) {
     forwarder.remove_observer(second);
     receive(device, telemetry);
     EXPECT_TRUE(second.take().empty());
+}
+
+TEST_F(Forwarding, zero_bytes_go_where_the_next_frame_will_leave) {
+    const auto uart = [](ForwarderLink& link) {
+        link.outbox.flush_bytes = 206;
+        link.parser.line_rate = 11520;
+    };
+    Channel& with_fc = add_with(uart);
+    Channel& other = add_with(uart);
+    Channel& no_uart = add();
+    Channel& refuses = add_with([&](ForwarderLink& link) {
+        uart(link);
+        link.rules.send = without(0xE0);
+    });
+    const LinkId from = forwarder.add_link({});
+    const Bytes question = frame(host, fc, 0xE0, {0, 0, 0});
+    receive(with_fc, telemetry);
+    for (Channel* const channel : {&other, &no_uart, &refuses}) taken(*channel);    // otherwise it waits there
+    EXPECT_EQ(forwarder.flush_parsers(from, ano::FrameView{question}, now).busy, ano::Duration{206s} / 11520);
+    EXPECT_EQ(forwarder.flush_parsers(from, ano::FrameView{question}, now).later, 0s) << "they have not left";
+    EXPECT_EQ(with_fc.outbox.zeros(), 206u);
+    EXPECT_EQ(forwarder.next_to_flush(), &with_fc);
+    EXPECT_EQ(other.outbox.zeros(), 0u);
+    const Bytes unknown = frame(host, 0x77, 0xE0, {0, 0, 0});
+    EXPECT_GT(forwarder.flush_parsers(from, ano::FrameView{unknown}, now).busy, 0s) << "it is flooded";
+    EXPECT_EQ(other.outbox.zeros(), 206u);
+    EXPECT_EQ(no_uart.outbox.zeros(), 0u);
+    EXPECT_EQ(refuses.outbox.zeros(), 0u) << "the frame may not leave there";
+}
+
+TEST_F(Forwarding, what_waits_for_a_link_in_exclusive_use_is_dropped) {
+    Channel& device = add_with([](ForwarderLink& link) { link.takes_few_questions = true; });
+    Channel& ground = add();
+    receive(device, telemetry);
+    taken(ground);
+    for (std::uint8_t n = 0; n < 12; ++n) receive(ground, frame(host, fc, 0xE0, {2, n, 0}));
+    receive(ground, frame(host, fc, 0xC0, {1, 2, 3}));
+    EXPECT_EQ(device.waiting(), 13u);
+    forwarder.set_exclusive(device.link, true);
+    EXPECT_EQ(device.waiting(), 0u);
+    EXPECT_EQ(device.sent().denied_out, 13u);
+    receive(ground, frame(host, fc, 0xC0, {1, 2, 3}));
+    forwarder.tick(now + 10s);
+    EXPECT_TRUE(taken(device).empty());
+    forwarder.set_exclusive(device.link, false);
+    receive(ground, frame(host, fc, 0xC0, {1, 2, 3}));
+    EXPECT_EQ(taken(device).size(), 1u);
+}
+
+TEST_F(Forwarding, zero_bytes_do_not_go_where_a_command_to_an_unknown_device_may_not) {
+    const auto uart = [](ForwarderLink& link) {
+        link.outbox.flush_bytes = 206;
+        link.parser.line_rate = 11520;
+    };
+    Channel& device = add_with(uart);
+    Channel& other = add_with(uart);
+    const LinkId from = forwarder.add_link({});
+    receive(device, telemetry);
+    receive(other, frame(0xDD, all, 0x03, {1, 2, 3}));
+    for (Channel* const channel : {&device, &other}) taken(*channel);
+    const Bytes unknown = frame(host, 0x77, 0xC0, {1, 2, 3});
+    EXPECT_EQ(forwarder.flush_parsers(from, ano::FrameView{unknown}, now).busy, 0s);
+    EXPECT_EQ(device.outbox.zeros() + other.outbox.zeros(), 0u);
+}
+
+TEST_F(Forwarding, a_device_that_has_answered_for_another_address_gets_no_more_commands_for_unknown_ones) {
+    Channel& device = add();
+    Channel& ground = add();
+    receive(device, telemetry);
+    const Bytes for_unknown = frame(host, 0x77, 0xC0, {1, 2, 3});
+    receive(ground, for_unknown);
+    EXPECT_EQ(taken(device).size(), 1u);
+    receive(device, frame(fc, host, 0x00, {0xC0, for_unknown[for_unknown.size() - 2], for_unknown.back()}));
+    receive(ground, frame(host, 0x77, 0xC0, {1, 2, 4}));
+    EXPECT_TRUE(taken(device).empty());
+    receive(ground, command);
+    EXPECT_EQ(taken(device).size(), 1u) << "its own";
+}
+
+// What the user says of an id holds for its queues, its age and the guards against rings and copies, and can be changed.
+TEST_F(Forwarding, a_frame_of_a_configured_class_leaves_as_one_of_that_class) {
+    Channel& host_link = add();
+    Channel& device = add();
+    receive(device, frame(fc, all, 0xE3, {1}));
+    taken(host_link);
+    const auto leaving = [&] {
+        device.outbox.close();
+        device.outbox.open();
+        std::array<std::span<const std::uint8_t>, 1> none{};
+        receive(host_link, frame(host, fc, 0xA0, {0}));
+        device.outbox.gather(none, now, 0);
+        device.outbox.set_congested();
+        for (std::uint8_t n = 1; n <= 3; ++n) receive(host_link, frame(host, fc, 0xF5, {n}));
+        return taken(device);
+    };
+    const Bytes text = frame(host, fc, 0xA0, {0});
+    const auto setpoint = [](std::uint8_t n) { return frame(host, fc, 0xF5, {n}); };
+    EXPECT_EQ(leaving(), (Frames{text, setpoint(1), setpoint(2), setpoint(3)}));
+    forwarder.set_classes({{.id = 0xF5, .frame_class = FrameClass::control, .age = 150ms}});
+    EXPECT_EQ(leaving(), (Frames{setpoint(3), text}));
+    receive(host_link, setpoint(1));
+    now += 149ms;
+    EXPECT_EQ(device.outbox.next(now).size, 9u);
+    now += 1ms;
+    EXPECT_EQ(device.outbox.next(now).size, 0u) << "stale";
+    forwarder.set_classes({});
+    EXPECT_EQ(leaving(), (Frames{text, setpoint(1), setpoint(2), setpoint(3)}));
 }
 
 }    // namespace forwarder_tests

@@ -68,6 +68,92 @@ TEST_F(OwnFrames, of_the_control_interface_reach_it_as_well) {
     EXPECT_EQ(own.routed.no_route, 0u);
 }
 
+// RS-485, or one wire: the receiver is not muted while it sends.
+TEST_F(OwnFrames, that_a_line_echoes_are_no_frames_of_another_host) {
+    Channel& line = add();
+    Channel& ground = add();
+    const LinkId control = forwarder.add_link({});
+    Channel own{ourselves, control, "", ano::FrameParser::Options{}, Outbox::Options{ano::overhead, 0}, now};
+    receive(line, telemetry);
+    for (std::uint8_t value = 0; value < 6; ++value) {
+        const Bytes write = frame(host, fc, 0xE1, {0, 0, value});
+        own.arrived_at = now;
+        forwarder.send_on(own, ano::FrameView{write}, now);
+        now += 5ms;
+        EXPECT_EQ(told(line, write).at(1), "dropped 0 looped");
+        EXPECT_FALSE(line.echo.is_echo(frame_key(ano::FrameView{write}), false, now)) << "once for each that was sent";
+    }
+    EXPECT_FALSE(forwarder.router().heard_at(host, line.id));
+    EXPECT_FALSE(forwarder.traffic(line.link).not_sent.lately(now));
+    EXPECT_TRUE(line.echo.echoes(now));
+    const Bytes forwarded = frame(host, fc, 0xE1, {0, 0, 99});
+    receive(ground, forwarded);
+    EXPECT_EQ(told(line, forwarded).at(1), "dropped 0 looped") << "of a host on another link";
+    now += EchoWatch::shown_for;
+    EXPECT_FALSE(line.echo.echoes(now));
+}
+
+TEST_F(OwnFrames, the_same_question_of_a_host_on_that_line_is_no_echo) {
+    Channel& line = add();
+    Channel& device = add();
+    const LinkId control = forwarder.add_link({});
+    Channel own{ourselves, control, "", ano::FrameParser::Options{}, Outbox::Options{ano::overhead, 0}, now};
+    receive(device, telemetry);
+    receive(line, telemetry);    // the gateway asks both
+    receive(line, frame(host, fc, 0xE0, {2, 7, 0}));
+    const Bytes question = frame(host, fc, 0xE0, {2, 1, 0});
+    own.arrived_at = now;
+    forwarder.send_on(own, ano::FrameView{question}, now);
+    EXPECT_EQ(line.received().looped, 0u);
+    receive(line, question);
+    EXPECT_EQ(line.received().looped, 0u) << "a host was heard there, and a single one may be its own";
+}
+
+// The device gives back what the host wrote: both have one address.
+TEST_F(OwnFrames, a_read_back_of_a_device_with_the_address_of_the_host_is_no_echo) {
+    Channel& line = add();
+    Channel& ground = add();
+    const Bytes write = frame(fc, fc, 0xE1, {0, 0, 1});
+    receive(line, telemetry);
+    for (int i = 0; i < 9; ++i) {
+        receive(ground, write);
+        receive(line, write);
+    }
+    EXPECT_EQ(line.received().looped, 0u);
+}
+
+// 0x00 and 0xFF are no addresses: two boards that have none may send the same bytes.
+TEST(Nobodies, on_two_links_are_neither_one_device_nor_a_loop) {
+    for (const std::uint8_t nobody : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
+        Forwarder forwarder{GatewaySettings{}, 7};
+        TimePoint now = start;
+        std::vector<Channel*> channels;
+        for (int i = 0; i < 3; ++i) {
+            const LinkId link = forwarder.add_link({});
+            channels.push_back(forwarder.open_channel(link, "", now));
+            forwarder.link_up(link, now);
+        }
+        const auto receive = [&](Channel& from, const Bytes& bytes) {
+            from.arrived_at = now;
+            forwarder.receive(from, ano::FrameView{bytes}, now);
+        };
+        receive(*channels[2], frame(host, all, 0xE0, {0, 0, 0}));
+        for (int i = 0; i < 100; ++i) {
+            now += 50ms;
+            for (const std::size_t board : {std::size_t{0}, std::size_t{1}}) {
+                receive(*channels[board], frame(nobody, host, 0x03, Bytes(7)));
+                receive(*channels[board], frame(nobody, all, 0x04, Bytes(9)));
+            }
+        }
+        EXPECT_TRUE(forwarder.router().conflicts(now).empty());
+        for (const std::size_t board : {std::size_t{0}, std::size_t{1}}) {
+            EXPECT_FALSE(forwarder.loops().loop(channels[board]->id, now));
+            EXPECT_EQ(channels[board]->received().looped + channels[board]->received().duplicate, 0u);
+            EXPECT_TRUE(forwarder.traffic(channels[board]->link).nobody.lately(now)) << "the hint: set its id";
+        }
+    }
+}
+
 TEST_F(OwnFrames, answers_go_to_who_asked_alone_pass_the_rules_and_teach_no_address) {
     Channel& ground = add();
     Channel& other = add();
@@ -80,10 +166,9 @@ TEST_F(OwnFrames, answers_go_to_who_asked_alone_pass_the_rules_and_teach_no_addr
     EXPECT_EQ(strict.sent().denied_out, 1u);
     EXPECT_FALSE(forwarder.router().heard_at(self, ground.id));
     now += 5ms;
-    receive(other, answer);
-    EXPECT_EQ(other.routed.looped, 1u) << "it came round";
-    EXPECT_TRUE(taken(ground).empty());
     EXPECT_TRUE(taker.frames.empty());
+    close_loop(ground, other);
+    EXPECT_EQ(told(other, answer).at(1), "dropped 1 looped") << "it came round";
 }
 
 TEST_F(OwnFrames, lines_for_hosts_go_where_one_was_heard_and_nowhere_else) {

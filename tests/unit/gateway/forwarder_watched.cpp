@@ -41,7 +41,8 @@ protected:
     void expect_as_counted(const Channel& channel) {
         EXPECT_EQ(tally.out, channel.sent().frames_out);
         for (const auto& row : send_counters) {
-            if (row.name == "frames_out" || row.name == "bytes_out" || row.name == "empty_out") continue;
+            if (row.name == "frames_out" || row.name == "bytes_out" || row.name == "empty_out" || row.name == "flush_bytes")
+                continue;
             EXPECT_EQ(tally.not_sent[std::string{row.name}], channel.sent().*row.value) << row.name;
         }
     }
@@ -248,8 +249,10 @@ TEST_F(Watched, a_frame_of_the_gateways_own_that_comes_round_ends) {
     EXPECT_EQ(sent(own, spread), (Lines{"received 64", "said 0", "said 1"}));
     now += 5ms;
     receive(back, spread);
-    EXPECT_EQ(back.routed.looped, 1u);
-    EXPECT_EQ(out.sent().offered, 1u);
+    EXPECT_EQ(out.sent().offered, 3u) << "it may be another device's, and a probe leaves";
+    for (const Bytes& bytes : taken(out))
+        if (is_probe(ano::FrameView{bytes})) receive(back, bytes);
+    EXPECT_EQ(told(back, spread).at(1), "dropped 1 looped");
 }
 
 TEST_F(Watched, a_channel_may_bear_a_port_id_by_itself) {

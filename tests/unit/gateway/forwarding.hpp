@@ -80,6 +80,16 @@ protected:
         from.arrived_at = now;
         forwarder.receive(from, ano::FrameView{bytes}, now);
     }
+    /// From now on it is known that what leaves by `out` comes back by `back`.
+    void close_loop(Channel& out, Channel& back) {
+        const Bytes by_both = frame(0x77, all, 0xF1, {1, 2, 3});
+        receive(out, by_both);
+        receive(back, by_both);
+        taken(back);
+        for (const Bytes& bytes : taken(out))
+            if (is_probe(ano::FrameView{bytes})) receive(back, bytes);
+        ASSERT_TRUE(forwarder.loops().loop(out.id, now) && forwarder.loops().loop(back.id, now));
+    }
     Lines told(Channel& from, const Bytes& bytes) {
         diary.take();
         receive(from, bytes);

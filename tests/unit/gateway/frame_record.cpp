@@ -48,6 +48,22 @@ TEST(FrameRecord, many_in_a_row_are_read_as_they_were_written) {
     EXPECT_FALSE(take_record(rest));
 }
 
+TEST(FrameRecord, tells_that_the_source_is_at_home_elsewhere) {
+    for (const Direction direction : {Direction::in, Direction::out, Direction::dropped}) {
+        std::string records;
+        append(records, {7, 8, 3, direction, 0, 5, ano::FrameView{euler}, true});
+        EXPECT_EQ(static_cast<std::uint8_t>(records[17]), 0x80 | static_cast<std::uint8_t>(direction));
+        std::string_view rest = records;
+        const auto record = take_record(rest);
+        ASSERT_TRUE(record);
+        EXPECT_TRUE(record->is_elsewhere);
+        EXPECT_EQ(record->direction, direction);
+        records[17] = static_cast<char>(0x83);
+        rest = records;
+        EXPECT_FALSE(take_record(rest)) << "no direction";
+    }
+}
+
 TEST(FrameRecord, damaged_ones_are_refused) {
     std::string records;
     append(records, record_of(euler));

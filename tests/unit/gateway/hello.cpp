@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -31,10 +33,26 @@ TEST(Hello, leaves_the_first_second_to_boot_loaders_and_comes_again_while_it_is_
     Hello hello{2s};
     hello.came_up(start);
     EXPECT_EQ(hello.due(never), start + 1s);
-    hello.said(start + 1s);
+    hello.said(start + 1s, never);
     EXPECT_EQ(hello.due(never), start + 3s);
-    hello.said(start + 3s);
+    hello.said(start + 3s, never);
     EXPECT_EQ(hello.due(never), start + 5s);
+}
+
+TEST(Hello, before_every_third_without_an_answer_the_device_may_be_deaf) {
+    Hello hello{2s};
+    hello.came_up(start);
+    std::vector<bool> deaf;
+    for (int i = 1; i <= 7; ++i) {
+        deaf.push_back(hello.may_be_deaf(never));
+        hello.said(start + i * 2s, never);
+    }
+    EXPECT_EQ(deaf, (std::vector<bool>{false, false, true, false, false, true, false}));
+    EXPECT_FALSE(hello.may_be_deaf(start + 15s)) << "it was heard";
+    hello.said(start + 17s, start + 15s);
+    EXPECT_FALSE(hello.may_be_deaf(start + 15s));
+    hello.said(start + 19s, start + 15s);
+    EXPECT_TRUE(hello.may_be_deaf(start + 15s));
 }
 
 TEST(Hello, is_put_off_by_every_frame_that_is_heard) {
@@ -42,7 +60,7 @@ TEST(Hello, is_put_off_by_every_frame_that_is_heard) {
     hello.came_up(start);
     EXPECT_EQ(hello.due(start + 900ms), start + 1900ms);
     EXPECT_EQ(hello.due(start + 1800ms), start + 2800ms);
-    hello.said(start + 2800ms);
+    hello.said(start + 2800ms, never);
     EXPECT_EQ(hello.due(start + 2850ms), start + 4800ms) << "an answer does not make it sooner than the interval";
     EXPECT_EQ(hello.due(start + 4500ms), start + 5500ms);
 }
@@ -50,7 +68,7 @@ TEST(Hello, is_put_off_by_every_frame_that_is_heard) {
 TEST(Hello, begins_afresh_with_a_link_that_comes_back) {
     Hello hello{10s};
     hello.came_up(start);
-    hello.said(start + 1s);
+    hello.said(start + 1s, never);
     hello.went_down();
     hello.came_up(start + 2s);
     EXPECT_EQ(hello.due(start + 100ms), start + 3s) << "what was heard before counts for nothing, and neither does what was said";
@@ -70,7 +88,7 @@ TEST(Hello, keeps_quiet_for_a_minute_after_a_firmware_frame) {
 TEST(Hello, comes_at_most_once_a_second) {
     Hello hello{10ms};
     hello.came_up(start);
-    hello.said(start + 1s);
+    hello.said(start + 1s, never);
     EXPECT_EQ(hello.due(never), start + 2s);
 }
 

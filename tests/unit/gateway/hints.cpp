@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <string>
+#include <string_view>
+
 namespace anogate::hints_tests {
 namespace {
 
@@ -46,6 +52,35 @@ TEST(Hint, a_link_too_slow_for_what_is_sent_is_named_whatever_the_cause_of_the_d
     }
 }
 
+TEST(Hint, devices_that_act_for_others_or_have_no_address_are_named) {
+    LinkFigures link = line_that_sent(100);
+    link.nobody = std::uint8_t{0};
+    EXPECT_EQ(hint(link),
+              "a device sends from 0x00, which is no address, and receives only broadcasts: set its id, or give it an `alias`");
+    link.not_sent = std::uint8_t{0x44};
+    EXPECT_EQ(find_hint(link).id, "unknown_device");
+    EXPECT_EQ(find_hint(link).text, unknown_device(0x44).text);
+    link.answers_for_others = std::uint8_t{1};
+    EXPECT_EQ(hint(link), "device 0x01 acts on frames for other addresses: set profile=old on this link");
+    EXPECT_EQ(find_hint(link).id, "answers_for_others");
+}
+
+TEST(Hint, a_line_that_echoes_is_named) {
+    LinkFigures link = line_that_sent(100);
+    link.echoes = true;
+    link.not_sent = std::uint8_t{0x44};
+    EXPECT_EQ(find_hint(link).id, "echo");
+}
+
+TEST(Hint, orientations_that_contradict_each_other_name_the_key) {
+    LinkFigures link = line_that_sent(0);
+    link.contradictory = 0xDD;
+    EXPECT_EQ(hint(link), "Euler angles and quaternion of 0xDD contradict each other: try attitude=lx");
+    EXPECT_EQ(find_hint(link).id, "attitude_contradiction");
+    link.attitude = ano::EulerSigns::lx;
+    EXPECT_EQ(hint(link), "Euler angles and quaternion of 0xDD contradict each other: try attitude=document");
+}
+
 TEST(Hint, damage_and_frames_of_the_previous_version_are_named_when_they_are_more_than_one_in_ten) {
     LinkFigures link = line_that_sent(100);
     link.received.bad_check = 60;
@@ -68,11 +103,51 @@ TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
     LinkFigures link = line_that_sent(1000);
     link.received.bad_check = 500;
     link.shared = SharedSource::one_device;
-    EXPECT_EQ(hint(link), "the same device on two links? give them one `group`") << "it matters more than damage";
+    EXPECT_EQ(hint(link),
+              "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id")
+        << "it matters more than damage";
     link.shared = SharedSource::two_peers;
     EXPECT_EQ(hint(link), "two peers speak as one device: `conflicts` in the status says who");
     link.shared = SharedSource::two_devices;
     EXPECT_EQ(hint(link), "two devices have the same id: give one of them another");
+}
+
+// What is said at the links of one conflict, which share its meaning and ring, whatever else each of them has.
+TEST(Hint, two_of_one_conflict_never_contradict_each_other) {
+    const std::string meanings[] = {"ring", "one_device_on_two_links", "two_devices_one_id", "two_peers_one_device"};
+    const auto is_meaning = [&](std::string_view id) {
+        return std::find(std::begin(meanings), std::end(meanings), id) != std::end(meanings);
+    };
+    const auto others = {0, 1, 2, 3, 4, 5, 6};
+    const auto figures = [](SharedSource shared, bool ring, int other) {
+        LinkFigures link = line_that_sent(1000);
+        link.shared = shared;
+        link.shared_address = 0xDC;
+        if (ring) link.ring_out = "ground", link.ring_back = "radio";
+        if (other == 1) link.answers_for_others = std::uint8_t{0xDD};
+        if (other == 2) link.not_sent = std::uint8_t{0x44};
+        if (other == 3) link.nobody = std::uint8_t{0};
+        if (other == 4) link.hidden = 5;
+        if (other == 5) link.contradictory = 0xDC;
+        if (other == 6) link.untaken_for = std::chrono::seconds{9};
+        return link;
+    };
+    for (const SharedSource shared : {SharedSource::one_device, SharedSource::two_devices, SharedSource::two_peers})
+        for (const bool ring : {false, true})
+            for (const int one : others)
+                for (const int other : others) {
+                    const Hint a = find_hint(figures(shared, ring, one)), b = find_hint(figures(shared, ring, other));
+                    EXPECT_TRUE(is_meaning(a.id)) << a.id << ": nothing else is said while there is a conflict";
+                    EXPECT_EQ(a.text, b.text);
+                }
+}
+
+TEST(Hint, of_a_source_on_two_links_names_its_address) {
+    LinkFigures link = line_that_sent(1000);
+    link.shared = SharedSource::two_devices;
+    link.shared_address = 0xDC;
+    EXPECT_EQ(hint(link), "two devices have the same id: give one of them another (0xDC)");
+    EXPECT_EQ(find_hint(link).args.at(0), (std::pair<std::string_view, Hint::Value>{"device", std::string{"0xDC"}}));
 }
 
 TEST(Hint, a_device_behind_the_wrong_port_id_is_named) {
@@ -111,8 +186,6 @@ TEST(Hint, a_ring_is_told_by_its_links) {
     EXPECT_EQ(hint(link), "a ring: what goes out by ground comes back by radio");
     link.ring_out = "radio";
     EXPECT_EQ(hint(link), "a ring: what goes out comes back by radio");
-    link.ring_is_certain = false;
-    EXPECT_EQ(hint(link), "the same device on two links? give them one `group`; or a ring: what goes out comes back by radio");
     link.up = false;
     EXPECT_EQ(hint(link), "");
 }

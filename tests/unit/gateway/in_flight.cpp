@@ -13,6 +13,7 @@ namespace {
 
 constexpr ano::TimePoint start{1h};
 constexpr std::uint8_t host = 0xFE, fc = 0xDC, everybody = 0xFF;
+constexpr ChannelId one{1}, other{2};
 
 Bytes ask(std::uint8_t id, const Bytes& data, std::uint8_t to = fc) { return support::frame(host, to, id, data); }
 Bytes say(std::uint8_t id, const Bytes& data, std::uint8_t from = fc) { return support::frame(from, host, id, data); }
@@ -41,8 +42,8 @@ TEST(Question, is_known_with_its_answer) {
         ASSERT_TRUE(question) << testing::PrintToString(e.question);
         EXPECT_TRUE(answers(view(e.answer), *question)) << testing::PrintToString(e.answer);
         EXPECT_FALSE(answers(view(e.of_another), *question)) << testing::PrintToString(e.of_another);
-        for (const Exchange& other : exchanges)
-            EXPECT_TRUE(&other == &e || !answers(view(other.answer), *question)) << testing::PrintToString(other.answer);
+        for (const Exchange& another : exchanges)
+            EXPECT_TRUE(&another == &e || !answers(view(another.answer), *question)) << testing::PrintToString(another.answer);
     }
 }
 
@@ -66,48 +67,52 @@ TEST(Question, is_not_an_answer_on_its_way_to_a_host) {
 TEST(Question, to_everybody_may_be_answered_by_anybody_and_one_to_a_device_by_that_one) {
     const auto all = question_in(view(ask(0xE0, {0, 0, 0}, everybody)));
     const auto port = question_in(view(ask(0xE0, {0, 0, 0}, 5)));
-    const auto one = question_in(view(ask(0xE0, {0, 0, 0})));
-    ASSERT_TRUE(all && port && one);
+    const auto single = question_in(view(ask(0xE0, {0, 0, 0})));
+    ASSERT_TRUE(all && port && single);
     const Bytes flow = say(0xE3, Bytes(9), 0xDE);
     EXPECT_TRUE(answers(view(flow), *all));
     EXPECT_TRUE(answers(view(flow), *port)) << "whatever is behind it";
-    EXPECT_FALSE(answers(view(flow), *one));
+    EXPECT_FALSE(answers(view(flow), *single));
 }
 
 Bytes value_of(std::uint8_t n) { return ask(0xE0, {2, n, 0}); }
 Bytes value(std::uint8_t n) { return say(0xE1, {n, 0, 1}); }
 
 struct Flight : testing::Test {
-    void send(const Bytes& frame, ano::TimePoint now) {
-        flight.queued(view(frame));
+    void send(const Bytes& frame, ano::TimePoint now, ChannelId from = ourselves) {
+        flight.queued(view(frame), from);
         flight.left(view(frame), now);
+    }
+    bool has_room(ano::TimePoint now) {
+        flight.expire(now);
+        return flight.has_place(ourselves);
     }
     InFlight flight;
 };
 
 TEST_F(Flight, eight_and_no_more_until_one_is_answered) {
     for (std::uint8_t n = 0; n < 8; ++n) {
-        EXPECT_TRUE(flight.has_room(start));
+        EXPECT_TRUE(has_room(start));
         send(value_of(n), start);
     }
-    EXPECT_FALSE(flight.has_room(start));
+    EXPECT_FALSE(has_room(start));
     EXPECT_FALSE(flight.hear(view(value(8)))) << "nobody asked";
-    EXPECT_FALSE(flight.has_room(start));
+    EXPECT_FALSE(has_room(start));
     EXPECT_TRUE(flight.hear(view(value(3))));
-    EXPECT_TRUE(flight.has_room(start));
+    EXPECT_TRUE(has_room(start));
     EXPECT_FALSE(flight.hear(view(value(3)))) << "once";
     EXPECT_EQ(flight.size(), 7u);
 }
 
 TEST_F(Flight, is_given_up_half_a_second_after_it_left) {
-    flight.queued(view(value_of(1)));
+    flight.queued(view(value_of(1)), ourselves);
     EXPECT_EQ(flight.next_given_up(), std::nullopt) << "it waits in the outbox, maybe for long";
     for (std::uint8_t n = 2; n < 9; ++n) send(value_of(n), start + 10ms * n);
     EXPECT_EQ(flight.next_given_up(), start + 520ms);
-    EXPECT_FALSE(flight.has_room(start + 519ms));
-    EXPECT_TRUE(flight.has_room(start + 520ms));
+    EXPECT_FALSE(has_room(start + 519ms));
+    EXPECT_TRUE(has_room(start + 520ms));
     EXPECT_EQ(flight.size(), 7u);
-    EXPECT_TRUE(flight.has_room(start + 1h));
+    EXPECT_TRUE(has_room(start + 1h));
     EXPECT_EQ(flight.size(), 1u) << "what waits to leave is not forgotten";
 }
 
@@ -119,7 +124,7 @@ TEST_F(Flight, an_answer_ends_the_older_of_two_equal_questions) {
 }
 
 TEST_F(Flight, what_is_dropped_before_it_left_needs_no_answer) {
-    flight.queued(view(value_of(1)));
+    flight.queued(view(value_of(1)), ourselves);
     EXPECT_FALSE(flight.hear(view(value(1)))) << "it was not asked yet";
     flight.dropped(view(value_of(1)));
     EXPECT_EQ(flight.size(), 0u);
@@ -133,9 +138,38 @@ TEST_F(Flight, other_frames_are_passed_over) {
     EXPECT_EQ(flight.size(), 0u);
 }
 
+TEST_F(Flight, one_place_is_kept_for_the_gateway) {
+    for (std::uint8_t n = 0; n < 7; ++n) {
+        EXPECT_TRUE(flight.has_place(one));
+        send(value_of(n), start, n % 2 == 0 ? one : other);
+    }
+    EXPECT_FALSE(flight.has_place(one));
+    EXPECT_FALSE(flight.has_place(other));
+    EXPECT_TRUE(flight.has_place(ourselves));
+    send(value_of(7), start, ourselves);
+    EXPECT_FALSE(flight.has_place(ourselves));
+    EXPECT_TRUE(flight.hear(view(value(0))));
+    EXPECT_TRUE(flight.has_place(other)) << "the gateway has its place";
+}
+
+TEST_F(Flight, the_oldest_of_who_has_several_is_given_up_after_a_tenth_of_a_second) {
+    send(value_of(1), start, one);
+    EXPECT_EQ(flight.next_early(), std::nullopt);
+    EXPECT_FALSE(flight.give_up_one(start + 499ms)) << "its only one";
+    send(value_of(2), start + 50ms, other);
+    send(value_of(3), start + 60ms, other);
+    EXPECT_EQ(flight.next_early(), start + 150ms);
+    EXPECT_FALSE(flight.give_up_one(start + 149ms));
+    EXPECT_TRUE(flight.give_up_one(start + 150ms));
+    EXPECT_EQ(flight.places(other), 1u);
+    EXPECT_EQ(flight.places(one), 1u);
+    EXPECT_FALSE(flight.hear(view(value(2))));
+    EXPECT_FALSE(flight.give_up_one(start + 499ms));
+}
+
 TEST_F(Flight, a_time_before_all_time_is_long_ago) {
     send(value_of(1), ano::TimePoint::min());
-    EXPECT_TRUE(flight.has_room(start));
+    EXPECT_TRUE(has_room(start));
     EXPECT_EQ(flight.size(), 0u);
 }
 

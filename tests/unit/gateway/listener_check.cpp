@@ -97,6 +97,23 @@ TEST(ListenerCheck, a_question_is_answered_by_its_number_and_its_sender_waits_a_
     EXPECT_TRUE(check.is_suspended(two, start + 60s));
 }
 
+TEST(ListenerCheck, a_suspension_is_remembered_whoever_else_asks) {
+    Check check{7};
+    Duration suspended{};
+    for (Duration t{}; t < 60s; t += 500ms) {
+        check.asked(two, 99, start + t);
+        if (check.is_suspended(two, start + t)) suspended += 500ms;
+        for (std::uint8_t n = 0; n < 140; ++n) check.asked({IpAddress::v4(10, 1, 0, n), 5}, n, start + t);
+        if (t == 10s) check.forget(two);
+    }
+    EXPECT_EQ(suspended, 1s);
+    EXPECT_FALSE(check.is_suspended(one, start + 59s)) << "none is remembered any more, so nobody else is suspended";
+    check.asked(one, 5, start + 59s);
+    EXPECT_FALSE(check.is_suspended(one, start + 59s));
+    check.asked(one, 5, start + 120s);
+    EXPECT_TRUE(check.is_suspended(one, start + 120s));
+}
+
 TEST(ListenerCheck, an_echo_of_our_question_is_none) {
     Check check{7};
     check.question(two, start);

@@ -144,6 +144,24 @@ TEST(Outbox, closed_takes_nothing_and_closing_empties) {
     EXPECT_EQ(gathered(outbox), numbered(4)) << "whole: what had begun to leave is over";
 }
 
+TEST(Outbox, images_may_be_longer_than_all_other_frames_where_these_may_have_the_usual_length) {
+    Outbox outbox{{}};
+    outbox.open();
+    const auto frame_of = [](std::uint8_t id, std::size_t size) { return support::frame(1, 2, id, Bytes(size)); };
+    const auto refusal = [&](const Bytes& frame) { return outbox.push(ano::FrameView{frame}, image, start); };
+    EXPECT_EQ(refusal(frame_of(0xB0, 19'217)), nullptr);
+    EXPECT_EQ(refusal(frame_of(0xB0, 20'001)), &SendCounters::too_big);
+    EXPECT_EQ(refusal(frame_of(0xF1, 4097)), &SendCounters::too_big);
+    EXPECT_EQ(gathered(outbox), frame_of(0xB0, 19'217));
+    Outbox small{{.bytes = 10'000}};
+    small.open();
+    EXPECT_EQ(small.push(ano::FrameView{frame_of(0xB0, 19'217)}, image, start), &SendCounters::too_big) << "no room in the queue";
+    Outbox vendor{{.max_data = 198}};
+    vendor.open();
+    EXPECT_EQ(vendor.push(ano::FrameView{frame_of(0xB0, 199)}, image, start), &SendCounters::too_big);
+    expect_balanced(small);
+}
+
 TEST(Outbox, more_data_than_the_link_carries_is_too_big) {
     Outbox outbox = open_outbox(1000, 100);
     push(outbox, numbered(1, 101));
@@ -161,6 +179,120 @@ TEST(Outbox, counts_frames_without_data) {
     outbox.sent(outbox.waiting_bytes());
     EXPECT_EQ(outbox.counters().empty_out, 1u);
     EXPECT_EQ(outbox.counters().frames_out, 2u);
+}
+
+Outbox of_uart() {
+    Outbox outbox{{.bytes = 1000, .max_data = 100, .flush_bytes = 108}};
+    outbox.open();
+    return outbox;
+}
+
+TEST(Outbox, zero_bytes_leave_before_the_next_frame_and_are_no_frame) {
+    Outbox outbox = of_uart();
+    EXPECT_TRUE(outbox.flush_parser(start));
+    EXPECT_FALSE(outbox.empty());
+    EXPECT_EQ(outbox.waiting(), 0u);
+    push(outbox, numbered(1), command);
+    EXPECT_EQ(outbox.next(start).size, Outbox::zeros_at_once);
+    EXPECT_TRUE(outbox.next(start).is_zeros) << "any number of them may leave";
+    EXPECT_EQ(gathered(outbox), joined({Bytes(108), numbered(1)}));
+    EXPECT_EQ(gathered(outbox, start, 100), Bytes(100)) << "they may leave in parts";
+    outbox.sent(100);
+    EXPECT_EQ(gathered(outbox, start, 30), joined({Bytes(8), numbered(1)}));
+    outbox.sent(8 + 12);
+    EXPECT_TRUE(outbox.empty());
+    EXPECT_EQ(outbox.counters().flush_bytes, 108u);
+    EXPECT_EQ(outbox.counters().bytes_out, 12u);
+    EXPECT_EQ(outbox.counters().frames_out, 1u);
+    expect_balanced(outbox);
+}
+
+// A slow line has sent some when a setpoint comes: that does not wait for the rest.
+TEST(Outbox, zero_bytes_end_when_a_second_frame_waits) {
+    Outbox outbox = of_uart();
+    ASSERT_TRUE(outbox.flush_parser(start));
+    push(outbox, numbered(1), command);
+    ASSERT_EQ(gathered(outbox, start, 8), Bytes(8));
+    outbox.sent(8);
+    EXPECT_EQ(outbox.zeros(), 100u);
+    push(outbox, numbered(2), command);
+    EXPECT_EQ(outbox.zeros(), 0u);
+    EXPECT_EQ(gathered(outbox), joined({numbered(1), numbered(2)}));
+    outbox.sent(24);
+    EXPECT_EQ(outbox.counters().flush_bytes, 8u);
+    EXPECT_TRUE(outbox.empty());
+    EXPECT_FALSE(outbox.flush_parser(start + 999ms)) << "once a second all the same";
+    expect_balanced(outbox);
+}
+
+TEST(Outbox, what_waits_may_be_dropped_except_the_rest_of_a_frame) {
+    Outbox outbox = of_uart();
+    for (std::uint8_t n = 1; n <= 3; ++n) push(outbox, numbered(n), n == 2 ? command : QueuePolicy{});
+    ASSERT_EQ(gathered(outbox).size(), 36u);
+    outbox.sent(5);
+    outbox.drop_waiting(&SendCounters::denied_out);
+    EXPECT_EQ(outbox.waiting(), 1u);
+    EXPECT_EQ(outbox.counters().denied_out, 2u);
+    EXPECT_EQ(gathered(outbox).size(), 7u);
+    outbox.sent(7);
+    EXPECT_TRUE(outbox.empty());
+    ASSERT_TRUE(outbox.flush_parser(start));
+    outbox.drop_waiting(&SendCounters::denied_out);
+    EXPECT_TRUE(outbox.empty());
+    push(outbox, numbered(4), command);
+    EXPECT_EQ(gathered(outbox), numbered(4));
+    expect_balanced(outbox);
+}
+
+TEST(Outbox, zero_bytes_leave_once_a_second_and_only_when_nothing_waits) {
+    Outbox outbox = of_uart();
+    push(outbox, numbered(1));
+    EXPECT_FALSE(outbox.flush_parser(start));
+    outbox.sent(12);
+    EXPECT_TRUE(outbox.flush_parser(start));
+    EXPECT_FALSE(outbox.flush_parser(start + 2s)) << "they wait";
+    outbox.sent(108);
+    EXPECT_FALSE(outbox.flush_parser(start + 999ms));
+    EXPECT_EQ(outbox.until_flush(start + 600ms), 400ms);
+    push(outbox, numbered(2));
+    EXPECT_EQ(outbox.until_flush(start + 600ms), 0s) << "a frame waits, by which the device gets bytes";
+    outbox.sent(12);
+    EXPECT_EQ(outbox.until_flush(start + 1s), 0s);
+    EXPECT_TRUE(outbox.flush_parser(start + 1s));
+    outbox.close();
+    EXPECT_TRUE(outbox.empty());
+    EXPECT_FALSE(outbox.flush_parser(start + 3s)) << "it is closed";
+    Outbox no_uart = open_outbox(1000, 100);
+    EXPECT_FALSE(no_uart.flush_parser(start));
+}
+
+// A parser that takes longer frames still waits after the first ones.
+TEST(Outbox, zero_bytes_are_more_the_second_time) {
+    Outbox outbox{{.bytes = 1000, .max_data = 100, .flush_bytes = 206, .flush_again_bytes = 306}};
+    outbox.open();
+    const auto flushed_at = [&](ano::TimePoint now) {
+        EXPECT_TRUE(outbox.flush_parser(now));
+        const std::size_t zeros = outbox.zeros();
+        outbox.sent(zeros);
+        return zeros;
+    };
+    EXPECT_EQ(flushed_at(start), 206u);
+    EXPECT_EQ(flushed_at(start + 1s), 306u);
+    EXPECT_EQ(flushed_at(start + 10s), 306u);
+    EXPECT_EQ(flushed_at(start + 20s), 206u) << "long after: another exchange";
+    EXPECT_EQ(outbox.counters().flush_bytes, 206u + 306u + 306u + 206u);
+}
+
+TEST(Outbox, tells_whether_a_frame_of_a_channel_waits) {
+    Outbox outbox = open_outbox(1000, 100);
+    push(outbox, numbered(1), command, 3);
+    EXPECT_TRUE(outbox.has_waiting(ChannelId{3}));
+    EXPECT_FALSE(outbox.has_waiting(ourselves));
+    push(outbox, numbered(2), command);
+    EXPECT_TRUE(outbox.has_waiting(ourselves));
+    gathered(outbox);
+    outbox.sent(12 + 4);
+    EXPECT_FALSE(outbox.has_waiting(ourselves)) << "it has begun to leave";
 }
 
 TEST(Outbox, urgent_leaves_before_telemetry_before_bulk) {

@@ -86,5 +86,27 @@ TEST(Pacer, reset_forgets_what_was_given) {
     EXPECT_EQ(pacer.allowance(20, false, start), 200u);
 }
 
+TEST(Pacer, with_a_gap_frames_leave_one_by_one_each_followed_by_a_pause_from_its_end_on_the_wire) {
+    Pacer pacer{{.rate = 10'000, .latency = 20ms, .gap = 15ms}};
+    EXPECT_EQ(pacer.allowance(50, false, start), 50u) << "no more than the frame, although 200 bytes would fit";
+    pacer.sent(50, start);
+    EXPECT_EQ(pacer.allowance(21, true, start + 5ms + 15ms - 1us), 0u) << "not even an urgent one";
+    EXPECT_EQ(pacer.next_at(21), start + 20ms);
+    EXPECT_EQ(pacer.allowance(21, false, start + 20ms), 21u);
+    pacer.sent(10, start + 20ms);
+    EXPECT_EQ(pacer.allowance(11, false, start + 20ms), 11u) << "the rest of a frame that the driver took in part";
+    pacer.sent(11, start + 20ms);
+    pacer.correct(30, start + 21ms);
+    EXPECT_EQ(pacer.next_at(21), start + 21ms + 3ms + 15ms) << "the driver still holds some of it";
+}
+
+TEST(Pacer, with_a_gap_and_no_rate_a_frame_ends_when_it_is_written) {
+    Pacer pacer{{.gap = 15ms}};
+    EXPECT_EQ(pacer.allowance(1000, false, start), 1000u);
+    pacer.sent(1000, start);
+    EXPECT_EQ(pacer.allowance(8, false, start + 14ms), 0u);
+    EXPECT_EQ(pacer.allowance(8, false, start + 15ms), 8u);
+}
+
 }    // namespace
 }    // namespace pacer_tests

@@ -19,9 +19,19 @@ const Endpoint laptop = at("192.168.1.30:5000");
 struct Book : PeerBook {
     explicit Book(Duration timeout = 60s, std::size_t most = 64, std::size_t max_of_address = 64)
         : PeerBook{{timeout, most, max_of_address}} {}
+    explicit Book(const Options& options) : PeerBook{options} {}
+    // A peer of one datagram, and one of which another came at once.
+    void join_once(ChannelId id, const Endpoint& endpoint, std::uint8_t source, TimePoint now, Rank rank = Rank::ordinary) {
+        add(id, endpoint, true, now, rank);
+        PeerBook::heard(id, source, now);
+    }
     void join(ChannelId id, const Endpoint& endpoint, std::uint8_t source, TimePoint now, bool near = true) {
         add(id, endpoint, near, now);
         heard(id, source, now);
+    }
+    void heard(ChannelId id, std::uint8_t source, TimePoint now) {
+        came(id);
+        PeerBook::heard(id, source, now);
     }
 };
 
@@ -39,6 +49,9 @@ TEST(PeerBook, a_silent_device_is_overdue_after_the_timeout_and_not_before) {
 TEST(PeerBook, a_peer_that_never_brought_its_frame_is_overdue_like_any_other) {
     Book book;
     book.add(a, phone, true, start);
+    EXPECT_EQ(book.overdue(start + 10s), ChannelSet{a});
+    book.came(a);
+    EXPECT_TRUE(book.overdue(start + 60s - 1ns).empty());
     EXPECT_EQ(book.overdue(start + 60s), ChannelSet{a});
 }
 
@@ -279,6 +292,88 @@ TEST(PeerBook, what_is_known_of_a_peer_goes_to_another_book) {
     EXPECT_TRUE(next.memory(a).is_host && next.memory(a).came_again);
     EXPECT_FALSE(next.memory(b).is_host || next.memory(b).came_again);
     EXPECT_EQ(next.overdue(start + 2s + PeerBook::listener_stays), (ChannelSet{a} | ChannelSet{b}));
+}
+
+TEST(PeerBook, a_device_that_sent_a_single_datagram_is_overdue_after_ten_seconds) {
+    Book book;
+    book.join_once(a, phone, device, start);
+    EXPECT_EQ(book.next_look(start), start + 10s);
+    EXPECT_TRUE(book.overdue(start + 10s - 1ns).empty());
+    EXPECT_EQ(book.overdue(start + 10s), ChannelSet{a});
+    book.heard(a, device, start + 9s);
+    EXPECT_TRUE(book.overdue(start + 69s - 1ns).empty());
+    Book impatient{5s};
+    impatient.join_once(a, phone, device, start);
+    EXPECT_EQ(impatient.overdue(start + 5s), ChannelSet{a});
+}
+
+TEST(PeerBook, a_host_that_sent_a_single_datagram_listens_two_of_an_address_and_eight_in_all) {
+    Book book;
+    book.join_once(a, phone, host, start);
+    EXPECT_EQ(book.listening_since(a), start);
+    EXPECT_TRUE(book.overdue(start + 59min).empty());
+    book.join_once(b, phone_again, host, start + 1s);
+    book.join_once(c, phone_anew, host, start + 2s);
+    EXPECT_EQ(book.overdue(start + 12s), ChannelSet{a}) << "of an address the latest stay";
+    book.heard(c, host, start + 3s);
+    EXPECT_EQ(book.listening_since(c), std::nullopt);
+    for (std::uint8_t n = 0; n < 10; ++n)
+        book.join_once(static_cast<ChannelId>(20 + n), {IpAddress::v4(10, 0, 0, n), 5000}, host, start + 4s + n * 1ms);
+    EXPECT_EQ(book.overdue(start + 15s), ChannelSet{ChannelId{26}} | ChannelId{27} | ChannelId{28} | ChannelId{29})
+        << "in all the first stay";
+}
+
+TEST(PeerBook, programs_of_this_machine_may_listen_as_they_always_did) {
+    Book book;
+    for (std::uint8_t n = 0; n < 10; ++n)
+        book.join_once(static_cast<ChannelId>(n), {IpAddress::v4(127, 0, 0, 1), static_cast<std::uint16_t>(5000 + n)}, host,
+                       start);
+    EXPECT_TRUE(book.overdue(start + 59s).empty());
+    EXPECT_EQ(book.overdue(start + 60s).size(), 8u);
+}
+
+TEST(PeerBook, one_refusal_ends_who_sent_a_single_datagram) {
+    Book book;
+    book.join_once(a, phone, host, start);
+    EXPECT_TRUE(book.refused(a, start + 1s));
+    EXPECT_EQ(book.overdue(start + 1s), ChannelSet{a});
+}
+
+TEST(PeerBook, places_are_kept_for_hosts_that_command_and_for_trusted_ones) {
+    using enum PeerBook::Rank;
+    Book book{PeerBook::Options{60s, 4, 4, 2, 1}};
+    book.join_once(a, phone, host, start);
+    EXPECT_TRUE(book.place_for(laptop, start).free);
+    book.join_once(b, laptop, device, start);
+    EXPECT_FALSE(book.place_for(at("10.0.0.1:1"), start).free);
+    EXPECT_TRUE(book.place_for(at("10.0.0.1:1"), start, commands).free);
+    book.join_once(c, at("10.0.0.1:1"), host, start, commands);
+    EXPECT_FALSE(book.place_for(at("10.0.0.2:1"), start, commands).free) << "the last is kept for one of a trusted network";
+    EXPECT_TRUE(book.place_for(at("10.0.0.3:1"), start, trusted).free);
+    book.join_once(d, at("10.0.0.3:1"), host, start, trusted);
+    EXPECT_EQ(book.place_for(at("10.0.0.4:1"), start + 61s).gives_way, a) << "of its own rank";
+    book.heard(a, host, start + 61s);
+    book.heard(b, host, start + 61s);
+    EXPECT_FALSE(book.place_for(at("10.0.0.5:1"), start + 61s).free) << "and of no higher one";
+    EXPECT_EQ(book.place_for(at("10.0.0.6:1"), start + 61s, commands).gives_way, c);
+}
+
+TEST(PeerBook, a_peer_that_becomes_one_that_commands_needs_no_kept_place) {
+    Book book{PeerBook::Options{60s, 2, 2, 1, 0}};
+    book.join(a, phone, host, start);
+    EXPECT_FALSE(book.place_for(laptop, start).free);
+    book.commanded(a);
+    EXPECT_TRUE(book.place_for(laptop, start).free);
+}
+
+TEST(PeerBook, on_this_machine_too_who_came_once_does_not_drive_out_who_came_again) {
+    const Endpoint local = at("127.0.0.1:1"), stranger = at("127.0.0.1:2");
+    Book book{60s, 1};
+    book.join(a, local, host, start);
+    EXPECT_EQ(book.place_for(at("127.0.0.1:3"), start).gives_way, a);
+    book.heard(a, host, start + 1s);
+    EXPECT_FALSE(book.place_for(stranger, start + 1s).free);
+    EXPECT_EQ(book.place_for(stranger, start + 2s).gives_way, a) << "it came again, too";
 }
 
 }    // namespace

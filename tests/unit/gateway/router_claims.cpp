@@ -25,6 +25,37 @@ TEST(Router, device_that_moved_is_followed_after_three_seconds_of_silence) {
     EXPECT_TRUE(net->conflicts(net.now).empty());
 }
 
+TEST(Router, a_move_to_another_link_is_told_and_its_previous_place_kept) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    EXPECT_FALSE(net->take_move());
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_FALSE(net->take_move()) << "it is tested yet";
+    net.silence();
+    auto moved = net->take_move();
+    ASSERT_TRUE(moved);
+    EXPECT_EQ(moved->address, 0xDC);
+    EXPECT_EQ(moved->from, links({1}));
+    EXPECT_EQ(moved->to, link(2));
+    EXPECT_FALSE(net->take_move());
+    EXPECT_EQ(net->moved_from(0xDC), links({1}));
+    net.now += 10s;
+    net.route(1, 0xDC, 0xFF);    // it is back
+    moved = net->take_move();
+    ASSERT_TRUE(moved);
+    EXPECT_EQ(moved->to, link(1));
+    EXPECT_EQ(net->moved_from(0xDC), LinkSet{});
+    net->close(channel(1));
+    net.route(3, 0xDC, 0xFF);
+    moved = net->take_move();
+    ASSERT_TRUE(moved) << "its wire was gone";
+    EXPECT_EQ(moved->from, links({1}));
+    net->went_down(channel(3));
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_TRUE(net->take_move()) << "another wire was pulled";
+    EXPECT_EQ(net->moved_from(0xDC), links({1}));
+}
+
 TEST(Router, address_stays_with_its_holder_until_silence) {
     Net net;
     net.route(1, 0xDC, 0xFF);
@@ -136,16 +167,15 @@ TEST(Router, way_back_home_is_no_conflict) {
 TEST(Router, what_goes_no_further_brings_it_home_as_well) {
     Net net;
     net.route(1, 0xDC, 0xFF);
-    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::at_home);
+    EXPECT_TRUE(net->holds(0xDC, channel(1)));
     net.route(2, 0xDC, 0xFF);
-    EXPECT_EQ(net->speaks(0xDC, channel(2)), Speaks::elsewhere);
+    EXPECT_FALSE(net->holds(0xDC, channel(2)));
     net.silence();
     net.route(2, 0xDC, 0xFF);
-    EXPECT_EQ(net->speaks(0xDC, channel(2)), Speaks::elsewhere) << "it may still be one who takes its name";
-    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::somewhere);
+    EXPECT_FALSE(net->holds(0xDC, channel(1)));
     EXPECT_FALSE(net->heard_again(channel(3), 0xDC, net.now));
     EXPECT_TRUE(net->heard_again(channel(1), 0xDC, net.now));
-    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::at_home);
+    EXPECT_TRUE(net->holds(0xDC, channel(1)));
     Router::Claimant claimant;
     ASSERT_TRUE(net->take_claimant(claimant));
     EXPECT_EQ(claimant.channel, channel(2));

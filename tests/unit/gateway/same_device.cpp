@@ -57,7 +57,9 @@ TEST(SameDevice, is_known_by_one_frame) {
     EXPECT_EQ(links.device.heard(source, a, 1, links.now), std::nullopt);
     EXPECT_EQ(links.device.heard(source, a, 1, links.now), std::nullopt) << "said twice by one link";
     EXPECT_EQ(links.device.heard(source + 1, b, 1, links.now), std::nullopt);
+    EXPECT_FALSE(links.device.met(source));
     EXPECT_EQ(links.device.heard(source, b, 1, links.now + SameDevice::window - 1ms), a);
+    EXPECT_TRUE(links.device.met(source));
     EXPECT_EQ(links.device.heard(source, b, 1, links.now + SameDevice::window), std::nullopt) << "too late";
 }
 

@@ -71,7 +71,18 @@ struct Calibrates : testing::Test {
     void hear(Calibration& task, const Message& message) {
         std::array<std::uint8_t, 64> bytes{};
         const std::size_t size = message.encode(bytes, 0xDC, 0xFF);
+        simulation.pass(10ms);
+        device.take(FrameView{std::span{bytes}.first(size)}, simulation.now);
         task.hear(FrameView{std::span{bytes}.first(size)}, simulation.now);
+    }
+    // It is turned to all sides and its new values are stored; it lies on the last face, and uses them.
+    void turn(Calibration& task) {
+        for (std::size_t face = 0; face < 6; ++face) lie(task, face);
+        simulation.run(task);
+        if (task.step() != Calibration::Step::verify) return;
+        Draft<"inertial"> m;
+        (void)m.set<"acc_z">(-981);
+        for (int i = 0; i < 120; ++i) hear(task, m);
     }
 };
 
@@ -86,6 +97,11 @@ TEST_F(Calibrates, an_accelerometer) {
         EXPECT_EQ(task.progress().done, face + 1);
     }
     simulation.run(task);
+    EXPECT_EQ(task.step(), Calibration::Step::verify);
+    EXPECT_EQ(task.face_to_verify(), Face::z_minus);
+    Draft<"inertial"> m;
+    (void)m.set<"acc_z">(-981);
+    for (int i = 0; i < 120; ++i) hear(task, m);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x20, 0x21}));
@@ -112,8 +128,16 @@ TEST_F(Calibrates, a_compass) {
         hear(task, m);
     }
     simulation.run(task);
+    ASSERT_EQ(task.step(), Calibration::Step::verify);
+    for (int i = 0; i < 30; ++i) {    // corrected
+        (void)m.set<"mag_x">(std::round(448 * std::cos(i * 0.5)));
+        (void)m.set<"mag_y">(std::round(448 * std::sin(i * 0.5)));
+        (void)m.set<"mag_z">(0);
+        hear(task, m);
+    }
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_LT(task.verified().value_or(1), 0.02);
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x31}));
     EXPECT_NEAR(load<float>(stored()[0].data()), 100, 2);
     EXPECT_NEAR(load<float>(stored()[1].data()), -50, 2);
@@ -124,8 +148,6 @@ TEST_F(Calibrates, a_rejected_one_writes_the_old_values_back) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
-    for (auto& p : fake.parameters)
-        if (p.type == 8) p.value = f32(0);    // cleared
     for (std::size_t face = 0; face < 6; ++face) lie(task, face, face % 2 == 0 ? 380 : -380);
     simulation.run(task);
     ASSERT_TRUE(task.end());
@@ -173,8 +195,7 @@ TEST_F(Calibrates, what_is_measured_is_better_than_no_number) {
     fake.parameters[1].value = {0xFF, 0xFF, 0xFF, 0xFF};
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
-    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
-    simulation.run(task);
+    turn(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
 }
@@ -184,8 +205,7 @@ TEST_F(Calibrates, a_device_that_clamps_the_new_values_has_its_old_ones_back) {
     fake.parameters[1].store = [](const Bytes& value) { return load<float>(value.data()) > 20 ? f32(20) : value; };
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
-    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
-    simulation.run(task);
+    turn(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::refused);
     EXPECT_EQ(task.end()->what, "CAL_AOFF_X is 20: the device clamped it; the old values are back");
@@ -197,8 +217,7 @@ TEST_F(Calibrates, a_device_that_does_not_keep_the_new_values_has_its_old_ones_b
     forgets_once = true;
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
-    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
-    simulation.run(task);
+    turn(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::refused);
     EXPECT_EQ(task.end()->what, "0xDC does not keep CAL_AOFF_Y; the old values are back");
@@ -210,10 +229,12 @@ TEST_F(Calibrates, one_that_nobody_turns_ends_after_ten_minutes) {
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
     ASSERT_TRUE(task.due());
-    task.look(simulation.now);
-    EXPECT_EQ(task.step(), Calibration::Step::turn);
-    simulation.pass(*task.due() - simulation.now);
-    task.look(simulation.now);
+    const TimePoint begin = simulation.now;
+    while (task.step() == Calibration::Step::turn && simulation.now - begin < 11min) {
+        lie(task, 0);
+        task.look(simulation.now);
+    }
+    EXPECT_NEAR(std::chrono::duration<double>(simulation.now - begin).count(), 600, 2);
     simulation.run(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::timeout);

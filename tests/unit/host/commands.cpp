@@ -1,5 +1,6 @@
 // The commands of a device: reading them, and calling one once.
 #include <host/commands.hpp>
+#include <host/parameters.hpp>
 
 #include <support/fake_device.hpp>
 
@@ -24,7 +25,7 @@ struct CommandsOf : testing::Test {
                          {{0x10, 0, 7}, {7}, "seven", ""},
                          {{0x10, 0, 8}, {77}, "odd", ""}};
     }
-    std::vector<CommandInfo> read(ValueType7 seven = ValueType7::f32) {
+    std::vector<CommandInfo> read(std::optional<ValueType7> seven = ValueType7::f32) {
         Commands commands{device, seven};
         commands.read(simulation.now);
         simulation.run(commands);
@@ -52,6 +53,44 @@ TEST_F(CommandsOf, a_device_are_read_with_their_types) {
     EXPECT_EQ(commands[3].types, std::vector{Type::f32});
     EXPECT_EQ(read(ValueType7::u64)[3].types, std::vector{Type::u64});
     EXPECT_TRUE(commands[4].has_unknown_type);
+}
+
+TEST_F(CommandsOf, a_device_with_a_type_beyond_seven_show_that_seven_is_u64) {
+    const auto commands = read(std::nullopt);
+    EXPECT_EQ(commands[3].types, std::vector{Type::u64});
+    EXPECT_FALSE(commands[3].has_open_type);
+    EXPECT_EQ(call(commands[3], {~std::uint64_t{}}).ending, Ending::done);
+    EXPECT_EQ(fake.heard[0].size(), 8u + 3 + 8);
+    EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[3] == 0xE0; }), 0);
+}
+
+TEST_F(CommandsOf, a_device_with_min_and_max_of_parameters_show_that_seven_is_f32) {
+    fake.commands = {{{0x10, 0, 7}, {7}, "seven", ""}};
+    fake.make_parameters(1);
+    fake.old = true;
+    const auto commands = read(std::nullopt);
+    EXPECT_EQ(commands[0].types, std::vector{Type::f32});
+    EXPECT_EQ(call(commands[0], {0.5}).ending, Ending::done);
+    EXPECT_EQ(Bytes(fake.heard[0].begin() + 9, fake.heard[0].end() - 2), (Bytes{0, 0, 0, 0x3F}));
+}
+
+TEST_F(CommandsOf, a_device_that_does_not_show_what_seven_is_are_not_called_with_one) {
+    fake.commands = {{{0x10, 0, 7}, {7}, "seven", ""}, {{0x10, 0, 1}, {1}, "one", ""}};
+    for (const bool has_parameters : {false, true}) {
+        if (has_parameters) fake.make_parameters(1);
+        const auto commands = read(std::nullopt);
+        EXPECT_TRUE(commands[0].has_open_type);
+        const End end = call(commands[0], {0.5});
+        EXPECT_EQ(end.ending, Ending::invalid);
+        EXPECT_EQ(end.what,
+                  "seven takes a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
+                  "descriptions do "
+                  "not show which: state it once (type7)");
+        EXPECT_TRUE(fake.heard.empty());
+        EXPECT_EQ(call(commands[1], {std::int64_t{1}}).ending, Ending::done);
+        EXPECT_EQ(call(with_type_7(commands[0], ValueType7::u64), {std::int64_t{1}}).ending, Ending::done);
+        EXPECT_EQ(fake.heard[0].size(), 8u + 3 + 8);
+    }
 }
 
 TEST_F(CommandsOf, an_older_device_are_read_as_well) {
@@ -83,6 +122,20 @@ TEST_F(CommandsOf, one_that_is_not_described_is_told) {
     EXPECT_EQ(commands.find("odd"), nullptr);
 }
 
+// Losses for three seconds end both rounds of the questions, each of which is repeated for a second where a round trip is known.
+TEST_F(CommandsOf, one_that_was_lost_again_and_again_is_asked_for_once_more) {
+    std::optional<TimePoint> first;
+    int lost = 0;
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0xC1 || f.data()[0] != 1 || f.data()[1] != 3) return std::nullopt;
+        if (!first) first = simulation.now;
+        if (simulation.now - *first >= 3 * Patience::repeated_for) return std::nullopt;
+        return ++lost, std::vector<Bytes>{};
+    };
+    EXPECT_EQ(read().size(), 5u);
+    EXPECT_GT(lost, 5);
+}
+
 TEST_F(CommandsOf, a_call_packs_its_values) {
     const auto commands = read();
     EXPECT_EQ(call(commands[1], {std::int64_t{300}, 0.5}).ending, Ending::done);
@@ -111,46 +164,133 @@ TEST_F(CommandsOf, a_call_is_sent_once_and_silence_is_unknown) {
     EXPECT_EQ(took, std::chrono::seconds{2});
 }
 
-TEST_F(CommandsOf, a_late_answer_to_a_call_does_not_answer_an_equal_one) {
+TEST_F(CommandsOf, an_acknowledgement_with_wrong_check_bytes_ends_a_call_at_once) {
     const auto commands = read();
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        return std::vector<Bytes>{fake.to_host(f, 0x00, {f.id(), f.checks().sum, 0x77})};
+    };
+    const TimePoint begin = simulation.now;
+    const End end = call(commands[0], {});
+    EXPECT_LT(simulation.now - begin, std::chrono::milliseconds{100});
+    EXPECT_EQ(end.ending, Ending::unknown);
+    EXPECT_EQ(end.what, "0xDC acknowledged unlock with wrong check bytes (C0 59 77): it has probably been carried out");
+    EXPECT_EQ(fake.heard.size(), 1u) << "it is never repeated by itself";
+    const End repeated = call(commands[0], {}, true);
+    EXPECT_EQ(repeated.ending, Ending::timeout);
+    EXPECT_EQ(repeated.what, "0xDC acknowledged with wrong check bytes (C0 59 77): command unlock, sent 5 times");
+    EXPECT_LT(simulation.now - begin, std::chrono::milliseconds{300}) << "at once, each time";
+    EXPECT_EQ(fake.heard.size(), 5u);
+}
+
+TEST_F(CommandsOf, an_acknowledgement_of_another_frame_ends_nothing) {
+    const auto commands = read();
+    for (const std::uint8_t of : Bytes{0xE1, 0xC1}) {
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            return std::vector<Bytes>{fake.to_host(f, 0x00, {of, 1, 2}), fake.check(f)};
+        };
+        EXPECT_EQ(call(commands[0], {}).ending, Ending::done);
+    }
+}
+
+TEST_F(CommandsOf, an_acknowledgement_from_a_port_of_the_device_ends_a_call_and_is_named) {
+    const auto commands = read();
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        return std::vector<Bytes>{support::frame(0x05, 0xFE, 0x00, {f.id(), f.checks().sum, f.checks().add})};
+    };
+    const End end = call(commands[0], {});
+    EXPECT_EQ(end.ending, Ending::done);
+    EXPECT_EQ(end.what, "acknowledged by 0x05, a port");
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        return std::vector<Bytes>{support::frame(0x05, 0xFE, 0x00, {f.id(), f.checks().sum, 0x77})};
+    };
+    EXPECT_EQ(call(commands[0], {}).what, "no answer to unlock: it may have been carried out") << "it may be of another device";
+}
+
+// Calls that are driven by hand.
+struct HandCalls : CommandsOf {
+    std::vector<CommandInfo> commands = read();
     TimePoint now = simulation.now;
-    const auto call_now = [&](std::size_t which) {
+
+    std::unique_ptr<CommandCall> call_now(std::size_t which) {
         auto task = std::make_unique<CommandCall>(device, commands[which], std::vector<AnyValue>{}, false);
         task->start(now);
         return task;
-    };
-    const auto frame_now = [&]() -> std::optional<Bytes> {
+    }
+    std::optional<Bytes> frame_now() {
         const auto frame = device.next_frame(now);
         return frame ? std::optional{Bytes(frame->bytes().begin(), frame->bytes().end())} : std::nullopt;
-    };
+    }
+    Bytes answer_to(const Bytes& sent) const {
+        const Checks checks = FrameView{sent}.checks();
+        return fake.to_host(FrameView{sent}, 0x00, {0xC0, checks.sum, checks.add});
+    }
+    static constexpr const char* ambiguous =
+        "unlock was sent more than once: the acknowledgement does not show which of them was carried out";
+};
+
+TEST_F(HandCalls, an_equal_one_leaves_at_once_after_one_without_an_answer) {
     const auto first = call_now(0);
     const auto sent = frame_now();
     ASSERT_TRUE(sent);
-    const Bytes answer = fake.to_host(FrameView{*sent}, 0x00,
-                                      {0xC0, FrameView{*sent}.checks().sum, FrameView{*sent}.checks().add});
     now = *device.due();
     EXPECT_FALSE(frame_now());
     ASSERT_TRUE(first->end());
     EXPECT_EQ(first->end()->ending, Ending::unknown);
 
     const auto second = call_now(0);
-    EXPECT_FALSE(frame_now()) << "the answer to the first may still come";
-    ASSERT_TRUE(device.due());
-    EXPECT_EQ(*device.due() - now, Device::late_for);
-    const TimePoint may_go = *device.due();
-    now = may_go - Duration{1};
-    EXPECT_FALSE(frame_now());
-    now = may_go;
     EXPECT_EQ(frame_now(), sent);
-    second->cancel(now);
+    EXPECT_EQ(device.take(FrameView{answer_to(*sent)}, now), Taken::ended);
+    ASSERT_TRUE(second->end());
+    EXPECT_EQ(second->end()->ending, Ending::done);
+    EXPECT_EQ(second->end()->what, ambiguous) << "it may be the late answer to the first";
 
+    now += Device::late_for;
     const auto third = call_now(0);
-    EXPECT_FALSE(frame_now()) << "nor is the answer to a cancelled one known not to come";
-    EXPECT_EQ(device.take(FrameView{answer}, now), Taken::late);
-    EXPECT_FALSE(third->end());
-    EXPECT_EQ(frame_now(), sent) << "it came: nothing is waited for any more";
-    EXPECT_EQ(device.take(FrameView{answer}, now), Taken::ended);
-    EXPECT_EQ(third->end()->ending, Ending::done);
+    EXPECT_EQ(frame_now(), sent);
+    EXPECT_EQ(device.take(FrameView{answer_to(*sent)}, now), Taken::ended);
+    EXPECT_EQ(third->end()->what, "") << "so late no answer to the first comes";
+}
+
+TEST_F(HandCalls, those_on_their_way_at_once_are_told_apart_where_their_bytes_differ) {
+    const auto first = call_now(0);
+    const auto sent = frame_now();
+    CommandInfo other_bytes = commands[0];
+    other_bytes.cid[2] ^= 1;
+    CommandCall other{device, other_bytes, {}};
+    other.start(now);
+    const auto sent_other = frame_now();
+    ASSERT_TRUE(sent && sent_other);
+    EXPECT_EQ(device.take(FrameView{answer_to(*sent_other)}, now), Taken::ended);
+    ASSERT_TRUE(other.end());
+    EXPECT_EQ(other.end()->what, "");
+    EXPECT_FALSE(first->end());
+
+    const auto equal = call_now(0);
+    EXPECT_EQ(frame_now(), sent);
+    EXPECT_EQ(device.take(FrameView{answer_to(*sent)}, now), Taken::ended);
+    ASSERT_TRUE(first->end());
+    EXPECT_EQ(first->end()->what, ambiguous);
+    EXPECT_FALSE(equal->end());
+    EXPECT_EQ(device.take(FrameView{answer_to(*sent)}, now), Taken::ended);
+    EXPECT_EQ(equal->end()->what, "") << "both were acknowledged";
+}
+
+TEST_F(CommandsOf, a_call_is_the_next_frame_while_a_long_list_is_read) {
+    const auto commands = read();
+    fake.make_parameters(100);
+    simulation.back.loss = 0.3;
+    Parameters parameters{device};
+    parameters.read_all(simulation.now);
+    simulation.run(parameters, std::chrono::milliseconds{200});
+    ASSERT_FALSE(parameters.end());
+    ASSERT_GT(device.waiting(), 0u);
+    fake.heard.clear();
+    CommandCall land{device, commands[0], {}};
+    land.start(simulation.now);
+    simulation.run(land);
+    const auto at = std::find_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[3] == 0xC0; });
+    EXPECT_LE(at - fake.heard.begin(), static_cast<std::ptrdiff_t>(Window::max_size)) << "only those that were on their way";
+    EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[3] == 0xC0; }), 1);
 }
 
 TEST_F(CommandsOf, a_call_is_repeated_when_asked_to) {

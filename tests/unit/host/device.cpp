@@ -53,7 +53,8 @@ struct Host {
     }
 };
 
-TEST(Device, an_unanswered_question_is_sent_five_times_each_wait_twice_the_last) {
+// Where nothing was measured yet, a loss says nothing: five losses in a row are no reason to give up where every other frame is lost.
+TEST(Device, an_unanswered_question_is_sent_every_200_ms_for_six_seconds) {
     Host host;
     host.ask_value(5);
     std::vector<Duration> at;
@@ -62,11 +63,213 @@ TEST(Device, an_unanswered_question_is_sent_five_times_each_wait_twice_the_last)
         if (!host.sent(now).empty()) at.push_back(now - start);
         ASSERT_LT(now - start, 1min);
     }
-    EXPECT_EQ(at, (std::vector<Duration>{0ms, 300ms, 900ms, 2100ms, 4100ms}));
+    ASSERT_EQ(at.size(), 30u);
+    for (std::size_t n = 0; n < at.size(); ++n) EXPECT_EQ(at[n], n * 200ms);
     EXPECT_EQ(host.listener.ends[0].outcome, Outcome::timeout);
-    EXPECT_EQ(host.listener.ends[0].sent, 5u);
+    EXPECT_EQ(host.listener.ends[0].sent, 30u);
     EXPECT_FALSE(host.listener.ends[0].device_answers);
     EXPECT_FALSE(host.device.due());
+}
+
+TEST(Device, on_a_measured_line_a_question_is_repeated_for_a_second) {
+    Host host;
+    for (int i = 0; i < 20; ++i) {
+        host.ask_value(9);
+        host.sent(start);
+        host.value(9, start + 1ms);
+    }
+    host.listener.ends.clear();
+    host.ask_value(5);
+    TimePoint now = start + 1ms;
+    for (; host.listener.ends.empty(); now = host.device.due().value_or(now)) {
+        host.sent(now);
+        ASSERT_LT(now - start, 1min);
+    }
+    EXPECT_GE(now - start, 1s);
+    EXPECT_LT(now - start, 1200ms);
+    EXPECT_EQ(host.listener.ends[0].sent, 10u);
+}
+
+struct Flushes : Host {
+    std::vector<std::uint8_t> before;    // which frames
+    Flushes() {
+        device.on_maybe_deaf([this](FrameView next) {
+            before.push_back(next.id());
+            return ano::Flush{.busy = 20ms};
+        });
+    }
+};
+
+TEST(Device, a_repeated_question_comes_after_a_flush_and_waits_longer_by_its_time) {
+    Flushes host;
+    host.ask_value(5);
+    host.sent(start);
+    EXPECT_TRUE(host.before.empty()) << "the first one";
+    EXPECT_EQ(host.sent(start + 200ms).size(), 1u);
+    EXPECT_EQ(host.before, (std::vector<std::uint8_t>{0xE0}));
+    EXPECT_EQ(host.device.due(), start + 200ms + 20ms + 200ms);
+}
+
+// What is sent meanwhile would end the zero bytes: only a command does.
+TEST(Device, nothing_but_a_command_follows_a_flush_before_the_line_is_free) {
+    Flushes host;
+    host.device.on_maybe_deaf([](FrameView) { return ano::Flush{.busy = 500ms}; });
+    for (int i = 0; i < 5; ++i) {
+        host.ask_value(9);
+        host.sent(start);
+        host.value(9, start + 1ms);
+    }
+    host.ask_value(1);
+    host.ask_value(2);
+    EXPECT_EQ(host.sent(start + 1ms).size(), 2u);
+    EXPECT_EQ(host.sent(start + 200ms).size(), 1u) << "the first one again, behind zero bytes";
+    EXPECT_EQ(host.device.due(), start + 700ms);
+    EXPECT_TRUE(host.sent(start + 699ms).empty());
+    ASSERT_TRUE(host.device.ask(Request{0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}}, host.listener));
+    EXPECT_LE(host.device.due(), start + 400ms);
+    EXPECT_EQ(host.sent(start + 699ms).size(), 1u);
+    EXPECT_FALSE(host.sent(start + 1700ms).empty());
+}
+
+TEST(Device, that_has_heard_a_later_question_is_not_deaf) {
+    Flushes host;
+    for (int i = 0; i < 3; ++i) {
+        host.ask_value(9);
+        host.sent(start);
+        host.value(9, start + 1ms);
+    }
+    host.ask_value(1);
+    host.ask_value(2);
+    EXPECT_EQ(host.sent(start + 1ms).size(), 2u);
+    host.value(2, start + 2ms);
+    EXPECT_EQ(host.sent(start + 1s).size(), 1u);
+    EXPECT_TRUE(host.before.empty());
+    host.ask_value(3);
+    host.ask_value(4);
+    host.sent(start + 1s);
+    host.value(1, start + 1s);
+    host.value(3, start + 1s);
+    EXPECT_EQ(host.sent(start + 2s).size(), 1u);
+    EXPECT_EQ(host.before.size(), 1u) << "the last one may have made it deaf";
+}
+
+TEST(Device, what_is_sent_only_once_comes_after_a_flush) {
+    Flushes host;
+    const Request command{0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}};
+    ASSERT_TRUE(host.device.ask(command, host.listener));
+    const auto sent = host.sent(start);
+    ASSERT_EQ(sent.size(), 1u);
+    EXPECT_EQ(host.before, (std::vector<std::uint8_t>{0xC0}));
+    EXPECT_EQ(host.device.due(), start + 20ms + 2s);
+    host.acknowledge(sent[0], start + 30ms);
+    ASSERT_TRUE(host.device.ask(command, host.listener));
+    const auto again = host.sent(start + 1s);
+    EXPECT_EQ(host.before.size(), 2u) << "it was heard just now, but what came since may have made it deaf";
+    host.acknowledge(again[0], start + 1s);
+    ASSERT_TRUE(host.device.ask(action(Action::save), host.listener));
+    host.sent(start + 2s);
+    EXPECT_EQ(host.before, (std::vector<std::uint8_t>{0xC0, 0xC0, 0xE0}));
+}
+
+struct LateFlushes : Host {
+    TimePoint free_at;
+    int flushes = 0;
+    explicit LateFlushes(TimePoint at) : free_at{at} {}
+    void listen(TimePoint& now) {
+        device.on_maybe_deaf([this, &now](FrameView) -> ano::Flush {
+            if (now < free_at) return {.later = free_at - now};
+            ++flushes;
+            free_at = now + 1s;
+            return {.busy = 20ms};
+        });
+    }
+    std::vector<Bytes> sent_at(TimePoint& now, TimePoint at) {
+        now = at;
+        return sent(at);
+    }
+};
+
+// Sent to a deaf device, it is lost: it may not be sent again, or costs seconds.
+TEST(Device, what_is_sent_only_once_waits_for_a_flush_that_is_allowed_later) {
+    for (const Request& request : {Request{0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}}, action(Action::save)}) {
+        TimePoint now = start;
+        LateFlushes host{start + 700ms};
+        host.listen(now);
+        ASSERT_TRUE(host.device.ask(request, host.listener));
+        host.ask_value(5);
+        EXPECT_TRUE(host.sent_at(now, start).empty()) << "what is sent now would wait in front of the flush";
+        EXPECT_EQ(host.device.due(), start + 700ms);
+        EXPECT_TRUE(host.sent_at(now, start + 699ms).empty());
+        const auto first = host.sent_at(now, start + 700ms);
+        ASSERT_EQ(first.size(), 1u);
+        EXPECT_EQ(first[0][3], request.id);
+        EXPECT_EQ(host.flushes, 1);
+        EXPECT_TRUE(host.listener.ends.empty());
+    }
+}
+
+// Whatever else waits for a flush, a place in the window, or an acknowledgement.
+TEST(Device, a_command_behind_another_one_leaves_at_once) {
+    TimePoint now = start;
+    LateFlushes host{start};
+    host.listen(now);
+    const auto command = [](Bytes data) { return Request{0xC0, std::move(data), {.sends = 1, .wait = 2s}}; };
+    ASSERT_TRUE(host.device.ask(action(Action::save), host.listener));
+    EXPECT_EQ(host.sent_at(now, start).size(), 1u);
+    ASSERT_TRUE(host.device.ask(command({1, 2, 4}), host.listener));
+    EXPECT_EQ(host.device.due(), TimePoint::min());
+    EXPECT_TRUE(host.sent_at(now, start).empty()) << "behind something else it waits for a flush";
+    EXPECT_EQ(host.sent_at(now, start + 1s).size(), 1u) << "but not for the end of that";
+    ASSERT_TRUE(host.device.ask(command({1, 2, 3}), host.listener));
+    ASSERT_TRUE(host.device.has_command());
+    EXPECT_EQ(host.sent_at(now, start + 1100ms).size(), 1u) << "another one is not acknowledged yet";
+    ASSERT_TRUE(host.device.ask(command({1, 2, 3}), host.listener));
+    EXPECT_EQ(host.sent_at(now, start + 1101ms).size(), 1u) << "nor the same one";
+    EXPECT_EQ(host.device.on_their_way(), 4u);
+    EXPECT_FALSE(host.device.has_command());
+    EXPECT_EQ(host.flushes, 2);
+}
+
+// The other flush came after the request.
+TEST(Device, a_request_waits_once_for_a_flush_even_if_another_one_gets_it) {
+    TimePoint now = start;
+    LateFlushes host{start + 700ms};
+    host.listen(now);
+    ASSERT_TRUE(host.device.ask(action(Action::save), host.listener));
+    EXPECT_TRUE(host.sent_at(now, start).empty());
+    host.free_at = start + 1600ms;
+    EXPECT_EQ(host.sent_at(now, start + 700ms).size(), 1u);
+    EXPECT_EQ(host.flushes, 0);
+}
+
+TEST(Device, a_repetition_waits_for_a_flush_no_longer_than_for_an_answer_and_that_is_not_counted) {
+    TimePoint now = start;
+    LateFlushes host{start + 310ms};
+    host.listen(now);
+    host.ask_value(5);
+    EXPECT_EQ(host.sent_at(now, start).size(), 1u) << "the first try of a question";
+    EXPECT_TRUE(host.sent_at(now, start + 200ms).empty());
+    EXPECT_EQ(host.device.due(), start + 310ms);
+    EXPECT_EQ(host.sent_at(now, start + 310ms).size(), 1u);
+    EXPECT_EQ(host.flushes, 1);
+    const TimePoint second = *host.device.due();
+    EXPECT_EQ(second, start + 310ms + 20ms + 200ms);
+    EXPECT_EQ(host.sent_at(now, second).size(), 1u) << "780 ms are longer than an answer may take";
+    for (; host.listener.ends.empty(); now = host.device.due().value_or(now)) {
+        host.sent(now);
+        ASSERT_LT(now - start, 1min);
+    }
+    EXPECT_GE(now - start, 6s + 110ms);
+}
+
+TEST(Device, a_frame_that_has_not_left_does_not_wait_for_an_answer) {
+    Host host;
+    host.ask_value(5);
+    host.sent(start);
+    host.device.wait_to_leave(start + 2s);
+    EXPECT_EQ(host.device.due(), start + 2s + 200ms);
+    host.value(5, start + 2s + 10ms);
+    EXPECT_EQ(host.device.round_trip().smoothed(), 10ms);
 }
 
 TEST(Device, the_window_opens_with_the_answers) {
@@ -179,6 +382,7 @@ TEST(Device, one_that_was_silent_for_long_is_not_known_any_more) {
 
 TEST(Device, one_that_says_otherwise_is_another_one) {
     Host host;
+    host.device.expect_info(start);
     host.take(0xE3, {0xDC, 1, 0, 2, 0, 3, 0, 4, 0, 'f', 'c'}, start);
     host.take(0xE0, {1, 9, 0}, start);
     const auto presence = host.device.presence();
@@ -187,6 +391,18 @@ TEST(Device, one_that_says_otherwise_is_another_one) {
     host.take(0xE3, {0xDC, 1, 0, 3, 0, 3, 0, 4, 0, 'f', 'c'}, start);
     EXPECT_NE(host.device.presence(), presence);
     EXPECT_EQ(host.device.info()->sw_ver, 3);
+    EXPECT_FALSE(host.device.parameter_count());
+}
+
+TEST(Device, one_that_announces_itself_may_be_another_one) {
+    Host host;
+    host.device.expect_info(start);
+    host.take(0xE3, {0xDC, 1, 0, 2, 0, 3, 0, 4, 0, 'f', 'c'}, start);
+    host.take(0xE0, {1, 9, 0}, start);
+    const auto presence = host.device.presence();
+    host.take(0xE3, {0xDC, 1, 0, 2, 0, 3, 0, 4, 0, 'f', 'c'}, start + 10s);
+    EXPECT_NE(host.device.presence(), presence);
+    EXPECT_TRUE(host.device.info());
     EXPECT_FALSE(host.device.parameter_count());
 }
 

@@ -16,7 +16,7 @@ using support::operator+;
 
 TEST(RoundTrip, before_the_first_answer_it_is_300_ms) {
     RoundTrip trip;
-    EXPECT_EQ(trip.time_out(), 300ms);
+    EXPECT_EQ(trip.time_out(), 200ms);
     EXPECT_FALSE(trip.smoothed());
 }
 
@@ -45,22 +45,60 @@ TEST(RoundTrip, an_even_one_leaves_room_for_an_adapter_that_gathers) {
     EXPECT_EQ(trip.time_out(), 220ms);
 }
 
-TEST(RoundTrip, doubles_with_each_loss_up_to_2_s) {
+TEST(RoundTrip, before_the_first_answer_it_doubles_with_each_loss_up_to_2_s) {
     RoundTrip trip;
-    EXPECT_EQ(trip.time_out_after(0), 300ms);
-    EXPECT_EQ(trip.time_out_after(1), 600ms);
-    EXPECT_EQ(trip.time_out_after(2), 1200ms);
-    EXPECT_EQ(trip.time_out_after(3), 2s);
-    EXPECT_EQ(trip.time_out_after(60), 2s);
+    EXPECT_EQ(trip.time_out_after(0, false), 200ms);
+    EXPECT_EQ(trip.time_out_after(1, false), 400ms);
+    EXPECT_EQ(trip.time_out_after(2, true), 800ms);
+    EXPECT_EQ(trip.time_out_after(3, false), 1600ms);
+    EXPECT_EQ(trip.time_out_after(60, false), 2s);
 }
 
-TEST(RoundTrip, a_repeated_exchange_counts_only_when_all_are_repeated) {
+// After a list that filled the line, a single answer does not take as long as those of the list.
+TEST(RoundTrip, of_a_request_by_itself_it_follows_the_least) {
     RoundTrip trip;
-    trip.answered(1200ms, true);
-    trip.answered(1200ms, true);
-    EXPECT_FALSE(trip.smoothed());
+    trip.answered(20ms, false);
+    for (int i = 0; i < 50; ++i) trip.answered(600ms, false);
+    EXPECT_GE(trip.time_out_after(0, false), 600ms);
+    EXPECT_EQ(trip.time_out_after(0, false, true), 280ms);
+    RoundTrip slow;
+    for (int i = 0; i < 50; ++i) slow.answered(200ms, false);
+    EXPECT_EQ(slow.time_out_after(0, false, true), slow.time_out());
+}
+
+TEST(RoundTrip, random_losses_do_not_double_it) {
+    RoundTrip trip;
+    for (int i = 0; i < 20; ++i) trip.answered(2ms, false);
+    EXPECT_FALSE(trip.grows());
+    for (unsigned losses = 0; losses < 5; ++losses) EXPECT_EQ(trip.time_out_after(losses, true), 30ms);
+    EXPECT_EQ(trip.time_out_after(5, true), 120ms) << "this one has other reasons";
+}
+
+TEST(RoundTrip, a_device_that_answers_nothing_is_asked_at_four_times_the_interval_at_most) {
+    RoundTrip trip;
+    for (int i = 0; i < 20; ++i) trip.answered(2ms, false);
+    EXPECT_EQ(trip.time_out_after(1, false), 60ms);
+    EXPECT_EQ(trip.time_out_after(2, false), 120ms);
+    EXPECT_EQ(trip.time_out_after(9, false), 120ms);
+}
+
+TEST(RoundTrip, doubles_while_round_trips_grow) {
+    RoundTrip trip;
+    trip.answered(10ms, false);
+    for (int i = 0; i < 100; ++i) trip.answered(100ms, false);
+    EXPECT_TRUE(trip.grows());
+    EXPECT_EQ(trip.time_out_after(1, true), 2 * trip.time_out());
+    EXPECT_EQ(trip.time_out_after(9, true), 2s);
+}
+
+TEST(RoundTrip, a_repeated_exchange_counts_only_when_all_are_repeated_and_an_answer_came_twice) {
+    RoundTrip trip;
+    for (int i = 0; i < 9; ++i) trip.answered(1200ms, true);
+    EXPECT_FALSE(trip.smoothed()) << "frames are lost";
+    trip.doubled();
     trip.answered(1200ms, true);
     EXPECT_EQ(trip.smoothed(), 1200ms);
+    trip.doubled();
     trip.answered(100ms, true);
     trip.answered(1200ms, false);
     trip.answered(100ms, true);
@@ -72,33 +110,105 @@ TEST(Window, opens_by_one_for_each_answer_to_eight) {
     Window window;
     EXPECT_EQ(window.size(), 1u);
     for (std::size_t n = 2; n <= 8; ++n) {
-        window.answered();
+        window.answered(false);
         EXPECT_EQ(window.size(), n);
     }
-    window.answered();
+    window.answered(false);
     EXPECT_EQ(window.size(), 8u);
 }
 
-TEST(Window, halves_only_when_more_than_half_of_the_last_16_were_lost) {
+TEST(Window, halves_only_when_more_than_half_of_the_last_16_were_lost_and_round_trips_grow) {
     Window window;
-    for (int i = 0; i < 16; ++i) window.answered();
+    for (int i = 0; i < 16; ++i) window.answered(false);
     for (int i = 0; i < 8; ++i) {
-        window.lost();
+        window.lost(false, true);
         EXPECT_EQ(window.size(), 8u);
     }
-    window.lost();
+    window.lost(false, true);
     EXPECT_EQ(window.size(), 4u);
-    for (int i = 0; i < 8; ++i) window.lost();
+    for (int i = 0; i < 8; ++i) window.lost(false, true);
     EXPECT_EQ(window.size(), 4u) << "what was lost before the halving does not count again";
-    window.lost();
+    window.lost(false, true);
     EXPECT_EQ(window.size(), 2u);
-    for (int i = 0; i < 90; ++i) window.lost();
+    for (int i = 0; i < 90; ++i) window.lost(false, true);
     EXPECT_EQ(window.size(), 1u);
 }
 
 TEST(Window, stays_open_where_one_in_five_is_lost) {
     Window window;
-    for (int i = 0; i < 500; ++i) i % 5 == 0 ? window.lost() : window.answered();
+    for (int i = 0; i < 500; ++i) i % 5 == 0 ? window.lost(false, true) : window.answered(false);
+    EXPECT_EQ(window.size(), 8u);
+}
+
+TEST(Window, is_one_at_a_time_when_most_are_lost_though_round_trips_do_not_grow) {
+    Window window;
+    for (int i = 0; i < 16; ++i) window.answered(false);
+    for (int i = 0; i < 9; ++i) window.lost(false, false);
+    EXPECT_EQ(window.size(), 1u);
+    for (int i = 0; i < 9; ++i) window.lost(false, false);
+    EXPECT_EQ(window.size(), 1u) << "those were sent before";
+    for (int i = 1; i < 30; ++i) i % 10 == 0 ? window.lost(true, false) : window.answered(true);
+    EXPECT_EQ(window.size(), 1u);
+}
+
+// A burst of interference looks the same at first.
+TEST(Window, opens_again_when_two_at_a_time_are_not_lost_either) {
+    Window window;
+    for (int i = 0; i < 16; ++i) window.answered(false);
+    for (int i = 0; i < 9; ++i) window.lost(false, false);
+    for (unsigned i = 0; i < Window::first_check; ++i) {
+        EXPECT_EQ(window.size(), 1u);
+        window.answered(true);
+    }
+    EXPECT_EQ(window.size(), 2u);
+    for (int i = 0; i < 2; ++i) window.lost(false, false);
+    for (unsigned i = 0; i < Window::check_factor * Window::first_check; ++i) {
+        EXPECT_EQ(window.size(), 1u) << "the device does lose them";
+        window.answered(true);
+    }
+    EXPECT_EQ(window.size(), 2u) << "less often, it is checked again";
+    for (unsigned i = 0; i < Window::checked; ++i) i < 1 ? window.lost(false, false) : window.answered(false);
+    EXPECT_EQ(window.size(), 2u);
+    window.answered(false);
+    EXPECT_EQ(window.size(), 3u);
+}
+
+TEST(Window, opens_again_when_answers_that_were_counted_as_lost_come_late) {
+    Window window;
+    for (int i = 0; i < 16; ++i) window.answered(false);
+    for (int i = 0; i < 9; ++i) window.lost(false, false);
+    ASSERT_EQ(window.size(), 1u);
+    window.came_late();
+    EXPECT_EQ(window.size(), 1u);
+    window.came_late();
+    EXPECT_EQ(window.size(), 2u);
+    for (int i = 0; i < 9; ++i) {
+        window.lost(false, false);
+        window.came_late();
+    }
+    EXPECT_EQ(window.size(), 2u) << "none of them was lost";
+}
+
+TEST(Window, opens_again_when_requests_that_are_alone_are_lost_too) {
+    Window window;
+    for (int i = 0; i < 16; ++i) window.answered(false);
+    const auto lose_most = [&] {
+        for (int i = 0; i < 9; ++i) window.lost(false, false);
+    };
+    lose_most();
+    ASSERT_EQ(window.size(), 1u);
+    window.answered(true);
+    window.lost(true, false);
+    EXPECT_EQ(window.size(), 8u) << "one of the first eight is enough";
+    lose_most();
+    EXPECT_EQ(window.size(), 8u) << "not tried again soon";
+    for (unsigned i = 0; i < Window::between_trials; ++i) window.answered(false);
+    lose_most();
+    ASSERT_EQ(window.size(), 1u);
+    for (int i = 0; i < 20; ++i) window.answered(true);
+    for (int i = 0; i < 2; ++i) window.lost(true, false);
+    EXPECT_EQ(window.size(), 1u);
+    window.lost(true, false);
     EXPECT_EQ(window.size(), 8u);
 }
 

@@ -167,8 +167,6 @@ TEST_F(Upgrade, comes_whole_over_a_line_that_loses_doubles_and_reorders) {
         task.start(bad.now);
         bad.run(task);
         ASSERT_TRUE(task.end());
-        if (loader.erases == 0 || loader.checks == 0 || task.end()->ending == Ending::timeout)
-            continue;    // asked once, and lost
         EXPECT_EQ(task.end()->ending, Ending::done) << "seed " << seed << ": " << task.end()->what;
         EXPECT_EQ(loader.flash, bytes_of(3000));
         EXPECT_GT(task.repeats(), 0u);
@@ -183,14 +181,14 @@ TEST_F(Upgrade, refused_before_anything_was_changed) {
     EXPECT_EQ(loader.erases, 0u);
 }
 
-TEST_F(Upgrade, an_erase_is_sent_once_and_has_a_minute) {
+TEST_F(Upgrade, an_erase_has_a_minute_before_it_is_sent_again) {
     loader.erases_silently = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
     EXPECT_EQ(task->end()->what, "0xDC fell silent: erasing; it is left in its loader, begin again");
-    EXPECT_EQ(loader.erases, 1u);
-    EXPECT_GE(took, 60s);
-    EXPECT_LT(took, 61s);
+    EXPECT_EQ(loader.erases, 4u);
+    EXPECT_GE(took, 240s);
+    EXPECT_LT(took, 250s);
 }
 
 TEST_F(Upgrade, an_erase_that_failed_has_its_own_word) {
@@ -228,17 +226,51 @@ TEST_F(Upgrade, silence_in_the_middle_ends_it_within_its_bound) {
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
     EXPECT_EQ(task->end()->what, "0xDC fell silent: sending; it is left in its loader, begin again");
-    EXPECT_EQ(task->end()->evidence.sent, 5u);
-    EXPECT_LT(took, 12s);
+    EXPECT_GE(took, 2 * Firmware::patience_unheard);
+    EXPECT_LT(took, 2 * Firmware::patience_unheard + 10s);
+    EXPECT_EQ(loader.infos, 2u) << "it may have lost the upgrade: begun again once";
 }
 
-TEST_F(Upgrade, all_sent_is_sent_once_and_has_half_a_minute) {
+TEST_F(Upgrade, all_sent_is_waited_for_half_a_minute) {
     loader.checks_silently = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(loader.checks, 1u);
-    EXPECT_GE(took, 30s);
-    EXPECT_LT(took, 31s);
+    EXPECT_EQ(
+        task->end()->what,
+        "0xDC has written all 16 frames, but did not report within 30 s whether the image passed its check: it may run the new "
+        "firmware already (anoctl devices --scan shows its version); if it does not, begin again");
+    EXPECT_EQ(loader.checks, 6u);
+    EXPECT_GE(took, Firmware::check_patience);
+    EXPECT_LT(took, Firmware::check_patience + 1s);
+}
+
+// It gets the info, and restarts into its loader without an answer.
+TEST_F(Upgrade, a_device_that_restarts_into_its_loader_gets_the_info_again) {
+    for (const Duration restart : {Duration{800ms}, Duration{2500ms}, Duration{25s}}) {
+        loader = {};
+        std::optional<TimePoint> back_at;
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            if (f.id() == 0xF0 && !back_at) back_at = simulation.now + restart;
+            if (back_at && simulation.now < *back_at) return std::vector<Bytes>{};
+            return loader.take(fake, f);
+        };
+        const auto task = run();
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(loader.flash, bytes_of(3000));
+        EXPECT_LT(took, restart + 2s);
+    }
+}
+
+TEST_F(Upgrade, an_info_without_an_answer_ends_it_after_half_a_minute) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        return f.id() == 0xF0 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(task->end()->what, "0xDC fell silent: description of the image");
+    EXPECT_FALSE(task->is_left_in_loader());
+    EXPECT_GE(took, Firmware::patience);
+    EXPECT_LT(took, Firmware::patience + 5s);
 }
 
 TEST_F(Upgrade, an_image_that_the_device_finds_damaged_is_no_success) {
@@ -294,6 +326,141 @@ TEST_F(Upgrade, more_frames_than_there_are_numbers_are_invalid) {
     EXPECT_EQ(run({.frame_len = 1})->end()->ending, Ending::invalid);
     image.bytes = {};
     EXPECT_EQ(run()->end()->ending, Ending::invalid);
+}
+
+// Devices in the field send and expect codes high byte first.
+TEST_F(Upgrade, codes_are_sent_in_the_order_in_which_the_device_sends_them) {
+    loader.reads_codes = true;
+    loader.fails_frame_7 = 4;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(loader.flash, bytes_of(3000));
+    EXPECT_EQ(task->repeats(), 4u) << "\"frame failed\" is understood as well";
+    EXPECT_EQ(fake.heard[2], support::frame(0xFE, 0xDC, 0xF0, {0, 0x01, 0x10})) << "erase, after device info and info";
+    loader.reads_codes = false;
+    EXPECT_EQ(run()->end()->ending, Ending::done) << "the order is of one upgrade";
+}
+
+TEST_F(Upgrade, failures_are_understood_in_both_orders) {
+    for (const bool reads : {false, true}) {
+        loader = {};
+        loader.reads_codes = reads;
+        loader.cannot_erase = true;
+        EXPECT_EQ(run()->end()->what, "the device could not erase; it is left in its loader, begin again");
+        loader = {};
+        loader.reads_codes = reads;
+        loader.refuses = true;
+        EXPECT_EQ(run()->end()->what, "0xDC does not want this image");
+        loader = {};
+        loader.reads_codes = reads;
+        ++image.crc;
+        EXPECT_EQ(run()->end()->what, "the image did not pass the device's check; it is left in its loader, begin again");
+        --image.crc;
+    }
+}
+
+TEST_F(Upgrade, an_answer_that_is_none_is_shown_as_it_came) {
+    loader.says_instead = 0x0307;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(task->end()->what, "0xDC sent 0xF0 with 00 07 03, which is no answer: description of the image");
+    EXPECT_EQ(loader.erases, 0u);
+}
+
+// One byte in a hundred is wrong: seven in eight frames of 195 bytes are lost, one in five orders.
+struct Noise : Upgrade {
+    struct Result {
+        End end;
+        Duration took;
+        std::size_t frame_len;
+        std::string remark;
+    };
+    Result run_in_noise(std::uint64_t seed, double byte_errors = 0.01) {
+        Device other{0xDC};
+        Simulation bad{other, fake, {.delay = 5ms, .baud = 115200, .byte_errors = byte_errors}, seed};
+        Firmware task{other, image};
+        task.start(bad.now);
+        const Duration all = bad.run(task, 12h);
+        return {task.end().value_or(End{Ending::timeout, "runs for ever", {}}), all, task.frame_len(), task.remark()};
+    }
+    Noise() { image = *read_firmware(bia(bytes_of(20'000), 0xDC, 90, 110)).image; }
+};
+
+TEST_F(Noise, frames_become_shorter_where_the_loader_accepts_another_info) {
+    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+        loader = {};
+        const auto result = run_in_noise(seed);
+        EXPECT_EQ(result.end.ending, Ending::done) << "seed " << seed << ": " << result.end.what;
+        EXPECT_EQ(loader.flash, bytes_of(20'000));
+        EXPECT_LT(result.frame_len, 195u);
+        EXPECT_LT(result.took, 6min);
+        EXPECT_NE(result.remark.find("because most longer ones were lost"), std::string::npos) << result.remark;
+    }
+}
+
+TEST_F(Noise, frames_are_repeated_until_they_are_written_where_it_does_not) {
+    for (const auto second : {FakeLoader::SecondInfo::ignores, FakeLoader::SecondInfo::refuses})
+        for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+            loader = {};
+            loader.second_info = second;
+            const auto result = run_in_noise(seed);
+            EXPECT_EQ(result.end.ending, Ending::done) << "seed " << seed << ": " << result.end.what;
+            EXPECT_EQ(loader.flash, bytes_of(20'000));
+            EXPECT_EQ(result.frame_len, 195u);
+            EXPECT_LT(result.took, 10min);
+            EXPECT_EQ(result.remark, "") << "nothing was begun again";
+        }
+}
+
+struct LostConnection : Upgrade {
+    // Both ways are cut once, after frame 5 was written.
+    std::unique_ptr<Firmware> run_cut_for(
+        Duration time, const std::function<void()>& meanwhile = [] {}) {
+        auto task = std::make_unique<Firmware>(device, image);
+        std::optional<TimePoint> until;
+        simulation.each_step = [&, time, meanwhile](TimePoint now) {
+            if (!until && task->progress().done >= 5u * 195) {
+                until = now + time;
+                meanwhile();
+            }
+            simulation.there.loss = simulation.back.loss = until && now < *until ? 1 : 0;
+        };
+        task->start(simulation.now);
+        took = simulation.run(*task);
+        simulation.each_step = nullptr;
+        EXPECT_TRUE(task->end());
+        return task;
+    }
+};
+
+TEST_F(LostConnection, of_a_minute_the_upgrade_goes_on_behind_the_last_frame) {
+    const auto task = run_cut_for(60s);
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(loader.flash, bytes_of(3000));
+    EXPECT_EQ(loader.erases, 1u);
+    EXPECT_EQ(loader.infos, 1u);
+    EXPECT_EQ(task->remark(), "");
+    EXPECT_LT(took, 64s);
+}
+
+TEST_F(LostConnection, a_loader_that_lost_the_upgrade_gets_it_from_the_beginning) {
+    for (const bool fails : {true, false}) {
+        loader = {};
+        loader.fails_when_lost = fails;
+        const auto task = run_cut_for(10s, [&] { loader.lose_power(); });
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(loader.flash, bytes_of(3000));
+        EXPECT_EQ(loader.erases, 2u);
+        EXPECT_EQ(task->end()->what, "begun again at frame 5, because 0xDC had lost the upgrade");
+        EXPECT_LT(took, fails ? 14s : 80s);
+    }
+}
+
+TEST_F(LostConnection, for_ever_ends_it) {
+    const auto task = run_cut_for(1h);
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(task->end()->what, "0xDC fell silent: sending; it is left in its loader, begin again");
+    EXPECT_LT(took, Firmware::patience_unheard + Firmware::patience + 5s) << "the info that begins it again has its time as well";
 }
 
 }    // namespace

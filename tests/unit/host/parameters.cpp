@@ -73,6 +73,60 @@ TEST_F(Reads, the_window_is_never_more_than_eight) {
     EXPECT_FALSE(fake.crashed);
 }
 
+Bytes i32(std::int32_t n) {
+    Bytes bytes(4);
+    store(bytes.data(), n);
+    return bytes;
+}
+
+TEST_F(Reads, values_of_older_devices_and_their_ranges) {
+    fake.old = true;
+    fake.parameters = {{0, "ROL", "", i32(-7)}, {0, "\xB8\xDF\xB6\xC8", "", i32(8'503'346)}};
+    fake.parameters[1].max = 10'000'000;
+    ASSERT_EQ(read(), Ending::done);
+    EXPECT_EQ(parameters.value(0), AnyValue{std::int64_t{-7}});
+    EXPECT_EQ(parameters.value(1), AnyValue{std::int64_t{8'503'346}});
+    EXPECT_EQ(parameters.descriptions()[1].limits, (ParameterInfo::Limits{-10, 10'000'000}));
+    EXPECT_EQ(parameters.descriptions()[1].layout, ParameterLayout::ranged);
+}
+
+TEST_F(Reads, scaled_values_are_divided) {
+    fake.scaled = true;
+    fake.parameters = {{0, "P", "", i32(1234)}, {0, "I", "", i32(-5)}, {0, "COUNT", "a whole number", i32(55)}};
+    fake.parameters[0].mul = 1000;
+    fake.parameters[1].mul = 100;
+    ASSERT_EQ(read(), Ending::done);
+    EXPECT_EQ(parameters.value(0), AnyValue{1.234});
+    EXPECT_EQ(parameters.value(1), AnyValue{-0.05});
+    EXPECT_EQ(parameters.value(2), AnyValue{std::int64_t{55}});
+    EXPECT_EQ(parameters.descriptions()[0].mul, 1000);
+    EXPECT_EQ(parameters.descriptions()[0].name, "P");
+    EXPECT_EQ(parameters.descriptions()[2].mul, 1);
+    EXPECT_EQ(parameters.descriptions()[2].limits, (ParameterInfo::Limits{-10, 100}));
+}
+
+// 8202 is 0x200A: in the current layout a text, whose name begins with a space.
+TEST_F(Reads, a_device_has_one_layout_whatever_one_description_looks_like) {
+    for (const bool scaled : {false, true}) {
+        fake.old = !scaled;
+        fake.scaled = scaled;
+        fake.version += 1;    // another device
+        fake.parameters.clear();
+        for (int i = 0; i < 5; ++i) fake.parameters.push_back({0, "PAR_" + std::to_string(i), "", i32(i)});
+        fake.parameters[3].min = 8202;
+        fake.parameters[3].max = 9000;
+        fake.parameters[3].value = i32(8500);
+        Parameters all{device, &cache};
+        all.read_all(simulation.now);
+        simulation.run(all);
+        ASSERT_EQ(all.end()->ending, Ending::done);
+        EXPECT_EQ(all.descriptions()[3].name, "PAR_3");
+        EXPECT_EQ(all.descriptions()[3].limits, (ParameterInfo::Limits{8202, 9000}));
+        EXPECT_EQ(all.value(3), AnyValue{std::int64_t{8500}});
+        EXPECT_EQ(all.descriptions()[3].layout, scaled ? ParameterLayout::scaled : ParameterLayout::ranged);
+    }
+}
+
 TEST_F(Reads, descriptions_come_from_the_cache_values_never) {
     fake.make_parameters(20);
     ASSERT_EQ(read(), Ending::done);
@@ -157,8 +211,8 @@ TEST_F(Reads, an_old_device_with_its_ranges) {
 TEST_F(Reads, a_dead_device_ends_it_soon_with_the_evidence) {
     fake.deaf = true;
     EXPECT_EQ(read(), Ending::timeout);
-    EXPECT_EQ(parameters.end()->evidence.sent, 5u);
-    EXPECT_EQ(parameters.end()->what, "0xDC does not answer: device info, sent 5 times");
+    EXPECT_EQ(parameters.end()->evidence.sent, 30u);
+    EXPECT_EQ(parameters.end()->what, "0xDC does not answer: device info, sent 30 times");
 }
 
 TEST_F(Reads, a_device_that_dies_in_the_middle_ends_it_within_its_bound) {
@@ -288,6 +342,24 @@ TEST_F(Reads, answers_late_twice_and_in_any_order_are_told_apart) {
     }
     EXPECT_GT(simulation.taken[Taken::doubled], 20);
     EXPECT_EQ(simulation.taken[Taken::unasked], 0);
+}
+
+// Nothing is lost: before a round trip is measured, a question is repeated sooner than its answer can come.
+TEST_F(Reads, over_a_line_with_long_round_trips_several_at_a_time) {
+    fake.make_parameters(150);
+    for (const int delay : {170, 200, 220, 250, 400}) {
+        SCOPED_TRACE(delay);
+        Device far{0xDC};
+        Simulation line{far, fake, {.delay = std::chrono::milliseconds{delay}}};
+        Parameters all{far};
+        all.read_all(line.now);
+        const Duration took = line.run(all);
+        ASSERT_TRUE(all.end());
+        EXPECT_EQ(all.end()->ending, Ending::done) << all.end()->what;
+        // 300 exchanges, eight at a time, in rounds of two delays.
+        EXPECT_LT(took, std::chrono::milliseconds{2 * delay * 300 / 8 * 5 / 4 + 4000});
+        EXPECT_EQ(far.window(), Window::max_size);
+    }
 }
 
 TEST_F(Reads, another_hosts_answers_do_no_harm) {

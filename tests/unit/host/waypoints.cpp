@@ -48,13 +48,14 @@ TEST_F(WaypointsOf, a_device_that_is_heard_but_keeps_none_is_not_said_to_be_sile
     WaypointsGet get{device};
     get.start(simulation.now);
     simulation.run(get);
-    EXPECT_EQ(get.end()->what,
-              "0xDC is heard, but did not answer the question for its number of waypoints, sent 5 times; it probably keeps none");
+    EXPECT_EQ(
+        get.end()->what,
+        "0xDC is heard, but did not answer the question for its number of waypoints, sent 30 times; it probably keeps none");
     EXPECT_EQ(put(route).what,
-              "0xDC is heard, but did not acknowledge: write of waypoint 0, sent 5 times; it probably keeps no more, or none");
+              "0xDC is heard, but did not acknowledge: write of waypoint 0, sent 6 times; it probably keeps no more, or none");
     fake.deaf = true;
     simulation.pass(std::chrono::seconds{1});
-    EXPECT_EQ(put(route).what, "0xDC does not answer: write of waypoint 0, sent 5 times");
+    EXPECT_EQ(put(route).what, "0xDC does not answer: write of waypoint 0, sent 6 times");
 }
 
 TEST_F(WaypointsOf, places_are_read_back_as_the_wire_rounds_them) {
@@ -94,6 +95,101 @@ TEST_F(WaypointsOf, one_that_is_not_given_back_is_refused) {
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::refused);
     EXPECT_EQ(end.what, "0xDC acknowledged waypoint 0 and does not give it back");
+}
+
+// It writes flash for each waypoint, and hears nothing meanwhile.
+TEST_F(WaypointsOf, one_that_is_acknowledged_3_s_late_is_not_given_up) {
+    get();    // the round trip is known: 20 ms
+    std::optional<TimePoint> busy_until;
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        simulation.back.delay = std::chrono::milliseconds{10};
+        if (busy_until && simulation.now < *busy_until) return std::vector<Bytes>{};
+        if (f.id() != 0x61) return std::nullopt;
+        busy_until = simulation.now + std::chrono::milliseconds{2950};
+        simulation.back.delay = std::chrono::seconds{3};
+        return std::nullopt;
+    };
+    const End end = put(route);
+    EXPECT_EQ(end.ending, Ending::done) << end.what;
+    fake.instead = nullptr;
+    EXPECT_EQ(get(), route);
+}
+
+TEST_F(WaypointsOf, one_that_is_not_acknowledged_is_read_back) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0x61) return std::nullopt;
+        fake.usual(f);
+        return std::vector<Bytes>{};
+    };
+    const TimePoint begin = simulation.now;
+    const End end = put(route);
+    EXPECT_EQ(end.ending, Ending::done) << end.what;
+    EXPECT_EQ(end.what, "2 of them were never acknowledged, and are stored");
+    EXPECT_LT(simulation.now - begin, std::chrono::seconds{5});
+    EXPECT_EQ(fake.waypoints.size(), 2u);
+}
+
+TEST_F(WaypointsOf, one_that_is_neither_acknowledged_nor_stored_ends_it) {
+    fake.waypoints.assign(2, Bytes(22));
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0x61) return std::nullopt;
+        return std::vector<Bytes>{};
+    };
+    const End end = put(route);
+    EXPECT_EQ(end.ending, Ending::timeout);
+    EXPECT_EQ(end.what.substr(0, 60), "0xDC is heard, but did not acknowledge: write of waypoint 0,") << end.what;
+}
+
+TEST_F(WaypointsOf, what_a_device_lost_by_a_restart_is_named) {
+    std::vector<Waypoint> long_route;
+    for (std::uint8_t num = 0; num < 5; ++num) long_route.push_back({num, 113.5, 22.0 + num, 0, 0, 0, 0, {}});
+    bool is_restarted = false;
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0x61 || f.data()[0] != 3 || std::exchange(is_restarted, true)) return std::nullopt;
+        fake.waypoints.clear();
+        return std::vector<Bytes>{};    // this one is lost
+    };
+    const End end = put(long_route);
+    EXPECT_EQ(end.ending, Ending::failed);
+    EXPECT_EQ(end.what, "0xDC has not kept these waypoints (it has probably restarted): 0, 1, 2");
+}
+
+// It restarts so fast that nothing shows it, between a write and its read-back: that is answered from its old list.
+TEST_F(WaypointsOf, all_that_a_short_restart_has_cost_are_named) {
+    std::vector<Waypoint> long_route;
+    for (std::uint8_t num = 0; num < 6; ++num) long_route.push_back({num, 113.5, 22.0 + num, 0, 0, 0, 0, {}});
+    for (const std::uint8_t at : {std::uint8_t{3}, std::uint8_t{5}}) {
+        fake.waypoints.clear();
+        for (std::uint8_t num = 0; num < 9; ++num) fake.waypoints.push_back(support::operator+(Bytes{num}, Bytes(21)));
+        bool is_restarted = false;
+        fake.instead = [&, old = fake.waypoints](FrameView f) -> std::optional<std::vector<Bytes>> {
+            if (f.id() != 0x61 || f.data()[0] != at || std::exchange(is_restarted, true)) return std::nullopt;
+            auto answers = fake.usual(f);
+            fake.waypoints = old;
+            return answers;
+        };
+        WaypointsPut task{device, long_route};
+        task.start(simulation.now);
+        simulation.run(task);
+        ASSERT_TRUE(task.end());
+        EXPECT_EQ(task.end()->ending, Ending::failed);
+        EXPECT_EQ(task.end()->what, std::string{"0xDC has not kept these waypoints (it has probably restarted): "} +
+                                        (at == 3 ? "0, 1, 2, 3" : "0, 1, 2, 3, 4, 5"));
+        EXPECT_EQ(task.progress().done, at == 3 ? 2u : 0u);
+    }
+}
+
+TEST_F(WaypointsOf, a_lossy_line_is_no_restart) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        fake.waypoints.clear();
+        Device other{0xDC};
+        Simulation bad{other, fake, {.delay = std::chrono::milliseconds{20}, .loss = 0.1}, seed};
+        WaypointsPut task{other, route};
+        task.start(bad.now);
+        bad.run(task);
+        ASSERT_TRUE(task.end());
+        EXPECT_EQ(task.end()->ending, Ending::done) << "seed " << seed << ": " << task.end()->what;
+    }
 }
 
 TEST_F(WaypointsOf, cancelled_it_says_how_many_are_written) {

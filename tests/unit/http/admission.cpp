@@ -35,7 +35,7 @@ Admission admission_with(AdmissionRules more = {}) {
 }
 
 /// What it may, or the status of the refusal as a negative number.
-int judged(Admission& admission, const Request& request, ano::TimePoint now = {}) {
+int judged(Admission& admission, Request request, ano::TimePoint now = {}) {
     const auto allowed = admission.judge(request, now);
     return allowed ? static_cast<int>(*allowed) : -static_cast<int>(allowed.error().status);
 }
@@ -66,12 +66,12 @@ TEST(Admission, a_cookie_is_as_good_as_a_header) {
     EXPECT_EQ(judged(asked({host, {"Cookie", "anogate-8088=" + looks + "; c=d"}})), view);
     EXPECT_EQ(judged(asked({host, {"Cookie", "anogate-9000=" + acts}})), open) << "another gateway of this host";
     EXPECT_EQ(judged(asked({host, {"Cookie", ";;; =;anogate-8088"}})), open);
-    const Field made = Admission::cookie(acts, network_door());
+    const Field made = admission_with().cookie(acts, network_door());
     EXPECT_EQ(made.name, "Set-Cookie");
     EXPECT_EQ(made.value, "anogate-8088=" + acts + "; HttpOnly; SameSite=Strict; Path=/; Max-Age=31536000");
     Door encrypted = network_door();
     encrypted.is_encrypted = true;
-    EXPECT_TRUE(Admission::cookie(acts, encrypted).value.ends_with("; Secure"));
+    EXPECT_TRUE(admission_with().cookie(acts, encrypted).value.ends_with("; Secure"));
 }
 
 /// A WebSocket that offers `subprotocols`.
@@ -118,7 +118,7 @@ TEST(Admission, a_header_counts_before_the_query_and_that_before_a_cookie) {
 TEST(Admission, a_wrong_token_in_the_query_is_an_attempt_like_any) {
     Admission admission = admission_of_plots();
     for (int i = 0; i < 10; ++i) EXPECT_EQ(judged(admission, upgrade("/?token=x", "plot.v1")), -401);
-    EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v1")), -429);
+    EXPECT_EQ(judged(admission, upgrade("/?token=x", "plot.v1")), -429);
 }
 
 TEST(Admission, a_token_in_the_query_is_forgotten_once_it_was_judged) {
@@ -210,40 +210,126 @@ TEST(Admission, a_body_in_a_file_says_what_it_is_as_well) {
     }
 }
 
-TEST(Admission, ten_wrong_tokens_of_an_address_bar_it_for_a_minute) {
+TEST(Admission, after_ten_wrong_tokens_of_an_address_its_wrong_ones_are_slowed_down_for_a_minute) {
     Admission admission = admission_with();
+    std::vector<std::string> told;
+    admission.on_guessing([&](const std::string& peer, const Attempts::News&) { told.push_back(peer); });
     const Request wrong = asked({host, {"Authorization", "Bearer wrong"}}),
                   right = asked({host, {"Authorization", "Bearer " + acts}});
-    Request of_another = right;
-    of_another.door.peer = "192.168.1.78";
     ano::TimePoint now{1h};
     for (int i = 0; i < 10; ++i, now += 1s) EXPECT_EQ(judged(admission, wrong, now), -401);
     EXPECT_EQ(judged(admission, wrong, now), -429);
-    EXPECT_EQ(judged(admission, right, now), -429) << "or guessing would go on";
-    EXPECT_EQ(judged(admission, of_another, now), control);
+    EXPECT_EQ(judged(admission, right, now), control) << "others of this address may have sent the wrong ones";
     EXPECT_EQ(judged(admission, asked({host}), now), open) << "who gives none is not guessing";
-    EXPECT_EQ(judged(admission, right, ano::TimePoint{1h} + 59s), -429);
-    EXPECT_EQ(judged(admission, right, ano::TimePoint{1h} + 60s), control);
+    EXPECT_EQ(judged(admission, wrong, ano::TimePoint{1h} + 59s), -429);
     EXPECT_EQ(judged(admission, wrong, ano::TimePoint{1h} + 60s), -401) << "the first is forgotten, nine are not";
-    EXPECT_EQ(judged(admission, right, ano::TimePoint{1h} + 60500ms), -429);
+    EXPECT_EQ(judged(admission, wrong, ano::TimePoint{1h} + 60500ms), -429);
+    EXPECT_EQ(told, std::vector<std::string>{"192.168.1.77"}) << "once";
+    EXPECT_EQ(admission.wrong_tokens(), 14u);
 }
 
 TEST(Admission, with_wrong_tokens_says_when_to_come_again) {
     Admission admission = admission_with();
-    const Request wrong = asked({host, {"Authorization", "Bearer wrong"}});
-    for (int i = 0; i < 10; ++i) admission.judge(wrong, {});
-    const auto barred = admission.judge(wrong, ano::TimePoint{} + 15s);
-    ASSERT_FALSE(barred);
-    EXPECT_EQ(barred.error().headers.front(), (Field{"Retry-After", "45"}));
-    EXPECT_NE(barred.error().body.find("try again in 45 s"), std::string::npos) << barred.error().body;
+    Request wrong = asked({host, {"Authorization", "Bearer wrong"}});
+    for (int i = 0; i < 10; ++i) (void)admission.judge(wrong, {});
+    const auto slowed = admission.judge(wrong, ano::TimePoint{} + 15s);
+    ASSERT_FALSE(slowed);
+    EXPECT_EQ(slowed.error().headers.front(), (Field{"Retry-After", "45"}));
+    EXPECT_NE(slowed.error().body.find("try again in 45 s"), std::string::npos) << slowed.error().body;
+}
+
+TEST(Admission, a_wrong_token_in_a_cookie_counts_as_none_and_is_cleared) {
+    AdmissionRules rules;
+    rules.token_file_id = "12ab34cd";
+    Admission admission = admission_with(rules);
+    const Field right{"Cookie", "anogate-8088-12ab34cd=" + acts};
+    Request stale = asked({host, {"Cookie", "anogate-8088-12ab34cd=" + std::string(20, 'x')}});
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(judged(admission, stale), open);
+    EXPECT_EQ(*admission.judge(stale, {}), Access::open);
+    ASSERT_TRUE(stale.also);
+    EXPECT_EQ(stale.also->value, "anogate-8088-12ab34cd=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0");
+    EXPECT_EQ(admission.wrong_tokens(), 21u);
+    EXPECT_GT(stale.slowed, ano::Duration{}) << "what needs a token gets 429";
+    EXPECT_EQ(judged(admission, asked({host, {"Authorization", "Bearer wrong"}})), -429) << "they count with all others";
+    Request kept = asked({host, right});
+    EXPECT_EQ(*admission.judge(kept, {}), Access::control);
+    EXPECT_FALSE(kept.also);
+    EXPECT_EQ(kept.slowed, ano::Duration{}) << "a right one is never slowed down";
+    EXPECT_EQ(judged(admission, asked({host, {"Cookie", "anogate-8088-00000000=" + acts}})), open) << "of another token file";
+    Request login = asked({host, right});
+    login.target = "/login";
+    EXPECT_EQ(judged(admission, login), open) << "whoever signs in has no token yet";
+}
+
+TEST(Admission, knows_pages_of_other_sites) {
+    AdmissionRules rules;
+    rules.origins = {"https://ground.example"};
+    const Admission admission = admission_with(rules);
+    const auto is_foreign = [&](std::vector<Field> headers, Door door = network_door()) {
+        headers.push_back(host);
+        return admission.is_foreign(asked(std::move(headers), std::move(door)));
+    };
+    EXPECT_FALSE(is_foreign({}));
+    for (const std::string site : {"same-origin", "none", "Same-Origin"})
+        EXPECT_FALSE(is_foreign({{"Sec-Fetch-Site", site}})) << site;
+    for (const std::string site : {"cross-site", "same-site", "new-word"}) {
+        EXPECT_TRUE(is_foreign({{"Sec-Fetch-Site", site}})) << site;
+        EXPECT_TRUE(is_foreign({{"Sec-Fetch-Site", site}}, {})) << site << ", by a proxy at the Unix socket";
+        EXPECT_FALSE(is_foreign({{"Sec-Fetch-Site", site}, {"Origin", "https://ground.example"}})) << site;
+    }
+    EXPECT_TRUE(is_foreign({{"Origin", "http://evil.example"}})) << "an older browser";
+    EXPECT_TRUE(is_foreign({{"Origin", "null"}}));
+    EXPECT_FALSE(is_foreign({{"Origin", "http://192.168.1.5:8088"}}));
+}
+
+TEST(Admission, needs_a_token_of_what_a_proxy_passed_on_by_whatever_header) {
+    for (const std::string name : {"X-Real-IP", "CF-Connecting-IP", "True-Client-IP", "Via", "Forwarded", "X-Forwarded-For"})
+        EXPECT_EQ(judged(asked({host, {name, "1.2.3.4"}}, {})), open) << name;
 }
 
 TEST(Attempts, count_an_ipv6_network_as_one) {
     Attempts attempts;
     for (int i = 0; i < 10; ++i) attempts.failed("2001:db8::" + std::to_string(i), {});
-    EXPECT_GT(attempts.barred_for("2001:db8::ffff", {}), ano::Duration{});
-    EXPECT_EQ(attempts.barred_for("2001:db8:0:1::1", {}), ano::Duration{});
-    EXPECT_EQ(attempts.barred_for("2001", {}), ano::Duration{});
+    EXPECT_GT(attempts.slowed_for("2001:db8::ffff", {}), ano::Duration{});
+    EXPECT_EQ(attempts.slowed_for("2001:db8:0:1::1", {}), ano::Duration{});
+    EXPECT_EQ(attempts.slowed_for("2001", {}), ano::Duration{});
+}
+
+TEST(Attempts, are_told_of_ten_clients_a_minute_and_the_others_are_counted) {
+    Attempts attempts;
+    ano::TimePoint now{1h};
+    const auto guess = [&](int client) {
+        Attempts::News news;
+        for (std::size_t i = 0; i < Attempts::max_failures; ++i) {
+            EXPECT_FALSE(news.is_told) << "before it is slowed down";
+            news = attempts.failed("10.1.0." + std::to_string(client), now);
+        }
+        return news;
+    };
+    for (int client = 0; client < 10; ++client) {
+        const Attempts::News news = guess(client);
+        EXPECT_TRUE(news.is_told);
+        EXPECT_EQ(news.untold, 0u);
+        EXPECT_EQ(news.is_last, client == 9);
+    }
+    for (int client = 10; client < 30; ++client) EXPECT_FALSE(guess(client).is_told);
+    EXPECT_EQ(attempts.slowed(), 30u);
+    now += 1min;
+    Attempts::News news = guess(30);
+    EXPECT_TRUE(news.is_told && !news.is_last);
+    EXPECT_EQ(news.untold, 20u);
+    news = guess(31);
+    EXPECT_TRUE(news.is_told);
+    EXPECT_EQ(news.untold, 0u);
+}
+
+TEST(Admission, sees_by_the_head_alone_who_may_control) {
+    const Admission admission = admission_with();
+    EXPECT_TRUE(admission.shows_control(asked({host, {"Authorization", "Bearer " + acts}})));
+    EXPECT_FALSE(admission.shows_control(asked({host, {"Authorization", "Bearer wrong"}})));
+    EXPECT_FALSE(admission.shows_control(asked({host})));
+    EXPECT_TRUE(admission.shows_control(asked({host}, {}))) << "the Unix socket";
+    EXPECT_FALSE(admission.shows_control(asked({host, {"Via", "1.1 test"}}, {})));
 }
 
 TEST(Attempts, are_forgotten_of_whom_failed_longest_ago) {
@@ -251,9 +337,9 @@ TEST(Attempts, are_forgotten_of_whom_failed_longest_ago) {
     ano::TimePoint now{1h};
     for (std::size_t i = 0; i < Attempts::max_failures; ++i) attempts.failed("first", now);
     for (std::size_t i = 1; i < Attempts::max_peers; ++i) attempts.failed("10.0." + std::to_string(i), now += 1ms);
-    EXPECT_GT(attempts.barred_for("first", now), ano::Duration{});
+    EXPECT_GT(attempts.slowed_for("first", now), ano::Duration{});
     attempts.failed("one more", now);
-    EXPECT_EQ(attempts.barred_for("first", now), ano::Duration{});
+    EXPECT_EQ(attempts.slowed_for("first", now), ano::Duration{});
 }
 
 }    // namespace

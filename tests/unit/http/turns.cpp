@@ -6,34 +6,53 @@ namespace anogate::http::turns_tests {
 namespace {
 
 TEST(Turns, whoever_waits_longest_is_next) {
-    Turns<int> turns;
-    EXPECT_TRUE(turns.wait(1)) << "to be arranged";
-    EXPECT_FALSE(turns.wait(2)) << "it is";
-    EXPECT_FALSE(turns.wait(3));
+    Turns<int, char> turns;
+    EXPECT_TRUE(turns.wait(1, 'a', false)) << "to be arranged";
+    EXPECT_FALSE(turns.wait(2, 'a', false)) << "it is";
+    EXPECT_FALSE(turns.wait(3, 'a', false));
     EXPECT_EQ(turns.next(), 1);
     EXPECT_TRUE(turns.is_arranged());
-    EXPECT_FALSE(turns.wait(1)) << "behind those who wait";
+    EXPECT_FALSE(turns.wait(1, 'a', false)) << "behind those who wait";
     EXPECT_EQ(turns.next(), 2);
     EXPECT_EQ(turns.next(), 3);
     EXPECT_EQ(turns.next(), 1);
     EXPECT_FALSE(turns.is_arranged());
-    EXPECT_TRUE(turns.wait(4));
+    EXPECT_TRUE(turns.wait(4, 'a', false));
 }
 
 TEST(Turns, who_left_gets_none) {
-    Turns<int> turns;
-    turns.wait(1);
-    turns.wait(2);
+    Turns<int, char> turns;
+    turns.wait(1, 'a', false);
+    turns.wait(2, 'a', false);
     turns.leave(1);
     turns.leave(7);
     EXPECT_EQ(turns.next(), 2);
-    turns.wait(3);
+    turns.wait(3, 'a', false);
     turns.leave(3);
     EXPECT_EQ(turns.next(), std::nullopt) << "what was arranged for him";
-    EXPECT_TRUE(turns.wait(4));
+    EXPECT_TRUE(turns.wait(4, 'a', false));
     turns.clear();
     EXPECT_EQ(turns.next(), std::nullopt);
     EXPECT_FALSE(turns.is_arranged());
+}
+
+TEST(Turns, those_that_go_first_come_before_all_others) {
+    Turns<int, char> turns;
+    for (int i = 0; i < 20; ++i) turns.wait(i, 'a', false);
+    turns.wait(100, 'b', true);
+    EXPECT_EQ(turns.next(), 100);
+    EXPECT_EQ(turns.next(), 0);
+}
+
+TEST(Turns, every_client_has_one_between_two_of_another) {
+    Turns<int, char> turns;
+    for (int i = 0; i < 20; ++i) turns.wait(i, 'a', false);
+    turns.wait(100, 'b', false);
+    EXPECT_EQ(turns.next(), 0);
+    EXPECT_EQ(turns.next(), 100) << "the next of the first client would be its second";
+    turns.wait(101, 'b', false);
+    EXPECT_EQ(turns.next(), 1) << "of two that are in the same round, who waits longer";
+    EXPECT_EQ(turns.next(), 101);
 }
 
 }    // namespace

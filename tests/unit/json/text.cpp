@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
+#include <ano/frame.hpp>
 #include <ano/hex.hpp>
-#include <ano_json/text.hpp>
+#include <ano_json/encoding_of_sender.hpp>
+#include <ano_json/escapes.hpp>
+#include <ano_json/shown_text.hpp>
+#include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <limits>
@@ -53,6 +57,106 @@ TEST(Text, gbk_goes_there_and_back) {
     std::string many;
     for (int i = 0; i < 1000; ++i) many += "解锁";
     EXPECT_EQ(utf8(*from_utf8(many, Encoding::gbk), Encoding::gbk), many);
+}
+
+TEST(Text, of_a_device_loses_only_the_character_that_is_cut) {
+    const std::string utf8_text = "横滚P", gbk_text = *from_utf8("横滚P", Encoding::gbk);
+    EXPECT_EQ(shown_text(utf8_text.substr(0, 5), Encoding::utf8), "横");
+    EXPECT_EQ(shown_text(utf8_text.substr(0, 4), Encoding::utf8), "横");
+    EXPECT_EQ(shown_text(utf8_text.substr(0, 1), Encoding::utf8), "");
+    EXPECT_EQ(shown_text(gbk_text.substr(0, 3), Encoding::gbk), "横");
+    EXPECT_EQ(shown_text("P" + gbk_text.substr(0, 1), Encoding::gbk), "P");
+    for (const Encoding encoding : {Encoding::utf8, Encoding::automatic}) {
+        EXPECT_EQ(shown_text(utf8_text, encoding), utf8_text);
+        EXPECT_EQ(shown_text("🚁🚁", encoding), "🚁🚁");
+        EXPECT_EQ(shown_text(std::string{"🚁🚁"}.substr(0, 7), encoding), "🚁");
+    }
+    EXPECT_EQ(shown_text(gbk_text, Encoding::automatic), "横滚P");
+    EXPECT_EQ(shown_text(gbk_text.substr(0, 3), Encoding::automatic), "横");
+    EXPECT_EQ(shown_text("\xAA\xA1" + gbk_text, Encoding::gbk), "\xEF\xBF\xBD横滚P") << "a pair of no character";
+    EXPECT_EQ(shown_text("\x80z", Encoding::utf8), "\xEF\xBF\xBDz");
+}
+
+TEST(Text, of_any_bytes_can_be_shown) {
+    support::Random random{4};
+    for (int round = 0; round < 2000; ++round) {
+        std::string bytes(random.below(12u), '\0');
+        for (char& c : bytes) c = static_cast<char>(random.byte());
+        for (const Encoding encoding : {Encoding::utf8, Encoding::gbk, Encoding::automatic})
+            ASSERT_TRUE(is_utf8(shown_text(bytes, encoding)));
+        ASSERT_TRUE(may_be_gbk(without_cut_character(*from_utf8("解锁", Encoding::gbk), Encoding::gbk)));
+    }
+}
+
+TEST(Text, what_controls_or_reorders_a_terminal_is_escaped) {
+    const std::pair<const char*, const char*> rows[] = {{"a\u202Eb", "a\\u202eb"},  {"a\u200Bb", "a\\u200bb"},
+                                                        {"\uFEFFx", "\\ufeffx"},    {"\u2066x\u2069", "\\u2066x\\u2069"},
+                                                        {"\u0085", "\\u0085"},      {"\u061C", "\\u061c"},
+                                                        {"\u180E", "\\u180e"},      {"\U000E0041", "\\udb40\\udc41"},
+                                                        {"\x1b[2J", "\\u001b[2J"},  {"\x7f", "\\u007f"},
+                                                        {"横滚P ° é", "横滚P ° é"}, {"\u2018’…", "\u2018’…"},
+                                                        {"a\u034Fb", "a\\u034fb"},  {"\u115F\u1160", "\\u115f\\u1160"},
+                                                        {"\u3164", "\\u3164"},      {"\uFFA0", "\\uffa0"},
+                                                        {"\u2800", "\\u2800"},      {"ͮᄀᆨ⠁ㅣﾡ", "ͮᄀᆨ⠁ㅣﾡ"}};
+    for (const auto& [text, shown] : rows) {
+        EXPECT_EQ(with_escapes(text), shown);
+        const std::string json = json_text(nlohmann::ordered_json(text));
+        EXPECT_EQ(nlohmann::json::parse(json), text) << json;
+        for (const char* hidden : {"\u202E", "\u200B", "\uFEFF", "\u2066", "\u0085", "\x1b", "\x7f", "\U000E0041", "\u034F",
+                                   "\u115F", "\u1160", "\u3164", "\uFFA0", "\u2800"})
+            EXPECT_EQ(json.find(hidden), std::string::npos) << json;
+    }
+    EXPECT_EQ(in_quotes("a\u202Eb"), "'a\\u202eb'");
+}
+
+TEST(Text, of_a_sender_is_gbk_from_the_first_that_is_not_utf8) {
+    EncodingOfSender sender;
+    for (const char* text : {"plain", "说明", "说\xE6", "\xC4\xA3", "\xFF\xFE", "a\xE6"}) {
+        sender.learn(text);
+        EXPECT_EQ(sender.encoding(), Encoding::utf8) << text;
+    }
+    sender.learn(std::string_view{"\xBD\xE2\xCB"});
+    EXPECT_EQ(sender.encoding(), Encoding::gbk);
+    sender.learn(std::string_view{"说明"});
+    EXPECT_EQ(sender.encoding(), Encoding::gbk);
+    EncodingOfSender other;
+    const std::vector<std::uint8_t> log{0xAB, 0xDC, 0xFE, 0xA0, 5, 0, 0, 0xBD, 0xE2, 0xCB, 0xF8, 0x8C, 0x2A};
+    other.learn(FrameView{log});
+    EXPECT_EQ(other.encoding(), Encoding::gbk);
+}
+
+TEST(Text, of_a_sender_that_is_valid_in_both_is_gbk_unless_another_shows_utf8) {
+    const auto encoding_of = [](std::initializer_list<const char*> texts, bool vendor = false) {
+        EncodingOfSender sender;
+        sender.expect_gbk(vendor);
+        for (const char* text : texts) sender.learn(std::string_view{text});
+        return sender.encoding();
+    };
+    EXPECT_EQ(encoding_of({"\xC4\xA3"}), Encoding::gbk) << "模, or ģ";
+    EXPECT_EQ(encoding_of({"PID_1", "\xC4\xA3 1"}), Encoding::gbk) << "ASCII letters are in another text";
+    EXPECT_EQ(encoding_of({"\xC4\xA3", "说明"}), Encoding::utf8);
+    EXPECT_EQ(encoding_of({"说明", "\xC4\xA3"}), Encoding::utf8);
+    EXPECT_EQ(encoding_of({"\xC4\xA3",
+                           "Gr\xC3\xB6\xC3\x9F"
+                           "e"}),
+              Encoding::utf8)
+        << "ß is no pair of GB 2312";
+    EXPECT_EQ(encoding_of({"caf\xC3\xA9"}), Encoding::utf8);
+    EXPECT_EQ(encoding_of({"\xC4\xA3"
+                           "P"}),
+              Encoding::utf8);
+    EXPECT_EQ(encoding_of({"\xC4\xA3"
+                           "P"},
+                          true),
+              Encoding::gbk)
+        << "profile=vendor";
+    EXPECT_EQ(encoding_of({"\xC4\xA3"
+                           "P",
+                           "说明"},
+                          true),
+              Encoding::utf8);
+    EXPECT_EQ(encoding_of({"25 \xC2\xB0"}), Encoding::utf8) << "a unit";
+    EXPECT_EQ(encoding_of({"plain"}, true), Encoding::utf8);
 }
 
 TEST(Text, automatic_is_gbk_where_it_is_not_utf8) {

@@ -1,5 +1,5 @@
-#include <link/asio.hpp>
 #include <link/datagram_sender.hpp>
+#include <sys/asio.hpp>
 
 #include <support/bytes.hpp>
 #include <support/failing_calls.hpp>

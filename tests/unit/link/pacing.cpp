@@ -1,5 +1,5 @@
-#include <link/asio.hpp>
 #include <link/pacing.hpp>
+#include <sys/asio.hpp>
 
 #include <support/bytes.hpp>
 

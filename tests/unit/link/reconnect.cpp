@@ -1,5 +1,5 @@
-#include <link/asio.hpp>
 #include <link/reconnect.hpp>
+#include <sys/asio.hpp>
 
 #include <support/wait.hpp>
 

@@ -1,5 +1,5 @@
 #include <link/termios.hpp>
-#include <link/unique_fd.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <gtest/gtest.h>
 

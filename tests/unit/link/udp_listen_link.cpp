@@ -139,7 +139,7 @@ TEST_F(ListeningLink, takes_nothing_from_a_peer_that_asks_whether_this_listens_a
     const Channel* const of_first = channel(first);
     ASSERT_TRUE(of_first);
     say(first, notice(Kind::question, 7) + telemetry);
-    EXPECT_TRUE(host.until([&] { return of_first->routed.denied_in == 1; }));
+    EXPECT_TRUE(host.until([&] { return of_first->routed.suspended == 1; }));
     EXPECT_EQ(host.heard(of_first->peer), telemetry);
 }
 
@@ -160,17 +160,21 @@ TEST_F(ListeningLink, takes_nothing_from_a_peer_that_says_it_is_a_gateway_and_fo
     EXPECT_EQ(link->trouble().id, "other_gateway");
 }
 
-// What was known of a peer's question goes with it: behind the port may be somebody else.
+// Behind the port may be somebody else. The suspension stays, or forgetting the peer would be a way to suspend it again.
 TEST_F(ListeningLink, takes_whoever_has_the_port_of_one_that_was_forgotten) {
     start();
     say(first, telemetry);
     const Channel* const before = channel(first);
     ASSERT_TRUE(before);
     say(first, notice(Kind::question, 7) + telemetry);
-    ASSERT_TRUE(host.until([&] { return before->routed.denied_in == 1; }));
+    ASSERT_TRUE(host.until([&] { return before->routed.suspended == 1; }));
     link->forget_peer(before->id);
     say(first, vendor::who_are_you);
-    ASSERT_TRUE(host.until([&] { return !peers().empty() || link->unassigned_traffic().received.denied_in > 0; }));
+    ASSERT_TRUE(host.until([&] { return link->unassigned_traffic().received.suspended == 1; }));
+    ASSERT_TRUE(host.until([&] {
+        say(first, vendor::who_are_you);
+        return !peers().empty();
+    }));
     EXPECT_EQ(peers(), std::vector{first.local().text()});
 }
 

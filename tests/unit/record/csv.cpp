@@ -39,9 +39,9 @@ std::vector<std::string> cells_of(std::string line) {
 const std::string first_columns = "time [s],link,peer,frame_direction,frame_cause,from,to,";
 
 TEST(Csv, has_a_column_a_field_with_its_unit) {
-    EXPECT_EQ(heading_of(0x03), first_columns + "rol [°],pit [°],yaw [°],fusion_sta,frame_extra,frame_data\n");
+    EXPECT_EQ(heading_of(0x03), first_columns + "rol [°],pit [°],yaw [°],fusion_sta,mode,frame_extra,frame_data\n");
     EXPECT_EQ(line_of(support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1})),
-              "1763898044.123456789,fc,,in,,220,254,1.23,0,0,1,,\n");
+              "1763898044.123456789,fc,,in,,220,254,1.23,0,0,1,,,\n");
 }
 
 TEST(Csv, says_where_a_frame_passed) {
@@ -52,15 +52,16 @@ TEST(Csv, says_where_a_frame_passed) {
     dropped.peer = "a, \"b\"";
     std::string out;
     CsvWriter{0x03, {}}.write(dropped, out);
-    EXPECT_EQ(out, "1763898044.123456789,fc,\"a, \"\"b\"\"\",dropped,limited,220,254,1.23,0,0,1,,\n");
+    EXPECT_EQ(out, "1763898044.123456789,fc,\"a, \"\"b\"\"\",dropped,limited,220,254,1.23,0,0,1,,,\n");
 }
 
 TEST(Csv, has_the_bytes_of_what_it_can_not_read) {
     EXPECT_EQ(heading_of(0x77), first_columns + "frame_extra,frame_data\n");
     EXPECT_EQ(line_of(support::frame(1, 2, 0x77, {0xAB, 0xCD})), "1763898044.123456789,fc,,in,,1,2,,abcd\n");
-    EXPECT_EQ(line_of(support::frame(1, 2, 0x03, {0xAB})), "1763898044.123456789,fc,,in,,1,2,,,,,,ab\n");
-    EXPECT_EQ(line_of(support::frame(1, 2, 0x03, {0x7B, 0, 0, 0, 0, 0, 1, 9})),
-              "1763898044.123456789,fc,,in,,1,2,1.23,0,0,1,09,\n");
+    EXPECT_EQ(line_of(support::frame(1, 2, 0x03, {0xAB})), "1763898044.123456789,fc,,in,,1,2,,,,,,,ab\n");
+    EXPECT_EQ(line_of(support::frame(1, 2, 0x03, Bytes(9))), "1763898044.123456789,fc,,in,,1,2,,,,,,,000000000000000000\n");
+    EXPECT_EQ(line_of(support::frame(1, 2, 0x09, {1, 0, 2, 0, 9})), "1763898044.123456789,fc,,in,,1,2,,,,0100020009\n");
+    EXPECT_EQ(line_of(support::frame(1, 2, 0x09, {1, 0, 2, 0, 9, 8})), "1763898044.123456789,fc,,in,,1,2,1,2,0908,\n");
 }
 
 TEST(Csv, every_value_of_every_message_has_a_cell) {
@@ -119,6 +120,22 @@ TEST(Csv, a_flexible_message_has_the_columns_of_its_layouts) {
     std::string out;
     CsvWriter{0xF1, {&layouts}}.write_heading(out);
     EXPECT_EQ(out, first_columns + "frame_extra,frame_data\n");
+}
+
+TEST(Csv, what_has_no_column_is_in_the_data_of_the_frame) {
+    ano::FlexibleLayouts first, then;
+    ASSERT_FALSE(first.add({.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}}}));
+    ASSERT_FALSE(then.add({.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}, {"cells", ano::Type::u8, 1, "V", 2}}}));
+    CsvWriter csv{0xF1, {&first}};
+    std::string out;
+    csv.write(recorded(support::frame(5, 0xFE, 0xF1, {7})), out);
+    EXPECT_TRUE(out.ends_with(",7,,\n")) << out;
+    csv.use(then);
+    csv.write(recorded(support::frame(5, 0xFE, 0xF1, {7, 8, 9})), out);
+    EXPECT_TRUE(out.ends_with(",7,,070809\n")) << out;
+    out.clear();
+    CsvWriter{0xF1, {&then}}.write_heading(out);
+    EXPECT_NE(out.find(",a,cells.0 [V],cells.1 [V],"), std::string::npos) << out;
 }
 
 TEST(RecordedJson, is_as_monitor_shows_it) {

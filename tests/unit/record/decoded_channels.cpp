@@ -1,8 +1,14 @@
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <record/decoded_channels.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <support/bytes.hpp>
@@ -65,10 +71,11 @@ TEST(DecodedChannels, a_message_has_a_channel_a_device_and_a_schema_for_all) {
 
 TEST(DecodedChannels, values_are_in_their_units) {
     DecodedChannels decoded{DecodedEncoding::cdr};
-    EXPECT_EQ(definition_of_message(euler), "float64 rol\nfloat64 pit\nfloat64 yaw\nuint8 fusion_sta\n");
-    // 1.23, -45.67, 0, 1
+    EXPECT_EQ(definition_of_message(euler), "float64 rol\nfloat64 pit\nfloat64 yaw\nuint8 fusion_sta\nfloat64 mode\n");
+    // 1.23, -45.67, 0, 1, no mode
     EXPECT_EQ(decoded.decode(passed(euler))[0].data,
-              bytes("00 01 00 00  AE 47 E1 7A 14 AE F3 3F  F6 28 5C 8F C2 D5 46 C0  00 00 00 00 00 00 00 00  01"));
+              bytes("00 01 00 00  AE 47 E1 7A 14 AE F3 3F  F6 28 5C 8F C2 D5 46 C0  00 00 00 00 00 00 00 00  01 "
+                    "00 00 00 00 00 00 00  00 00 00 00 00 00 F8 7F"));
 }
 
 TEST(DecodedChannels, what_a_layout_lacks_is_a_field_that_can_be_empty) {
@@ -115,6 +122,10 @@ TEST(DecodedChannels, what_the_table_does_not_have_is_not_decoded) {
     EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x03, {1, 2}))).empty());
     EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0xF1, {1, 2}))).empty());
     EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x51, {9, 2, 3, 4, 5, 6, 7, 8}))).empty());
+    for (const std::size_t size : {9u, 10u, 20u})
+        EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x03, Bytes(size)))).empty());
+    EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x03, {2, 0x7B, 0, 0x29, 0xEE, 0, 0, 1}))).empty());
+    EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x02, Bytes(10)))).empty());
     EXPECT_TRUE(decoded.channels().empty());
     EXPECT_TRUE(decoded.schemas().empty());
 }
@@ -208,6 +219,8 @@ TEST(DecodedChannels, every_json_is_as_its_schema_says) {
         for (const auto& [key, value] : vector.json["fields"].items()) {
             if (value.is_null()) {
                 EXPECT_FALSE(json.contains(key)) << vector.name << " " << key;
+            } else if (vector.name == "log in GBK" && key == "str") {
+                EXPECT_EQ(json[key], "\u89e3\u9501");    // recordings have texts as people read them, in JSON as in CDR
             } else {
                 EXPECT_EQ(json[key], value) << vector.name << " " << key;
             }
@@ -215,14 +228,71 @@ TEST(DecodedChannels, every_json_is_as_its_schema_says) {
     }
 }
 
+DecodingPtr decoding(std::vector<ano::FlexibleSpec> flexible, std::set<std::string, std::less<>> lx = {}) {
+    return std::make_shared<const Decoding>(std::move(flexible), std::move(lx));
+}
+
+TEST(DecodedChannels, flexible_messages_of_each_value_of_their_first_field_are_a_channel) {
+    const ano::FlexibleField kind{"kind", ano::Type::u8, 1, ""};
+    DecodedChannels decoded{
+        DecodedEncoding::cdr,
+        decoding({{.id = 0xF1, .fields = {kind, {"a", ano::Type::u16, 1, "", 2}}, .endian = ano::ByteOrder::big, .when = 3},
+                  {.id = 0xF1, .fields = {kind, {"b", ano::Type::u8, 1, ""}}, .when = 4}})};
+    const Bytes three = support::frame(5, 0xFE, 0xF1, {3, 1, 2, 3, 4}), four = support::frame(5, 0xFE, 0xF1, {4, 9});
+    EXPECT_EQ(topics_of(decoded, passed(three)), std::vector<std::string>{"/fc/device_5/flexible1_when_3"});
+    EXPECT_EQ(topics_of(decoded, passed(four)), std::vector<std::string>{"/fc/device_5/flexible1_when_4"});
+    EXPECT_EQ(decoded.schemas()[0].name, "ano_msgs/msg/Flexible1When3");
+    EXPECT_EQ(without_comments(decoded.schemas()[0].text), "uint8 kind\nuint16[2] a\n");
+    EXPECT_EQ(decoded.decode(passed(three))[0].data, bytes("00 01 00 00  03 00 02 01 04 03"));
+    EXPECT_EQ(decoded.channels().size(), 2u);
+    EXPECT_TRUE(decoded.decode(passed(support::frame(5, 0xFE, 0xF1, {5, 9}))).empty());
+}
+
+TEST(DecodedChannels, other_layouts_are_new_channels) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    const Bytes frame = support::frame(5, 0xFE, 0xF1, {7, 1});
+    EXPECT_TRUE(decoded.decode(passed(frame)).empty());
+    EXPECT_EQ(topics_of(decoded, passed(euler)).front(), "/fc/device_220/euler");
+    const std::size_t channels = decoded.channels().size();
+    decoded.use(decoding({{.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}}}}));
+    EXPECT_EQ(decoded.decode(passed(frame))[0].data, bytes("00 01 00 00  07"));
+    decoded.use(decoding({{.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}}}}));
+    EXPECT_EQ(decoded.decode(passed(frame))[0].channel, channels) << "the same layouts";
+    decoded.use(decoding({{.id = 0xF1, .fields = {{"b", ano::Type::u16, 1, ""}}}}));
+    EXPECT_EQ(decoded.decode(passed(frame))[0].channel, channels + 1);
+    EXPECT_EQ(decoded.decode(passed(frame))[0].data, bytes("00 01 00 00  07 01"));
+    EXPECT_EQ(decoded.channels()[channels + 1].topic, decoded.channels()[channels].topic);
+    EXPECT_EQ(topics_of(decoded, passed(euler)).front(), "/fc/device_220/euler");
+    EXPECT_EQ(decoded.channels().size(), channels + 2) << "other messages keep their channels";
+}
+
+// One orientation of a device, whichever frame it sends.
+TEST(DecodedChannels, euler_angles_of_lx_units_and_their_quaternion_are_one_orientation) {
+    const Bytes angles = support::frame(0xDD, 0xFE, 0x03, {0, 0, 0, 0, 0x28, 0x23, 1});                    // yaw 90°
+    const Bytes quaternion = support::frame(0xDD, 0xFE, 0x04, {0x9F, 0x1B, 0, 0, 0, 0, 0x61, 0xE4, 1});    // yaw -90°
+    const auto orientation = [](DecodedChannels& decoded, const Bytes& frame, std::string_view link) {
+        for (const DecodedMessage& message : decoded.decode(passed(frame, link)))
+            if (decoded.channels()[message.channel].topic.ends_with("/orientation"))
+                return ano::Json::parse(message.data)["quaternion"]["z"].get<double>();
+        return 0.0;
+    };
+    DecodedChannels decoded{DecodedEncoding::json, decoding({}, {"lx"})};
+    EXPECT_NEAR(orientation(decoded, angles, "lx"), -std::sqrt(0.5), 1e-6);
+    EXPECT_NEAR(orientation(decoded, quaternion, "lx"), -std::sqrt(0.5), 1e-6);
+    EXPECT_NEAR(orientation(decoded, angles, "other"), std::sqrt(0.5), 1e-6);
+    decoded.use(decoding({}, {"other"}));
+    DecodedChannels before{DecodedEncoding::json};
+    EXPECT_NEAR(orientation(before, angles, "fc"), std::sqrt(0.5), 1e-6);
+    before.use(decoding({}, {"fc"}));
+    EXPECT_NEAR(orientation(before, angles, "fc"), -std::sqrt(0.5), 1e-6) << "also of a device that was heard before";
+}
+
 TEST(DecodedChannels, flexible_messages_have_their_layout) {
-    ano::FlexibleLayouts layouts;
     const std::vector<ano::FlexibleField> all{
         {"温度", ano::Type::i16, 0.1, "°C\nuint8 x"}, {"Volt.age", ano::Type::f32, 1, "V"}, {"volt age", ano::Type::u8, 1, ""}};
     const std::vector<ano::FlexibleField> own{{"x", ano::Type::u8, 1, ""}};
-    ASSERT_FALSE(layouts.add(0xF1, {}, all));
-    ASSERT_FALSE(layouts.add(0xF1, 220, own));
-    DecodedChannels decoded{DecodedEncoding::cdr, &layouts};
+    DecodedChannels decoded{DecodedEncoding::cdr,
+                            decoding({{.id = 0xF1, .fields = all}, {.id = 0xF1, .source = 220, .fields = own}})};
     const Bytes frame = support::frame(5, 0xFE, 0xF1, {0x0A, 0, 0, 0, 0x80, 0x3F, 7});
     EXPECT_EQ(decoded.decode(passed(frame))[0].data, bytes("00 01 00 00  00 00 00 00 00 00 F0 3F  00 00 80 3F  07"));
     EXPECT_EQ(decoded.schemas()[0].name, "ano_msgs/msg/Flexible1");

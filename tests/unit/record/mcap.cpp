@@ -199,6 +199,17 @@ TEST(Mcap, its_indexes_lead_to_every_message) {
     EXPECT_EQ(found[head.time_ns + 1 - 3'600'000'000'000], 2u);    // the last loss is told with the time of the frame before
 }
 
+TEST(Mcap, a_loss_that_no_frame_follows_is_in_a_file_that_was_flushed) {
+    const std::string file = write_mcap({came(euler), lost(7, "euler 7")}, false,
+                                        1);    // it ends there, as of a program that was killed
+    const auto items = read_recording(file).items;
+    ASSERT_EQ(items.size(), 2u);
+    EXPECT_EQ(items[1].lost, 7u);
+    EXPECT_EQ(items[1].names, "euler 7");
+    const auto more = read_recording(write_mcap({came(euler), lost(7, "euler 7"), came(euler)}, true, 1)).items;
+    ASSERT_EQ(more.size(), 3u) << "not once more with the next frame";
+}
+
 TEST(Mcap, its_checksums_and_offsets_are_those_of_its_bytes) {
     const std::string file = write_mcap(a_bit_of_everything(), true, 2);
     const mcap::Record end = records_of(file, mcap::Opcode::data_end).at(0),

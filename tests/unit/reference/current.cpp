@@ -1,11 +1,12 @@
-#include <daemon/control_door.hpp>
-#include <daemon/gateway.hpp>
-#include <daemon/recording_routes.hpp>
-#include <daemon/recordings.hpp>
-#include <daemon/reload.hpp>
-#include <daemon/reload_routes.hpp>
-#include <daemon/routes.hpp>
-#include <link/asio.hpp>
+#include <control/control_door.hpp>
+#include <control/flexible_control.hpp>
+#include <control/recording_routes.hpp>
+#include <control/reload_routes.hpp>
+#include <control/routes.hpp>
+#include <recording/recordings.hpp>
+#include <runtime/gateway.hpp>
+#include <runtime/reload.hpp>
+#include <sys/asio.hpp>
 
 #include <gtest/gtest.h>
 #include <reference/completions.hpp>
@@ -45,7 +46,9 @@ TEST(Manual, in_the_repository_is_the_one_that_the_tables_make) {
     anogate::add_routes(door.routes(), gateway);
     anogate::add_reload_routes(door.routes(), reload);
     anogate::add_recording_routes(door.routes(), recordings);
-    door.add_login_route();
+    anogate::FlexibleControl flexible{gateway, {}, {}};
+    flexible.add_routes(door.routes());
+    door.add_login_routes();
     is_current("tools/man/anogate-api.7", api_page(door.routes().rows()));
 }
 

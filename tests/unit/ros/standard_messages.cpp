@@ -118,6 +118,13 @@ TEST(StandardMessages, angles_turn_about_x_then_y_then_z) {
     expect_rotation(orientation(0, 9000, 9000), 0.5, -0.5, 0.5, 0.5);
 }
 
+TEST(StandardMessages, angles_with_a_mode_turn_alike) {
+    HeardDevice device;
+    device.hear(0x03, Bytes{1} + shorts({0, 0, -9000}) + Bytes{1});
+    EXPECT_EQ(device.topics, std::vector<std::string>{"orientation"});
+    expect_rotation(device.at("orientation")["quaternion"], half, 0, 0, -half);
+}
+
 TEST(StandardMessages, a_quaternion_goes_before_angles) {
     HeardDevice device;
     device.hear(0x04, shorts({7071, 0, 0, -7071}) + Bytes{1});

@@ -1,8 +1,10 @@
 // A host calibrates the simulated devices: what it finds straightens what they send.
 #include <host/calibration.hpp>
 #include <world/car.hpp>
+#include <world/faulty_line.hpp>
 #include <world/flight_controller.hpp>
 #include <world/imu.hpp>
+#include <world/kinds.hpp>
 
 #include <support/simulated.hpp>
 
@@ -26,6 +28,8 @@ struct Workshop {
         bench.write("SIM_SWAY", 0.0f);    // of the one that has it
     }
 
+    // The hand lets it go some seconds after it was stored.
+    void wait_until_let_go() { bench.run_for(60s); }
     // The host and the device on a line without faults, until it ends.
     void drive(Calibration& task) {
         task.start(bench.now);
@@ -40,6 +44,7 @@ struct Workshop {
                 host.take(ano::FrameView{said}, bench.now);
                 task.hear(ano::FrameView{said}, bench.now);
             }
+            task.look(bench.now);
         }
     }
     void calibrate(Sensor sensor) {
@@ -80,7 +85,7 @@ void straightens_the_accelerometer() {
         const double before = error();
         EXPECT_GT(before, 5) << "seed " << seed;
         ASSERT_NO_FATAL_FAILURE(shop.calibrate(Sensor::accelerometer));
-        shop.bench.run_for(2s);
+        shop.wait_until_let_go();
         EXPECT_LT(error(), 2) << "seed " << seed << ", before " << before;
     }
 }
@@ -96,6 +101,38 @@ void rounds_the_compass() {
         for (const auto& m : all) ASSERT_NEAR(m.length(), strength, 0.05 * strength);
         EXPECT_NEAR(strength, 500, 50);
     }
+}
+
+// On a line, as `sim:imu,restart_after=15s`: its old calibration is active again in the middle.
+TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_one_that_restarts_meanwhile) {
+    const ano::TimePoint start{1000s};
+    ano::world::FaultyLine line{ano::world::make_device("imu", {0, 50, 1}, start), {.restart_after = 15s}, 1, start};
+    auto& parameters = line.device().device().parameters();
+    ASSERT_TRUE(parameters.write("CAL_AOFF_X", 60.0) && parameters.write("CAL_ASEN_Y", 1.05));
+    ano::TimePoint now = start;
+    ano::host::Device host{0xDD};
+    Calibration task{host, Sensor::accelerometer};
+    std::vector<Bytes> said;
+    const auto hear = [&](ano::Bytes bytes, ano::TimePoint) { said.emplace_back(bytes.begin(), bytes.end()); };
+    const Bytes store = support::frame(0xFE, 0xDD, 0xE0, {0x10, 0xAB, 0});
+    line.take(ano::FrameView{store}, now, hear);
+    task.start(now);
+    while (!task.end() && now < start + 5min) {
+        now += 10ms;
+        if (task.step() == Calibration::Step::keep) task.kept(now);
+        while (const auto asked = host.next_frame(now)) line.take(*asked, now, hear);
+        line.run(now, hear);
+        for (const Bytes& one : std::exchange(said, {})) {
+            host.take(ano::FrameView{one}, now);
+            task.hear(ano::FrameView{one}, now);
+        }
+        task.look(now);
+    }
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, ano::host::Ending::done) << task.end()->what;
+    EXPECT_EQ(task.restarts(), 1u);
+    EXPECT_EQ(task.last_restart(), "no samples for 1.0 s");
+    EXPECT_LT(task.verified().value_or(100), 3);
 }
 
 TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_the_flight_controller) {

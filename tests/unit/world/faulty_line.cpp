@@ -164,5 +164,64 @@ TEST(FaultyLine, is_slow_and_twenty_may_wait) {
     EXPECT_EQ(day.count(0xE3), 21u) << "it is idle again";
 }
 
+// As a device does that loses power: what was not stored is lost.
+TEST(FaultyLine, a_device_that_restarts_is_silent_for_a_second_and_has_its_stored_values_again) {
+    BadDay day{{.restart_after = 5s}};
+    auto& parameters = day.line.device().device().parameters();
+    const auto act = [&](std::uint8_t action) {
+        const Bytes question = frame(0xFE, 0xDD, 0xE0, {0x10, action, 0});
+        day.line.take(ano::FrameView{question}, day.now, day.hear);
+    };
+    const auto value = [&](const char* name) { return parameters[*parameters.find(name)].get(); };
+    ASSERT_TRUE(parameters.write("CAL_AOFF_X", 12.0) && parameters.write("SIM_BAR_OFFSET", std::int64_t{7}));
+    act(0x21);
+    ASSERT_TRUE(parameters.write("SIM_BAR_OFFSET", std::int64_t{8}));
+    act(0x20);
+    day.run_for(4900ms);
+    EXPECT_EQ(value("CAL_AOFF_X"), ano::device::Value{0.0});
+    const std::size_t before = day.count(0x01);
+    day.run_for(200ms);
+    EXPECT_EQ(value("CAL_AOFF_X"), ano::device::Value{12.0});
+    EXPECT_EQ(value("SIM_BAR_OFFSET"), ano::device::Value{std::int64_t{7}});
+    day.run_for(800ms);
+    EXPECT_LE(day.count(0x01) - before, 6u);
+    act(0x20);
+    EXPECT_EQ(value("CAL_AOFF_X"), ano::device::Value{12.0}) << "it is still restarting";
+    day.run_for(1s);
+    EXPECT_GT(day.count(0x01) - before, 40u);
+    act(0x20);
+    day.run_for(10s);
+    EXPECT_EQ(value("CAL_AOFF_X"), ano::device::Value{0.0}) << "it restarts once";
+}
+
+TEST(FaultyLine, with_the_vendors_parser_a_damaged_len_makes_the_device_deaf_until_its_bytes_have_come) {
+    Faults faults;
+    faults.vendor_parser = true;
+    BadDay day{faults};
+    day.ask_who_it_is();
+    EXPECT_EQ(day.count(0xE3), 1u);
+    const Bytes header{0xAB, 0xFE, 0xDC, 0xE0, 190, 0};
+    day.line.take(header, day.now, day.hear);
+    for (int i = 0; i < 17; ++i) day.ask_who_it_is();
+    EXPECT_EQ(day.count(0xE3), 1u);
+    day.line.take(Bytes(206), day.now, day.hear);
+    day.ask_who_it_is();
+    EXPECT_EQ(day.count(0xE3), 2u);
+}
+
+TEST(FaultyLine, with_one_at_a_time_frames_are_lost_while_it_is_busy) {
+    Faults faults;
+    faults.slow = 10ms;
+    faults.one_at_a_time = true;
+    BadDay day{faults};
+    for (int i = 0; i < 8; ++i) day.ask_who_it_is();
+    EXPECT_EQ(day.line.counters().unheard, 7u);
+    day.run_for(10ms);
+    EXPECT_EQ(day.count(0xE3), 1u);
+    day.ask_who_it_is();
+    day.run_for(10ms);
+    EXPECT_EQ(day.count(0xE3), 2u);
+}
+
 }    // namespace
 }    // namespace faulty_line_tests

@@ -3,6 +3,7 @@
 #include "device_client.hpp"
 #include "job_view.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
@@ -68,7 +69,7 @@ struct Calibrate {
         request.body = Json{{"what", what}}.dump();
         CalibrationView view{streams, options.yes};
         const Json result = client.run(std::move(request), view);
-        if (options.json) streams.out << result.dump() << '\n';
+        if (options.json) streams.out << ano::json_text(result) << '\n';
         else
             for (const std::string& line : calibration_result(result, what)) say(streams, line);
         return fine;

@@ -118,6 +118,11 @@ std::vector<std::string> calibration_result(const Json& result, const std::strin
     const bool is_share = what == "compass";
     std::vector<std::string> lines{"residual " + residual_text(number_at(result, "before"), is_share) + " before, " +
                                    residual_text(number_at(result, "after"), is_share) + " now"};
+    if (result.contains("verified"))
+        lines.push_back("measured with the new values: " + residual_text(number_at(result, "verified"), is_share));
+    if (const double restarts = number_at(result, "restarts"); restarts > 0)
+        lines.push_back("the device restarted " + ano::number_text(restarts) + (restarts > 1 ? " times" : " time") +
+                        " meanwhile: only samples after that were used");
     for (const auto& [name, value] : at(result, "values").items())
         lines.push_back(without_controls(name) + "=" + plain_at(at(result, "values"), name.c_str()));
     lines.emplace_back("the device has stored them: they stay over a restart");

@@ -2,6 +2,7 @@
 #include "command_values.hpp"
 #include "device_client.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
@@ -24,22 +25,25 @@ struct Command {
     DeviceOptions options;
     std::string action;
     std::vector<std::string> words;
+    std::string cid, type7;
     bool repeat = false;
 
     int run(Streams& streams) const {
         if (action == "list") return list(streams);
         if (action == "call") return call(streams);
-        throw UsageError{"command " + ano::in_quotes(action) + " is nothing to do; list and call NAME [VALUE...] are"};
+        throw UsageError{"command " + ano::in_quotes(action) +
+                         " is nothing to do; list, call NAME [VALUE...] and call --cid CID [TYPE:VALUE...] are"};
     }
 
 private:
     int list(Streams& streams) const {
         if (!words.empty()) throw UsageError{ano::in_quotes(words[0]) + " is a word too many"};
+        if (!cid.empty()) throw UsageError{"--cid is for command call"};
         DeviceClient client{options, streams};
         const Json answer = client.run("GET", client.target("/commands"));
         Table table{{" ID", "COMMAND", "WHAT"}};
         for (const Json& command : at(answer, "commands")) {
-            if (options.json) streams.out << command.dump() << '\n';
+            if (options.json) streams.out << ano::json_text(command) << '\n';
             else table.row({text_at(command, "id"), command_usage(command), text_at(command, "text")});
         }
         const bool is_empty = table.empty() && text_at(answer, "incomplete").empty();
@@ -49,24 +53,53 @@ private:
         return fine;
     }
 
+    /// As it was read before, so that the call is the first frame that is sent; else as the device describes it now.
+    static Json described(DeviceClient& client, const std::string& word) {
+        const Json known = client.run("GET", client.target("/commands?known"));
+        try {
+            return command_called(at(known, "commands"), word);
+        } catch (const UsageError&) {
+            if (!known.contains("known")) throw;
+        }
+        const Json now = client.run("GET", client.target("/commands"));
+        return command_called(at(now, "commands"), word);
+    }
+
     int call(Streams& streams) const {
+        if (!cid.empty()) return call_the_cid(streams);
         if (words.empty()) throw UsageError{"which? anoctl command call NAME [VALUE...]"};
         DeviceClient client{options, streams};
         client.must_be_able_to_ask("command call");
-        const Json answer = client.run("GET", client.target("/commands"));
-        const Json& command = command_called(at(answer, "commands"), words[0]);
+        const Json command = described(client, words[0]);
         const std::vector<std::string> given{words.begin() + 1, words.end()};
-        const Json values = command_values(command, given);
-        std::string said = text_at(command, "name");
-        for (const std::string& word : given) said += " " + without_controls(word);
-        if (!client.may("Tell " + client.device_words() + ": " + said + "?")) {
+        const Json body{{"values", command_values(command, given)}, {"repeat", repeat}, {"name", text_at(command, "name")}};
+        return send(client, "/commands/" + text_at(command, "id"), body, with_values(text_at(command, "name"), given), streams);
+    }
+
+    int call_the_cid(Streams& streams) const {
+        Json body = call_by_cid(cid, words);
+        body["repeat"] = repeat;
+        DeviceOptions at_once = options;
+        at_once.asks_nothing_first = true;
+        DeviceClient client{at_once, streams};
+        client.must_be_able_to_ask("command call");
+        return send(client, "/commands/by-cid", body, with_values("command " + without_controls(cid), words), streams);
+    }
+
+    static std::string with_values(std::string text, const std::vector<std::string>& values) {
+        for (const std::string& word : values) text += " " + without_controls(word);
+        return text;
+    }
+    int send(DeviceClient& client, const std::string& route, Json body, const std::string& text, Streams& streams) const {
+        if (!type7.empty()) body["type7"] = type7;
+        if (!client.may("Tell " + client.device_words() + ": " + text + "?")) {
             tell(streams, "nothing was sent");
             return failed;
         }
-        const Json came = client.run("POST", client.target("/commands/" + text_at(command, "id")),
-                                     Json{{"values", values}, {"repeat", repeat}}.dump());
-        if (options.json) streams.out << came.dump() << '\n';
-        else say(streams, client.device_words() + ": " + said + ": acknowledged");
+        const Json came = client.run("POST", client.target(route), body.dump());
+        if (options.json) streams.out << ano::json_text(came) << '\n';
+        else say(streams, client.device_words() + ": " + text + ": acknowledged");
+        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
         return fine;
     }
 };
@@ -78,7 +111,20 @@ Run add_command(Options& options) {
     options.push_back({"action", &self->action, "list|call", "list, or call NAME [VALUE...]: asks before it is sent", true});
     options.push_back(
         {"words", &self->words, "[COMMAND [VALUE...]]", "The command by name or number, and a value for each of its types"});
+    options.push_back(
+        {"--cid", &self->cid, "CID",
+         "call: the command by its three bytes, as in 16,0,5, with values as in u16:150, instead of by its name; the "
+         "device is asked nothing first"});
     options.push_back({"--repeat", &self->repeat, "", "Sends it again when no answer comes: it may be carried out twice then"});
+    options.push_back(
+        {"--type7",
+         [self](const std::string& word) {
+             self->type7 = word;
+             return word == "f32" || word == "u64" ? std::string{} : ano::in_quotes(word) + " is neither f32 nor u64";
+         },
+         "f32|u64",
+         "call: what value type 7 means for a device whose descriptions do not show it (f32 in older ones); the gateway "
+         "keeps it"});
     DeviceOptions::add(options, self->options, "command");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
+#include <sstream>
 #include <string_view>
 #include <variant>
 
@@ -24,7 +26,29 @@ Json value_typed(const std::string& word, const std::string& type_name, const st
     return std::visit([](auto plain) { return Json(plain); }, *number);
 }
 
+std::uint8_t byte_in(const std::string& word, const std::string& cid) {
+    const auto number = ano::parse_number(word);
+    const Json json = number ? std::visit([](auto plain) { return Json(plain); }, *number) : Json{};
+    const std::int64_t byte = json.is_number_integer() ? json.get<std::int64_t>() : -1;
+    if (byte < 0 || byte > 0xFF) throw UsageError{"--cid " + ano::in_quotes(cid) + " must be three bytes, as in 16,0,5"};
+    return static_cast<std::uint8_t>(byte);
+}
+
 }    // namespace
+
+Json call_by_cid(const std::string& cid, const std::vector<std::string>& words) {
+    Json bytes = Json::array(), values = Json::array();
+    std::istringstream in{cid};
+    for (std::string byte; std::getline(in, byte, ',');) bytes.push_back(byte_in(byte, cid));
+    if (bytes.size() != 3 || cid.ends_with(',')) (void)byte_in("", cid);
+    for (const std::string& word : words) {
+        const std::string where = "value " + std::to_string(values.size() + 1) + ": ";
+        const auto colon = word.find(':');
+        if (colon == word.npos) values.push_back(value_typed(word, "", where));
+        else values.push_back({{word.substr(0, colon), value_typed(word.substr(colon + 1), word.substr(0, colon), where)}});
+    }
+    return {{"cid", bytes}, {"values", values}};
+}
 
 const Json& command_called(const Json& commands, const std::string& word) {
     std::vector<std::string> names;

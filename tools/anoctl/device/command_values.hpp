@@ -16,6 +16,9 @@ const ano::Json& command_called(const ano::Json& commands, const std::string& wo
 /// The values in the types of `command`. Throws UsageError when there are too few or too many, or one is no number or out of range.
 ano::Json command_values(const ano::Json& command, const std::vector<std::string>& words);
 
+/// The body for POST …/commands/by-cid: `cid` is "16,0,5", each word "u16:150", or a number alone. Throws UsageError.
+ano::Json call_by_cid(const std::string& cid, const std::vector<std::string>& words);
+
 /// "move u16 i16 f32"
 std::string command_usage(const ano::Json& command);
 

@@ -219,8 +219,15 @@ void DeviceOptions::add_yes(Options& declared, DeviceOptions& self) {
 
 DeviceClient::DeviceClient(const DeviceOptions& options, Streams& streams)
     : options_{options}, streams_{streams}, loop_{std::make_unique<Loop>()} {
-    if (options.link.empty()) loop_->door = gateway_door(loop_->io, options.gateway.socket());
-    else loop_->door = link_door(loop_->io, link_settings_of(options.link), streams);
+    if (options.link.empty()) {
+        loop_->door = gateway_door(loop_->io, options.gateway.socket());
+        return;
+    }
+    const auto called = ano::address_called(options.device);
+    const auto* const address = std::get_if<std::uint8_t>(&called);
+    const auto there = options.asks_nothing_first && address != nullptr ? std::optional{*address} : std::nullopt;
+    if (there) loop_->device = Json{{"address", ano::hex_byte(*there)}};
+    loop_->door = link_door(loop_->io, link_settings_of(options.link), streams, there);
 }
 DeviceClient::~DeviceClient() = default;
 

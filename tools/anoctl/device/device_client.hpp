@@ -24,6 +24,7 @@ struct DeviceOptions {
     GatewayOptions gateway;
     std::string link, device, command;
     bool json = false, yes = false;
+    bool asks_nothing_first = false;    // with --link: a device named by its address is not looked for
 
     /// Declares --link, --control, --json of `command`. `self` lives as long as the run.
     static void add_place(Options& declared, DeviceOptions& self, const char* command);

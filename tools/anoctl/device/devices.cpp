@@ -3,6 +3,7 @@
 #include "device_names.hpp"
 #include "job_text.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
 #include <anoctl/say.hpp>
@@ -52,7 +53,7 @@ private:
     int list_devices(DeviceClient& client, Streams& streams) const {
         const Json found = client.devices(scan || !options.link.empty());    // a link of our own has not heard any device yet
         if (options.json) {
-            for (const Json& device : found) streams.out << device.dump() << '\n';
+            for (const Json& device : found) streams.out << ano::json_text(device) << '\n';
             return fine;
         }
         Table table{
@@ -82,7 +83,7 @@ private:
         Table table{{" JOB", "DEVICE", "WHAT", "STATE", " DONE", "BY", "MESSAGE"}};
         for (const Json& one : all) {
             const bool is_old = has_ended(one) && ended-- > max_ended;
-            if (options.json) streams.out << one.dump() << '\n';
+            if (options.json) streams.out << ano::json_text(one) << '\n';
             else if (!is_old)
                 table.row({text_at(one, "id"), text_at(one, "device"), command_of_job(text_at(one, "kind")),
                            text_at(one, "state"), percent_of(one), text_at(one, "client"), text_at(one, "message")});
@@ -115,7 +116,7 @@ private:
         }
         const Json ended = client.ask("DELETE", target);
         if (options.json) {
-            streams.out << ended.dump() << '\n';
+            streams.out << ano::json_text(ended) << '\n';
             return fine;
         }
         const std::string state = text_at(ended, "state"), error = text_at(ended, "error"), by = text_at(ended, "client");

@@ -4,7 +4,7 @@
 
 #include <http/answer.hpp>
 #include <http/request.hpp>
-#include <link/asio_fwd.hpp>
+#include <sys/asio_fwd.hpp>
 
 #include <functional>
 #include <memory>

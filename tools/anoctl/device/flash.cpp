@@ -3,6 +3,7 @@
 #include "file_text.hpp"
 #include "job_text.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
 #include <anoctl/say.hpp>
@@ -50,11 +51,14 @@ struct Flash {
         request.headers.push_back({"Content-Type", "application/octet-stream"});
         ProgressView view{streams, true};
         const Json came = client.run(std::move(request), view);
-        if (options.json) streams.out << came.dump() << '\n';
-        else
+        if (options.json) streams.out << ano::json_text(came) << '\n';
+        else {
+            const std::string note = text_at(came, "note");
             say(streams, client.device_words() + ": written and checked, " +
                              plural(static_cast<std::size_t>(number_at(came, "frames")), "frame") + ", " +
-                             text_at(came, "repeats") + " repeated, in " + time_text(number_at(came, "seconds")));
+                             text_at(came, "repeats") + " repeated, in " + time_text(number_at(came, "seconds")) +
+                             (note.empty() ? "" : "; " + note));
+        }
         return fine;
     }
 

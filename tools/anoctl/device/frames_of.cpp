@@ -37,6 +37,7 @@ public:
     bool take(ano::FrameView frame, const Passage& passage) override {
         return !ids_[frame.id()] || !from_[frame.source()] || taker_.take(frame, passage);
     }
+    void use(const anogate::DecodingPtr& decoding) override { taker_.use(decoding); }
     bool flush() override { return taker_.flush(); }
     void miss(std::uint64_t count, const std::string& names, std::string_view json) override { taker_.miss(count, names, json); }
 
@@ -86,7 +87,8 @@ std::string FramesOf::each(const std::vector<std::string>& ids, FrameTaker& take
     const std::vector<std::string> named = by_address();
     const Chosen from = addresses_of_devices(named);
     if (link.empty())
-        return watch_frames(gateway.socket(), "&direction=in" + filter_words("id", ids) + filter_words("from", named), taker);
+        return watch_frames(gateway.socket(),
+                            "&direction=in&elsewhere=no" + filter_words("id", ids) + filter_words("from", named), taker);
     Chosen wanted;
     for (const std::string& id : ids) wanted.set(message_id_of(id));
     OnlyThese only{wanted, from, taker};

@@ -8,6 +8,7 @@
 #include "frames_of.hpp"
 #include "pictures.hpp"
 #include "png.hpp"
+#include "refused_lengths.hpp"
 
 #include <ano/hex.hpp>
 #include <ano_json/text.hpp>
@@ -15,10 +16,12 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <system_error>
@@ -64,8 +67,9 @@ private:
 
 class PictureWriter final : public FrameTaker {
 public:
-    PictureWriter(const std::string& folder, bool json, std::uint64_t count, Streams& streams)
-        : folder_{folder}, json_{json}, left_{count}, streams_{streams} {}
+    /// `refused`: nullptr without a gateway, where the link itself gives a hint.
+    PictureWriter(const std::string& folder, bool json, std::uint64_t count, RefusedLengths* refused, Streams& streams)
+        : folder_{folder}, json_{json}, left_{count}, refused_{refused}, streams_{streams} {}
 
     bool take(ano::FrameView frame, const Passage& passage) override {
         Pictures::Taken taken = pictures_.take(frame, ano::Clock::now(), passage.time);
@@ -81,12 +85,16 @@ public:
         }
         return true;
     }
-    bool flush() override { return bool{streams_.out.flush()}; }
+    bool flush() override {
+        if (refused_ && ano::Clock::now() >= look_at_) tell_refused();
+        return bool{streams_.out.flush()};
+    }
     void miss(std::uint64_t count, const std::string&, std::string_view) override {
         tell(streams_, plural(count, "frame") + " did not come, the gateway had no room for " + (count == 1 ? "it" : "them"));
     }
     /// No more frames will come.
     void end() {
+        if (refused_) tell_refused();
         if (!done_)
             for (const Picture& picture : pictures_.end()) write(picture, false);
         std::string words = plural(written_, "picture");
@@ -96,6 +104,10 @@ public:
     }
 
 private:
+    void tell_refused() {
+        look_at_ = ano::Clock::now() + look_every;
+        for (const std::string& sentence : refused_->look()) tell(streams_, sentence);
+    }
     /// `is_joined`: the first picture of its sender probably came without its beginning. It is not counted.
     void write(const Picture& picture, bool is_joined) {
         const std::string file = folder_.write(picture);
@@ -126,6 +138,9 @@ private:
     PictureFolder folder_;
     const bool json_;
     std::uint64_t left_;    // 0: no end
+    static constexpr std::chrono::seconds look_every{3};
+    RefusedLengths* refused_;
+    ano::TimePoint look_at_ = ano::Clock::now() + look_every;
     Streams& streams_;
     Pictures pictures_;
     std::string fault_;    // as printed last
@@ -140,7 +155,9 @@ struct Image {
     bool json = false;
 
     int run(Streams& streams) const {
-        PictureWriter writer{folder, json, count, streams};
+        std::optional<RefusedLengths> refused;
+        if (from.link.empty()) refused.emplace(from.gateway);
+        PictureWriter writer{folder, json, count, refused ? &*refused : nullptr, streams};
         const std::string why = from.each({"image"}, writer, streams, "image");
         writer.end();
         if (!why.empty()) throw Failure{why};

@@ -91,6 +91,12 @@ std::string with_options_named(std::string words, std::string_view command) {
     constexpr std::string_view longer = "a longer one must be allowed (longer)", ground = "this is for the ground";
     if (const std::size_t at = words.find(longer); at != words.npos)
         words.replace(at, longer.size(), "--longer allows a longer one");
+    constexpr std::string_view beyond = "a value beyond it must be allowed (force)";
+    if (const std::size_t at = words.find(beyond); at != words.npos)
+        words.replace(at, beyond.size(), "--force sends it all the same");
+    constexpr std::string_view seven = "state it once (type7)";
+    if (const std::size_t at = words.find(seven); at != words.npos)
+        words.replace(at, seven.size(), "state it once, --type7 f32 or --type7 u64");
     if (words.find(ground) == words.npos) return words;
     const bool has_force = command == "param" || command == "flash";
     words += has_force ? "; land it and lock it, or do it all the same by --force" : "; land it and lock it first";

@@ -3,6 +3,8 @@
 #include "file_text.hpp"
 
 #include <anoctl/anoctl.hpp>
+#include <devices/calibration_work.hpp>
+#include <sys/read_file.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -13,20 +15,45 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path state_folder() {
-    if (const char* const state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state == '/')
-        return fs::path{state} / "anogate";
+// `variable`, or `in_home` in the home folder; empty: neither is known.
+fs::path user_folder(const char* variable, const char* in_home) {
+    if (const char* const folder = std::getenv(variable); folder != nullptr && *folder == '/')
+        return fs::path{folder} / "anogate";
     const char* const home = std::getenv("HOME");
-    return home != nullptr && *home != '\0' ? fs::path{home} / ".local/state/anogate" : fs::path{};
+    return home != nullptr && *home != '\0' ? fs::path{home} / in_home / "anogate" : fs::path{};
 }
 
+fs::path state_folder() { return user_folder("XDG_STATE_HOME", ".local/state"); }
+fs::path cache_folder() { return user_folder("XDG_CACHE_HOME", ".cache"); }
+
+constexpr std::size_t max_cached = 8 * 1024 * 1024;    // bytes
+
 }    // namespace
+
+std::string cached_text(const std::string& name) {
+    const fs::path folder = cache_folder();
+    std::error_code error;
+    std::string text = folder.empty() ? std::string{} : anogate::read_file((folder / name).string(), max_cached, error);
+    return error ? std::string{} : text;
+}
+
+void cache_text(const std::string& name, const std::string& text) {
+    const fs::path folder = cache_folder();
+    std::error_code error;
+    if (folder.empty() || (fs::create_directories(folder, error), error)) return;
+    try {
+        write_file((folder / name).string(), text);
+    } catch (const Failure&) {    // it is read from the device again
+    }
+}
 
 bool is_in_state_folder(const std::string& path) {
     std::error_code error;
     const fs::path folder = state_folder();
     return !folder.empty() && fs::equivalent(fs::absolute(path, error).parent_path(), folder, error);
 }
+
+std::string path_in_state_folder(const std::string& name) { return (state_folder() / name).string(); }
 
 std::string keep_in_state_folder(const std::string& name, const std::string& text) {
     const fs::path folder = state_folder();
@@ -37,7 +64,7 @@ std::string keep_in_state_folder(const std::string& name, const std::string& tex
         fs::remove(path, error);
         return error ? path.string() + ": it can't be removed: " + error.message() : std::string{};
     }
-    if (fs::exists(path, error))
+    if (fs::exists(path, error) && anogate::sensor_of_note(name))
         return path.string() + " has those of a calibration that did not end: write them back by anoctl param import " +
                path.string() + " and anoctl param save, then remove it";
     fs::create_directories(folder, error);

@@ -8,6 +8,12 @@ namespace anoctl {
 /// or a clause with the reason why not. A file of an earlier run is not overwritten: the reason then says how to restore its values.
 std::string keep_in_state_folder(const std::string& name, const std::string& text);
 
+std::string path_in_state_folder(const std::string& name);
+
+/// A text whose loss costs time only, in $XDG_CACHE_HOME/anogate (else ~/.cache/anogate). Empty: there is none.
+std::string cached_text(const std::string& name);
+void cache_text(const std::string& name, const std::string& text);
+
 /// Whether `path` is a file in that folder: while it exists, no other one of its name is kept.
 bool is_in_state_folder(const std::string& path);
 

@@ -4,6 +4,7 @@
 
 #include <ano/address.hpp>
 #include <anoctl/own_link.hpp>
+#include <config/wire.hpp>
 #include <devices/device_net.hpp>
 #include <devices/device_routes.hpp>
 #include <devices/device_service.hpp>
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <ctime>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -33,18 +35,34 @@ constexpr auto time_to_open = std::chrono::seconds{5};    // for the link to ope
 anogate::DeviceManners manners_of(const anogate::LinkSettings& settings) {
     constexpr std::size_t vendor_text = 29;
     anogate::DeviceManners manners;
-    if (settings.profile == anogate::Profile::vendor) manners.text = {false, vendor_text};
-    manners.value_type_7 = settings.meaning_of_type_7();
+    if (settings.profile == anogate::Profile::vendor) manners.text.max_bytes = vendor_text;
+    manners.expects_gbk = settings.profile == anogate::Profile::vendor;
+    manners.value_type_7 = settings.stated_type_7();
+    if (settings.encoding)
+        manners.encoding = *settings.encoding == anogate::TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
     manners.max_data = std::min<std::size_t>(manners.max_data, settings.effective_max_data_out());
     return manners;
+}
+
+std::string utc_text(std::time_t time) {
+    std::tm parts{};
+    ::gmtime_r(&time, &parts);
+    char text[32];
+    return std::string{text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &parts)};
 }
 
 // The network of the host engine: a single link.
 class LinkNet final : public anogate::DeviceNet, public FrameTaker {
 public:
-    LinkNet(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams)
-        : timer_{io}, manners_{manners_of(settings)}, link_{io, settings, *this, streams, ""}, service_{*this} {
+    LinkNet(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams, std::optional<std::uint8_t> there)
+        : timer_{io},
+          there_{there},
+          manners_{manners_of(settings)},
+          wire_{anogate::wire_of(settings)},
+          link_{io, settings, *this, streams, ""},
+          service_{*this} {
         anogate::add_device_routes(routes_, service_);
+        service_.keep_descriptions();
         link_.start();
     }
     ~LinkNet() override {
@@ -80,6 +98,8 @@ private:
         link_.send(frame);
         return {};
     }
+    ano::Flush flush_parser(ano::FrameView next) override { return link_.flush_parser(next); }
+    bool is_waiting(std::uint8_t) override { return link_.waiting() > 0; }
     void listen(bool wants) override { listens_ = wants; }
     void wake(TimePoint at) override {
         if (wakes_at_ && *wakes_at_ <= at) return;
@@ -103,10 +123,18 @@ private:
     }
     ano::host::Whereabouts whereabouts(std::uint8_t address, TimePoint) override {
         const Heard& one = heard_[address];
-        return {one.at.has_value(), false, one.elsewhere};
+        return {one.at.has_value() || address == there_, false, one.elsewhere};
     }
     void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override {
-        done(keep_in_state_folder(name, text));
+        done(anogate::is_type_7_note(name) ? std::string{}
+                                           : keep_in_state_folder(name, text));    // the key value_type_7 of LINK keeps it
+    }
+    anogate::UnitPlace unit_place(std::uint8_t, TimePoint) override { return {"anoctl --link", link_.name(), wire_}; }
+    std::string cached(const std::string& name) override { return cached_text(name); }
+    void cache(const std::string& name, const std::string& text) override { cache_text(name, text); }
+    std::string date_text() override { return utc_text(std::time(nullptr)); }
+    std::string way_to_write_back(const std::string& name) override {
+        return "write them back with: anoctl param import " + path_in_state_folder(name) + " --link LINK";
     }
     anogate::DeviceManners manners(std::uint8_t) override { return manners_; }
 
@@ -114,7 +142,9 @@ private:
     std::optional<TimePoint> wakes_at_;
     std::array<Heard, 256> heard_;
     bool listens_ = false;
+    const std::optional<std::uint8_t> there_;
     const anogate::DeviceManners manners_;
+    const std::string wire_;
     OwnLink link_;
     anogate::DeviceService service_;
     http::Routes routes_;
@@ -201,8 +231,8 @@ private:
 
 class LinkDoor final : public DeviceDoor {
 public:
-    LinkDoor(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams)
-        : io_{io}, patience_{io}, net_{io, settings, streams} {}
+    LinkDoor(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams, std::optional<std::uint8_t> there)
+        : io_{io}, patience_{io}, net_{io, settings, streams, there} {}
     ~LinkDoor() override { LinkDoor::hang_up(); }
 
     void ask(http::Request request, Done done) override { begin(asks_, std::move(request), {}, std::move(done)); }
@@ -246,8 +276,9 @@ private:
 
 }    // namespace
 
-std::unique_ptr<DeviceDoor> link_door(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams) {
-    return std::make_unique<LinkDoor>(io, settings, streams);
+std::unique_ptr<DeviceDoor> link_door(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams,
+                                      std::optional<std::uint8_t> there) {
+    return std::make_unique<LinkDoor>(io, settings, streams, there);
 }
 
 }    // namespace anoctl

@@ -6,11 +6,14 @@
 
 #include <gateway/settings.hpp>
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 namespace anoctl {
 
-/// `io` and `streams` outlive it. Messages about the link go to `err`.
-std::unique_ptr<DeviceDoor> link_door(anogate::asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams);
+/// `io` and `streams` outlive it. Messages about the link go to `err`. `there`: a device that counts as heard from the beginning.
+std::unique_ptr<DeviceDoor> link_door(anogate::asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams,
+                                      std::optional<std::uint8_t> there = std::nullopt);
 
 }    // namespace anoctl

@@ -5,6 +5,7 @@
 #include "parameter_assignments.hpp"
 #include "parameter_file.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <ano_json/json_line.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
@@ -65,7 +66,7 @@ private:
         DeviceClient client{options, streams};
         const Json answer = client.run("GET", client.target("/parameters"));
         if (options.json) {
-            for (const Json& row : at(answer, "parameters")) streams.out << row.dump() << '\n';
+            for (const Json& row : at(answer, "parameters")) streams.out << ano::json_text(row) << '\n';
         } else if (action == "get") {
             for (const Json& row : at(answer, "parameters")) write_assigned(row, streams.out);
         } else {
@@ -89,13 +90,24 @@ private:
     int get(Streams& streams) const {
         if (words.empty()) throw UsageError{"which? anoctl param get NAME..., or --all"};
         DeviceClient client{options, streams};
-        const Json described = descriptions(client);
-        for (const std::string& name : words) (void)parameter_called(described, name);
+        std::string query;
+        for (const std::string& name : words) query += (query.empty() ? "?name=" : "&name=") + percent_encoded(name);
+        const Json answer = client.run("GET", client.target("/parameters" + query));
+        const Json& rows = at(answer, "parameters");
+        try {
+            for (const std::string& name : words) (void)parameter_called(rows, name);
+        } catch (const Failure&) {    // all names are needed for the most similar one
+            const Json described = descriptions(client);
+            for (const std::string& name : words) (void)parameter_called(described, name);
+            throw;
+        }
         for (const std::string& name : words) {
-            const Json row = client.run("GET", client.target("/parameters/" + percent_encoded(name)));
-            if (options.json) streams.out << row.dump() << '\n';
+            const Json& row = parameter_called(rows, name);
+            if (!row.contains("value")) continue;
+            if (options.json) streams.out << ano::json_text(row) << '\n';
             else write_assigned(row, streams.out);
         }
+        if (const std::string missing = text_at(answer, "incomplete"); !missing.empty()) throw Failure{missing};
         return fine;
     }
 
@@ -107,6 +119,7 @@ private:
     Json wanted_value(const std::string& value) const {
         Json body{{"value", value}};
         if (longer) body["longer"] = true;
+        if (force) body["force"] = true;
         return body;
     }
 
@@ -114,35 +127,88 @@ private:
     int set(Streams& streams) const {
         const std::vector<Assignment> wanted = assignments(words);
         DeviceClient client{options, streams};
-        check(wanted, descriptions(client));
+        const Json described = checked_descriptions(client, wanted);
+        if (wanted.size() > 1 && have_names(wanted, described)) return set_all(client, wanted, described, streams);
         for (auto next = wanted.begin(); next != wanted.end(); ++next) {
             try {
-                set_one(client, *next, streams);
+                show_set(client.run("PUT", client.target("/parameters/" + percent_encoded(next->name)),
+                                    wanted_value(next->value).dump()),
+                         streams);
             } catch (const Failure& e) {
                 std::string rest;
                 for (auto later = next + 1; later != wanted.end(); ++later) rest += (rest.empty() ? "" : ", ") + later->name;
-                throw Failure{e.what() + (rest.empty() ? rest : "; not written any more: " + rest)};
+                throw Failure{e.what() + (rest.empty() ? rest : "; not written: " + rest)};
             }
         }
         return fine;
     }
-    void set_one(DeviceClient& client, const Assignment& wanted, Streams& streams) const {
-        const Json came = client.run("PUT", client.target("/parameters/" + percent_encoded(wanted.name)),
-                                     wanted_value(wanted.value).dump());
+    /// As they were read before, if the values fit to these; otherwise as the device describes them now.
+    static Json checked_descriptions(DeviceClient& client, const std::vector<Assignment>& wanted) {
+        const Json known = client.run("GET", client.target("/parameters?values=0&known"));
+        try {
+            check(wanted, at(known, "parameters"));
+            return at(known, "parameters");
+        } catch (const Failure&) {
+            if (!known.contains("known")) throw;
+        }
+        Json now = descriptions(client);
+        check(wanted, now);
+        return now;
+    }
+    /// Whether the wanted parameters can be told apart by their names.
+    static bool have_names(const std::vector<Assignment>& wanted, const Json& described) {
+        return std::all_of(wanted.begin(), wanted.end(), [&](const Assignment& one) {
+            const std::string name = text_at(parameter_called(described, one.name), "name");
+            return !name.empty() && std::count_if(described.begin(), described.end(),
+                                                  [&](const Json& row) { return text_at(row, "name") == name; }) == 1;
+        });
+    }
+    // One request for all: their old values are read together.
+    int set_all(DeviceClient& client, const std::vector<Assignment>& wanted, const Json& described, Streams& streams) const {
+        Json order{{"parameters", Json::object()}, {"goes_on", false}, {"also_the_same", true}};
+        if (longer) order["longer"] = true;
+        if (force) order["force"] = true;
+        for (const auto& [word, value] : wanted) order["parameters"][text_at(parameter_called(described, word), "name")] = value;
+        Json came;
+        std::string why, rest;
+        try {
+            came = client.run("POST", client.target("/apply"), order.dump());
+        } catch (const JobFailure& e) {    // first prints what was written
+            came = parse_answer(e.result);
+            why = e.what();
+        }
+        for (const Json& row : at(came, "parameters")) {
+            const std::string state = text_at(row, "state"), name = text_at(row, "name");
+            if (state == "waiting") rest += (rest.empty() ? "" : ", ") + name;
+            if (state != "written" && state != "clamped") continue;
+            const Json& of = parameter_called(described, name);
+            Json shown{{"id", of.value("id", Json{})}, {"name", name}, {"type", of.value("type", Json{})}};
+            for (const char* key : {"was", "written", "stored", "clamped"})
+                if (row.contains(key)) shown[key] = row[key];
+            shown["acknowledged"] = !row.contains("acknowledged");
+            show_set(shown, streams);
+        }
+        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
+        if (!why.empty()) throw Failure{why + (rest.empty() ? rest : "; not written: " + rest)};
+        return fine;
+    }
+    void show_set(const Json& came, Streams& streams) const {
         if (options.json) {
-            streams.out << came.dump() << '\n';
+            streams.out << ano::json_text(came) << '\n';
             return;
         }
         streams.out << text_at(came, "name") << '=' << plain_at(came, "stored");
         if (text_at(came, "clamped") == "true") streams.out << " (the device clamps " << plain_at(came, "written") << ')';
         if (text_at(came, "acknowledged") == "false") streams.out << " (the device did not acknowledge it; it was read back)";
         streams.out << '\n' << std::flush;
+        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
     }
 
     int act(DeviceClient& client, const char* what, const std::string& words_of_success, Streams& streams) const {
         const Json came = client.run("POST", client.target(force ? "/actions?force" : "/actions"), Json{{"action", what}}.dump());
-        if (options.json) streams.out << came.dump() << '\n';
+        if (options.json) streams.out << ano::json_text(came) << '\n';
         else say(streams, client.device_words() + ": " + words_of_success);
+        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
         return fine;
     }
     int save(Streams& streams) const {
@@ -202,11 +268,12 @@ private:
         std::string without_value;
     };
     // Files kept by a calibration contain only calibration values.
-    Difference difference(DeviceClient& client, const Json& given, bool may_be_longer, Streams& streams) const {
+    Difference difference(DeviceClient& client, const Json& given, bool compares, Streams& streams) const {
         Difference d;
         d.values = wanted_values(given, with_calibration || is_kept_by_calibration(words[0]), d.left_out);
         d.without_value = names_without_value(given);
-        const Json order{{"parameters", d.values}, {"dry_run", true}, {"longer", may_be_longer}};
+        const Json order{
+            {"parameters", d.values}, {"dry_run", true}, {"longer", compares || longer}, {"force", compares || force}};
         try {
             d.answer = client.run("POST", client.target("/apply"), order.dump());
         } catch (const JobFailure& e) {
@@ -214,22 +281,31 @@ private:
             if (rows_with(answer, "failed") == 0) throw;
             throw Failure{show_misfits(client, given, answer, streams)};
         }
+        if (!compares && std::any_of(at(d.answer, "parameters").begin(), at(d.answer, "parameters").end(), is_misfit))
+            throw Failure{show_misfits(client, given, d.answer, streams)};
         d.changes = at(d.answer, "parameters").size() - rows_with(d.answer, "unchanged");
         return d;
     }
     /// Prints all parameters that do not fit this device; returns the error for them.
     std::string show_misfits(DeviceClient& client, const Json& given, const Json& answer, Streams& streams) const {
         if (const std::string other = of_another_device(given, client.known_device()); !other.empty()) tell(streams, other);
+        std::size_t wrong = 0;
+        bool some_longer = false;
         for (const Json& row : at(answer, "parameters")) {
-            if (text_at(row, "state") != "failed") continue;
-            if (options.json) streams.out << row.dump() << '\n';
-            else say(streams, misfit_line(row));
+            if (!is_misfit(row)) continue;
+            ++wrong;
+            some_longer = some_longer || misfit_line(row).find("--longer") != std::string::npos;
+            if (options.json) streams.out << ano::json_text(row) << '\n';
+            else if (all || wrong <= max_misfits) say(streams, misfit_line(row));
         }
-        const std::size_t wrong = rows_with(answer, "failed");
+        if (!options.json && !all && wrong > max_misfits)
+            say(streams, "and " + std::to_string(wrong - max_misfits) + " more that do not fit; --all lists them");
         return plural(wrong, "parameter") + " of " + words[0] + (wrong == 1 ? " does" : " do") + " not fit " +
                client.device_words() + ": nothing was written; take " + (wrong == 1 ? "it" : "them") +
-               " out of the file to go on with the others";
+               " out of the file to go on with the others" + (some_longer ? ", or allow longer texts by --longer" : "");
     }
+    static constexpr std::size_t max_misfits = 8;    // lines: with more, the file is probably of another device
+    static bool is_misfit(const Json& row) { return text_at(row, "state") == "failed" || text_at(row, "encodable") == "false"; }
     static void show(const Difference& d, Streams& streams) {
         for (const std::string& line : difference_lines(d.answer)) say(streams, line);
         if (d.changes == 0) say(streams, "nothing differs");
@@ -258,14 +334,14 @@ private:
         return d.changes > 0;
     }
     void show_row(const Json& row, Streams& streams) const {
-        if (options.json) streams.out << row.dump() << '\n';
+        if (options.json) streams.out << ano::json_text(row) << '\n';
         else say(streams, text_at(row, "name") + ": " + value_text(row["written"]) + ", the same");
     }
 
     int import_from(Streams& streams) const {
         const Json given = parsed_parameter_file(given_text(file(), "parameters as JSON", streams), file());
         DeviceClient client{options, streams};
-        const Difference d = difference(client, given, longer, streams);
+        const Difference d = difference(client, given, false, streams);
         if (!options.json) show(d, streams);
         if (d.changes > 0) {
             client.must_be_able_to_ask("param import");
@@ -289,6 +365,7 @@ private:
         Json order{{"parameters", d.values}};
         if (rollback) order["rollback"] = true;
         if (longer) order["longer"] = true;
+        if (force) order["force"] = true;
         Json came = d.answer;
         std::string why;
         try {
@@ -300,13 +377,14 @@ private:
         const std::size_t failures = rows_with(came, "failed"), untried = rows_with(came, "waiting");
         const std::size_t wrong = failures + rows_with(came, "undone") + rows_with(came, "not_undone");
         if (options.json) {
-            for (const Json& row : at(came, "parameters")) streams.out << row.dump() << '\n';
+            for (const Json& row : at(came, "parameters")) streams.out << ano::json_text(row) << '\n';
         } else if (d.changes > 0) {
             const std::size_t written = rows_with(came, "written") + rows_with(came, "clamped");
             say(streams, written == 0 ? "no parameter was written"
                                       : plural(written, "parameter") + " written; anoctl param save keeps them over a restart");
             for (const std::string& line : difference_lines(without_the_written(came))) say(streams, line);
         }
+        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
         if (!why.empty() && (rollback || failures == 0)) throw Failure{why};
         if (failures > 0)
             throw Failure{plural(failures, "parameter") + (failures == 1 ? " was" : " were") + " not written" +
@@ -330,11 +408,13 @@ Run add_param(Options& options) {
          "diff FILE (exit status 1 when something differs, 2 when that can't be found out)",
          true});
     options.push_back({"words", &self->words, "[PARAMETER|FILE...]", "What for"});
-    options.push_back({"--all", &self->all, "", "get: every one; diff: those that are the same as well"});
+    options.push_back(
+        {"--all", &self->all, "", "get: every one; diff: those that are the same as well; import: all that do not fit"});
     options.push_back({"--with-calibration", &self->with_calibration, "",
                        "import, diff: CAL_... as well, which belongs to one piece of hardware"});
     options.push_back({"--longer", &self->longer, "", "set, import: a text may be longer than the one that it replaces"});
-    options.push_back({"--force", &self->force, "", "reset: although the device says that it flies"});
+    options.push_back({"--force", &self->force, "",
+                       "set, import: also a value beyond the range that the device states; reset: although it flies"});
     options.push_back(
         {"--rollback", &self->rollback, "", "import: all or nothing; without it the others are written when one is refused"});
     DeviceOptions::add(options, self->options, "param");

@@ -52,7 +52,7 @@ void check(const std::vector<Assignment>& wanted, const Json& parameters) {
         const std::string id = text_at(row, "id"), name = text_at(row, "name");
         if (std::find(seen.begin(), seen.end(), id) != seen.end()) throw Failure{name + " is there twice"};
         seen.push_back(id);
-        if (const std::string misfit = misfit_of(value, text_at(row, "type")); !misfit.empty())
+        if (const std::string misfit = misfit_of(value, text_at(row, "type"), row.value("mul", 1)); !misfit.empty())
             throw Failure{name + ": " + misfit};
     }
 }

@@ -5,6 +5,7 @@
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/json_file.hpp>
 #include <anoctl/table.hpp>
 
 #include <nlohmann/json.hpp>
@@ -18,6 +19,20 @@ using ano::Json;
 namespace {
 
 void add_name(std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; }
+
+// U+FFFD stands in files of older versions in place of what was not UTF-8.
+bool is_lost(const Json& value) {
+    return value.is_null() ||
+           (value.is_string() && value.get_ref<const std::string&>().find("\xEF\xBF\xBD") != std::string::npos);
+}
+
+// "NAME#3" with the number, where the name alone does not say which one is meant: it is empty, has control characters, or several have it.
+std::string name_in_file(const Json& row, const Json& rows) {
+    std::string name = text_at(row, "name");
+    const auto is_alike = [&](const Json& other) { return text_at(other, "name") == name; };
+    const bool is_clear = !name.empty() && row["name"] == name && std::count_if(rows.begin(), rows.end(), is_alike) == 1;
+    return is_clear ? name : name + '#' + text_at(row, "id");
+}
 
 bool is_real(const Json& row) { return text_at(row, "type") == "f32" || text_at(row, "type") == "f64"; }
 
@@ -44,9 +59,10 @@ Json parameter_file(const Json& answer) {
         if (device.contains(key)) file[key] = device[key];
     Json values = Json::object();
     std::string missing, twice;
-    for (const Json& row : at(answer, "parameters")) {
-        const std::string name = text_at(row, "name");
-        if (!row.contains("value") || row.contains("missing")) add_name(missing, name.empty() ? text_at(row, "id") : name);
+    const Json& rows = at(answer, "parameters");
+    for (const Json& row : rows) {
+        const std::string name = name_in_file(row, rows);
+        if (!row.contains("value") || row.contains("missing")) add_name(missing, name);
         else if (values.contains(name)) add_name(twice, name);
         else values[name] = is_real(row) && row["value"].is_string() ? Json(nullptr) : row["value"];
     }
@@ -57,12 +73,7 @@ Json parameter_file(const Json& answer) {
 }
 
 Json parsed_parameter_file(const std::string& text, const std::string& path) {
-    Json file;
-    try {
-        file = Json::parse(text);
-    } catch (const Json::exception& e) {
-        throw UsageError{path + ": it is not JSON: " + ano::syntax_fault(text, e)};
-    }
+    Json file = json_in_text(text, path);
     if (file.is_object() && !file.contains("parameters")) file = Json{{"parameters", file}};
     if (!file.is_object() || !file["parameters"].is_object())
         throw UsageError{path + ": it is no file of parameters: {\"parameters\": {NAME: value}}"};
@@ -93,7 +104,7 @@ Json wanted_values(const Json& file, bool with_calibration, std::size_t& left_ou
     left_out = 0;
     for (const auto& [name, value] : file["parameters"].items()) {
         if (!with_calibration && is_calibration(name)) ++left_out;
-        else if (!value.is_null()) wanted[name] = value;
+        else if (!is_lost(value)) wanted[name] = value;
     }
     return wanted;
 }
@@ -101,7 +112,7 @@ Json wanted_values(const Json& file, bool with_calibration, std::size_t& left_ou
 std::string names_without_value(const Json& file) {
     std::string names;
     for (const auto& [name, value] : file["parameters"].items())
-        if (value.is_null()) add_name(names, name);
+        if (is_lost(value)) add_name(names, name);
     return names;
 }
 
@@ -129,7 +140,7 @@ std::vector<std::string> difference_lines(const Json& answer) {
         else if (state == "not_undone") line += ", not undone";
         else if (state == "waiting") line += ", not tried any more";
         else if (state != "differs" && state != "written") line += ", " + state;
-        if (!what.empty()) line += ": " + what;
+        if (!what.empty()) line += ": " + with_options_named(what, "param");
         lines.push_back(without_controls(line));
     }
     return lines;

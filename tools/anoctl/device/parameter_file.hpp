@@ -11,8 +11,8 @@
 namespace anoctl {
 
 /// Makes {"device": "0xDC", "name", "dev_id", "hw", "sw", "parameters": {NAME: value}} from the response of GET /devices/A/parameters; null
-/// stands for inf and nan, which JSON does not have. Throws Failure with the names of parameters that were not received, or of two with
-/// the same name: an incomplete backup would be useless.
+/// stands for inf and nan, which JSON does not have. A name that is empty, not clean or not the only one has its number behind it: "NAME#3".
+/// Throws Failure with the names of parameters that were not received: an incomplete backup would be useless.
 ano::Json parameter_file(const ano::Json& answer);
 
 /// Parses such a file, one that a calibration kept ("device" is an object there), or a plain {NAME: value}. Throws UsageError for anything

@@ -3,7 +3,7 @@
 #include <ano/schema.hpp>
 #include <ano_json/text.hpp>
 
-#include <host/value.hpp>
+#include <host/parameter_info.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ std::optional<ano::Type> type_called(std::string_view name) {
 
 }    // namespace
 
-std::string misfit_of(const std::string& word, const std::string& type_name) {
+std::string misfit_of(const std::string& word, const std::string& type_name, std::int32_t mul) {
     const auto type = type_called(type_name);
     if (!ano::is_utf8(word)) return ano::in_quotes(word) + " is not UTF-8";
     if (!type || !ano::is_number(*type)) return {};
@@ -34,7 +34,10 @@ std::string misfit_of(const std::string& word, const std::string& type_name) {
     if (real != nullptr && !std::isfinite(*real)) return ano::in_quotes(word) + " is no number that can be stored";
     std::vector<std::uint8_t> bytes;
     const auto value = std::visit([](auto plain) { return ano::host::AnyValue{plain}; }, *number);
-    const std::string misfit = ano::host::words_of_misfit(ano::host::append(bytes, value, *type), *type);
+    ano::host::ParameterInfo info;
+    info.type = type;
+    info.mul = mul;
+    const std::string misfit = ano::host::words_of_misfit(ano::host::append(bytes, value, info), info);
     return misfit.empty() ? misfit : ano::in_quotes(word) + " " + misfit;
 }
 

@@ -3,10 +3,12 @@
 #include "file_text.hpp"
 #include "waypoint_form.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <ano_json/syntax_fault.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/json_file.hpp>
 #include <anoctl/say.hpp>
 #include <anoctl/table.hpp>
 #include <devices/waypoint_forms.hpp>
@@ -56,14 +58,7 @@ private:
         return fine;
     }
 
-    Json given(Streams& streams) const {
-        const std::string text = given_text(file, "waypoints as JSON", streams);
-        try {
-            return Json::parse(text);
-        } catch (const Json::exception& e) {
-            throw UsageError{file + ": it is not JSON: " + ano::syntax_fault(text, e)};
-        }
-    }
+    Json given(Streams& streams) const { return json_in_text(given_text(file, "waypoints as JSON", streams), file); }
 
     /// Parsed as the engine does it: errors in the file are reported before the user is asked.
     std::vector<ano::host::Waypoint> waypoints_of(const Json& json, const std::string& form) const {
@@ -88,7 +83,7 @@ private:
         }
         const Json came = client.run("PUT", client.target("/waypoints" + query(form)), json.dump());
         if (options.json) {
-            streams.out << came.dump() << '\n';
+            streams.out << ano::json_text(came) << '\n';
             return fine;
         }
         const std::string note = text_at(came, "note");

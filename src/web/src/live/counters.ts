@@ -6,7 +6,7 @@ export interface Counters {
 
 /** The counters of frames that did not arrive. The other numbers of a link are traffic, a position, a port, a rate. */
 const losses: ReadonlySet<string> = new Set([
-  "bad_check", "bad_length", "expired", "denied_in", "inhibited", "looped", "duplicate", "no_route",
+  "bad_check", "bad_length", "expired", "denied_in", "inhibited", "looped", "duplicate", "no_route", "over_share", "suspended",
   "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big", "send_failed", "held_back",
   "kernel_drops", "refused", "transfer_errors", // of some kinds of links; wrong_source is contained in denied_in
   "faults_lost", "faults_unheard", // simulated; faults_corrupted is counted as bad_check by the receiver
@@ -35,10 +35,10 @@ export class CounterRates {
   private readonly looks = new Map<string, Look>();
   private readonly rates = new Map<string, Map<string, number>>();
 
-  /** `now` in seconds; readings less than half a second apart are ignored. */
+  /** `now` in seconds; readings less than half a second apart are ignored, except the second: the first rates are wanted soon. */
   look(of: string, counters: Counters, now: number): void {
     const before = this.looks.get(of);
-    if (before && now - before.at < 0.5) return;
+    if (before && now - before.at < (this.rates.has(of) ? 0.5 : 0.2)) return;
     const values = new Map(Object.entries(counters).flatMap(([name, value]): [string, number][] => (typeof value === "number" ? [[name, value]] : [])));
     this.looks.set(of, { at: now, values });
     if (!before) return;

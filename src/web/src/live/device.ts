@@ -36,17 +36,25 @@ export function commandsOf(device: number): Store<Commands | undefined> {
   return store;
 }
 
-export async function readCommands(device: number): Promise<Answer<Commands> | undefined> {
+/** It has new firmware, and perhaps other commands. */
+export const forgetCommands = (device: number): void => commandsOf(device).set(undefined);
+
+/** `anew`: asks the device even if the gateway knows its commands. */
+export async function readCommands(device: number, anew = false): Promise<Answer<Commands> | undefined> {
   if (asking.has(device)) return undefined;
   asking.add(device);
-  const answer = await ask<Commands>(path(device, "commands"), { timeout: 60000 });
+  const answer = await ask<Commands>(path(device, anew ? "commands" : "commands?known"), { timeout: 60000 });
   asking.delete(device);
   if (answer.ok && Array.isArray(answer.value.commands)) commandsOf(device).set(answer.value);
   return answer;
 }
 
-export const call = (device: number, command: Command, values: unknown[], repeat = false): Promise<Answer<{ name: string; called: boolean }>> =>
-  ask(path(device, "commands/" + part(command.id)), { method: "POST", body: { values, repeat }, timeout: 60000 });
+/** By its number, but only while that is still the number of this command: the gateway may have read the device again since. */
+export const call = (device: number, command: Command, values: unknown[], repeat = false, type7 = ""): Promise<Answer<{ name: string; called: boolean }>> =>
+  ask(path(device, "commands/" + part(command.id)), { method: "POST", body: { values, repeat, name: command.name, ...(type7 ? { type7 } : {}) }, timeout: 60000 });
+
+/** A value type whose meaning the device does not show: the user has to state it. */
+export const openType = "f32|u64";
 
 const plain = (name: string): string => name.replace(/[\s_-]+/g, "").toLowerCase();
 

@@ -1,4 +1,4 @@
-// The only stream of frames of the page: the present view says which frames it needs, and gets only those.
+// The streams of frames of the page: one of the present view, which says which frames it needs, and gets only those; one that watches all devices.
 import { onHeard, socketAddress } from "../api";
 import { Arrivals } from "./rate";
 import { takeRecords, textMessage, type FrameRecord, type Lost, type Tables } from "../protocol/records";
@@ -9,6 +9,7 @@ export interface FrameWish {
   id?: (number | string)[]; // ids, names of messages or of classes
   direction?: string;
   limit?: Record<string, number>; // frames a second of an id, by its number
+  samples?: number; // a second of each link, sender and message, at most
   batch?: number; // milliseconds, in the place of the usual ones
 }
 
@@ -32,6 +33,8 @@ export function queryOf(wish: FrameWish): string {
   if (wish.to?.length) parts.push("to=" + wish.to.join(","));
   if (wish.id?.length) parts.push("id=" + wish.id.join(","));
   parts.push("direction=" + (wish.direction ?? "in"));
+  parts.push("elsewhere=no"); // a frame in the name of a device that is at home elsewhere says nothing of that device
+  if (wish.samples) parts.push(`samples=${wish.samples}`);
   for (const [id, rate] of Object.entries(wish.limit ?? {})) parts.push(`limit.${id}=${rate}`);
   return parts.join("&");
 }
@@ -109,4 +112,7 @@ class FrameStream {
   }
 }
 
+/** Of the present view. */
 export const frameStream = new FrameStream();
+/** Of every device, whichever page is open. */
+export const watchStream = new FrameStream();

@@ -2,10 +2,11 @@
 import { ask, onHeard, onTokenNeeded } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
+import { alarmFeed } from "./alarm_feed";
 import type { Datum } from "../map/datum";
 import { place } from "../route";
 import { CounterRates, type Counters } from "./counters";
-import { frameStream } from "./frames";
+import { frameStream, watchStream } from "./frames";
 import { Liveness, type Contact } from "./liveness";
 import type { RecordingState } from "./recordings";
 import { Store } from "./store";
@@ -13,6 +14,7 @@ import { Store } from "./store";
 export interface Channel extends Counters {
   peer: string;
   heard_s?: number;
+  listening_since_s?: number; // a host that sent a single frame, and listens since then
 }
 export interface Link extends Counters {
   name: string;
@@ -27,6 +29,8 @@ export interface Link extends Counters {
   hint_id: string;
   hint_args: Record<string, unknown>;
   channels: Channel[];
+  /** "lx": pitch and yaw of its Euler angles are opposite to its quaternions. */
+  attitude?: string;
   /** The devices in the recording that the link plays. */
   replayed?: { address: string; who: string }[];
 }
@@ -38,10 +42,10 @@ export interface Route {
   age_s?: number;
 }
 export interface Status {
-  gateway: { id: number | null; name: string; version: string; uptime_s: number; standstills: number; longest_standstill_s: number };
+  gateway: { id: number | null; name: string; version: string; uptime_s: number; decoding_changes?: number; standstills: number; longest_standstill_s: number };
   links: Link[];
   routes: Route[];
-  conflicts: { address: string; links?: string[]; [key: string]: unknown }[];
+  conflicts: { address: string; links?: string[]; home?: string[]; pinned?: boolean; claimed_by?: { link: string; peer: string } | null; [key: string]: unknown }[];
   tunnel: Counters;
   recording?: RecordingState;
   http: { token_needed: boolean; tls: boolean };
@@ -59,12 +63,23 @@ export interface Device {
   parameters?: number;
   job?: number;
   in_loader?: boolean;
+  limits?: number; // the version of its alarm limits; 0: there are none
+  red_lines?: number; // of its log, since the gateway was started
+}
+
+/** A vehicle that the gateway does not hear any more. */
+export interface LostVehicle {
+  address: string;
+  name?: string;
+  age: number;
+  sflag: number; // of its last `mode`
 }
 
 export const contact = new Store<Contact>("never");
 export const status = new Store<Status | undefined>(undefined);
 export const table = new Store<MessageTable | undefined>(undefined);
 export const devices = new Store<Device[]>([]);
+export const lostVehicles = new Store<LostVehicle[]>([]);
 export const tokenNeeded = new Store(false);
 /** Seconds of the page's own clock at which the status came. */
 export const statusAt = new Store(0);
@@ -87,15 +102,16 @@ function took(value: Status): void {
     linkRates.look("link:" + link.name, link, now);
     link.channels.forEach((channel, i) => linkRates.look(`channel:${link.name}:${channel.peer}:${i}`, channel, now));
   }
+  ++statuses;
   statusAt.set(now);
   status.set(value);
 }
 
-// Another run of the gateway may have another configuration, and so another table.
+// Another run of the gateway may have another configuration, and so another table; so after a change of the flexible layouts.
 let tableOfRun = "", tableText = "";
 
 async function keepTable(value: Status): Promise<void> {
-  const run = `${value.gateway.version} ${Math.round((Date.now() / 1000 - value.gateway.uptime_s) / 5)}`;
+  const run = `${value.gateway.version} ${Math.round((Date.now() / 1000 - value.gateway.uptime_s) / 5)} ${value.gateway.decoding_changes ?? 0}`;
   if (table.get() && near(run, tableOfRun)) return;
   tableOfRun = run;
   const answer = await ask<MessageRow[]>("/messages", { timeout: 5000 });
@@ -108,10 +124,10 @@ async function keepTable(value: Status): Promise<void> {
   tableText = text;
 }
 
-/** Begun within 10 s of each other, by clocks that are set now and then. */
+/** Begun within 10 s of each other, by clocks that are set now and then, and with as many changes of the layouts. */
 function near(a: string, b: string): boolean {
-  const [va, ta] = a.split(" "), [vb, tb] = b.split(" ");
-  return va === vb && Math.abs(Number(ta) - Number(tb)) <= 2;
+  const [va, ta, ca] = a.split(" "), [vb, tb, cb] = b.split(" ");
+  return va === vb && ca === cb && Math.abs(Number(ta) - Number(tb)) <= 2;
 }
 
 let askedForDevices = Number.NEGATIVE_INFINITY;
@@ -119,15 +135,20 @@ let askedForDevices = Number.NEGATIVE_INFINITY;
 async function keepDevices(now: number): Promise<void> {
   if (now - askedForDevices < 2000) return;
   askedForDevices = now;
-  const answer = await ask<{ devices: Device[] }>("/devices", { timeout: 4000 });
-  if (answer.ok && Array.isArray(answer.value.devices)) devices.set(answer.value.devices);
+  const answer = await ask<{ devices: Device[]; lost?: LostVehicle[] }>("/devices", { timeout: 4000 });
+  if (!answer.ok || !Array.isArray(answer.value.devices)) return;
+  devices.set(answer.value.devices);
+  lostVehicles.set(answer.value.lost ?? []);
 }
 
 const beatEvery = 100; // milliseconds
 
 /** Milliseconds between two requests for the status. On the overview its figures are read; elsewhere it says which devices and links there
  * are. Each costs the gateway up to half a millisecond of its processor. */
-const statusEvery = (): number => (place.get().page === "" ? 1000 : 3000);
+const statusEvery = (): number => (statuses < 2 ? firstRatesAfter : ["", "overview"].includes(place.get().page) ? 1000 : 3000);
+/** The second status comes soon after the first: two make a rate. */
+const firstRatesAfter = 300;
+let statuses = 0;
 let askedForStatus = Number.NEGATIVE_INFINITY;
 
 /** In between, something small: it is there, or not. */
@@ -164,7 +185,11 @@ function look(): void {
   const before = contact.get();
   const after = liveness.contact(now);
   contact.set(after);
-  if (before === "lost" && after === "live") frameStream.reopen();
+  if (before === "lost" && after === "live") {
+    frameStream.reopen();
+    watchStream.reopen();
+    alarmFeed.reopen();
+  }
 }
 
 export function begin(): void {
@@ -188,7 +213,18 @@ export async function logIn(token: string): Promise<string> {
   tokenNeeded.set(false);
   liveness.restart(performance.now());
   frameStream.reopen();
+  watchStream.reopen();
+  alarmFeed.reopen();
   return "";
+}
+
+/** The browser forgets the cookie, and the page asks for a token. Without contact to the gateway it can't: it is signed in as before. */
+export async function logOut(): Promise<void> {
+  const answer = await ask("/logout", { method: "POST", timeout: 5000 });
+  if (!answer.ok) return;
+  access.set("");
+  remember("access", "");
+  tokenNeeded.set(true);
 }
 
 /** "view": read-only. Actions that are not allowed are not offered; the gateway checks the rights. */

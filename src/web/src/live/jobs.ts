@@ -1,5 +1,5 @@
 // Jobs, which take long: the gateway reports their progress line by line, and the result at the end.
-import { ask, onHeard, path, refusalOf, requestOf, type Answer, type Options } from "../api";
+import { ask, isWrite, onHeard, path, refusalOf, requestOf, type Answer, type Options } from "../api";
 
 export interface Job<T = unknown> {
   id: number;
@@ -40,7 +40,7 @@ export function endOf<T>(job: Job<T>): Answer<T> {
 
 const over = (job: Job): boolean => job.state !== "running" && job.state !== "waiting";
 
-const lost: Answer<never> = { ok: false, refusal: { status: 0, error: "", what: "no_contact" } };
+const lost = (writes: boolean): Answer<never> => ({ ok: false, refusal: { status: 0, error: "", what: "no_contact", writes } });
 const againAfter = 500; // milliseconds
 
 /** A restarted gateway numbers its jobs from 1 again: so the number of an earlier job may belong to another one. */
@@ -60,7 +60,7 @@ export async function follow<T>(route: string, options: Options, onJob: (job: Jo
     await new Promise((done) => setTimeout(done, againAfter));
     answer = await listen<T>(`/jobs/${known.id}`, {}, take);
   }
-  return isAnother || (!answer.ok && known && answer.refusal.status === 404) ? lost : answer;
+  return isAnother || !answer.ok && (answer.refusal.status === 0 || (known && answer.refusal.status === 404)) ? lost(isWrite(options)) : answer;
 }
 
 /** Follows a job on one connection. */
@@ -69,7 +69,7 @@ async function listen<T>(route: string, options: Options, onJob: (job: Job<T>) =
     const response = await fetch(path(route), requestOf({ ...options, accept: "application/x-ndjson" }));
     onHeard.call();
     const reader = response.body?.getReader();
-    if (!reader) return lost;
+    if (!reader) return lost(false);
     const lines = new Lines(), text = new TextDecoder();
     let last: Job<T> | undefined;
     const take = (all: string[]): void => {
@@ -84,18 +84,21 @@ async function listen<T>(route: string, options: Options, onJob: (job: Job<T>) =
     }
     take(lines.end());
     if (!response.ok) return { ok: false, refusal: refusalOf(response.status, last) };
-    return last && over(last) ? endOf(last) : lost;
+    return last && over(last) ? endOf(last) : lost(false);
   } catch {
-    return lost;
+    return lost(false);
   }
 }
+
+/** Following is reading, but the job writes. */
+const asWrite = <T>(answer: Answer<T>): Answer<T> => (answer.ok || answer.refusal.status !== 0 ? answer : lost(true));
 
 /** For a route that responds with the job at once: then follows the job to its result. */
 export async function begin<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
   const answer = await ask<Job<T>>(route, { ...options, method: "POST" });
   if (!answer.ok) return answer;
   onJob(answer.value);
-  return over(answer.value) ? endOf(answer.value) : follow<T>(`/jobs/${answer.value.id}`, {}, onJob, answer.value);
+  return over(answer.value) ? endOf(answer.value) : follow<T>(`/jobs/${answer.value.id}`, {}, onJob, answer.value).then(asWrite);
 }
 
 export const cancel = (job: Job): Promise<Answer<Job>> => ask(`/jobs/${job.id}`, { method: "DELETE" });

@@ -20,6 +20,8 @@ export function inPeoplesUnits(value: number, unit: string): [number, string] {
 export class Latest {
   private readonly rows = new Map<number, FrameRow>();
   version = 0;
+  /** The device is not heard any more: nothing of it is current. */
+  isGone = false;
 
   constructor(private readonly table: MessageTable) {}
 
@@ -48,7 +50,12 @@ export class Latest {
   }
 
   isLate(message: string, now: number): boolean {
-    return this.row(message)?.rate.isLate(now) ?? true;
+    return this.isGone || (this.row(message)?.rate.isLate(now) ?? true);
+  }
+
+  /** Seconds since the last frame of this message; undefined: none came. */
+  age(message: string, now: number): number | undefined {
+    return this.row(message)?.rate.age(now);
   }
 
   /** A number in people's units; undefined when it was never received, or means "no data". */

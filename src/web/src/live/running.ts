@@ -25,7 +25,7 @@ export function useRunning<T>(device: number, kind: string): Running<T> {
   useEffect(() => {
     void jobs().then((answer) => {
       const mine = answer.ok ? answer.value.jobs.find((one) => one.kind === kind && one.device === hexByte(device) && !isOver(one)) : undefined;
-      if (mine) void follow<T>(`/jobs/${mine.id}`, {}, take, mine as Job<T>).then(end);
+      if (mine) void follow<T>(`/jobs/${mine.id}`, {}, take, mine as Job<T>).then((answer) => end(answer.ok || answer.refusal.status !== 0 ? answer : { ok: false, refusal: { ...answer.refusal, writes: true } }));
     });
   }, [device, kind]);
   const begun = useRef(false);
@@ -33,6 +33,7 @@ export function useRunning<T>(device: number, kind: string): Running<T> {
     if (begun.current) return;
     begun.current = true;
     setEnded(undefined);
+    setJob(undefined);
     void begin<T>(route, options, take).then((answer) => {
       begun.current = false;
       end(answer);

@@ -6,7 +6,8 @@ import { path } from "../live/device";
 import { mayAct } from "../live/gateway";
 import { cancel, goOn } from "../live/jobs";
 import { useRunning } from "../live/running";
-import { OutcomeLine, refusalText, useAction } from "../parts/action";
+import { DeviceText } from "../parts/device_text";
+import { jobIn, OpenJob, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { boxFaces, faceNames, sphereCells, viewFrom, type FaceName } from "../parts/solid";
 import { hexByte } from "../protocol/table";
 
@@ -78,6 +79,15 @@ function Step({ step }: { step: unknown }) {
 
 const shown = (value: unknown): string => (typeof value === "number" ? String(Number(value.toPrecision(5))) : String(value));
 
+const titles: Record<string, "residual_before" | "residual_after" | "residual_verified" | "restarts" | "values_written"> = {
+  before: "residual_before", after: "residual_after", verified: "residual_verified", restarts: "restarts", values: "values_written",
+};
+
+const titleOf = (name: string): string => {
+  const title = titles[name];
+  return title ? t(title) : name;
+};
+
 /** All figures of the gateway about the quality of the result. */
 function Result({ value }: { value: unknown }) {
   const rows = typeof value === "object" && value !== null ? Object.entries(value) : [];
@@ -87,7 +97,7 @@ function Result({ value }: { value: unknown }) {
       <table>
         <tbody>
           {rows.map(([name, one]) => (
-            <tr key={name}><th scope="row">{name === "before" ? t("residual_before") : name === "after" ? t("residual_after") : name === "values" ? t("values_written") : name}</th><td>{typeof one === "object" && one !== null ? Object.entries(one).map(([k, v]) => `${k} ${shown(v)}`).join(", ") : shown(one)}</td></tr>
+            <tr key={name}><th scope="row">{titleOf(name)}</th><td>{typeof one === "object" && one !== null ? Object.entries(one).map(([k, v]) => `${k} ${shown(v)}`).join(", ") : shown(one)}</td></tr>
           ))}
         </tbody>
       </table>
@@ -102,7 +112,7 @@ export function Calibration({ device }: { device: number }) {
   const action = useAction();
   return (
     <div>
-      <h1>{t("calibration")} <small class="muted">{nameOf(device)} {hexByte(device)}</small></h1>
+      <h1>{t("calibration")} <small class="muted"><DeviceText text={nameOf(device)} /> {hexByte(device)}</small></h1>
       <p class="muted">{t("calibration_about")}</p>
       {mayAct() && !job && (
         <div class="tools">
@@ -126,7 +136,7 @@ export function Calibration({ device }: { device: number }) {
           )}
         </section>
       )}
-      {ended && (ended.ok ? <Result value={ended.value} /> : <p class="bad" role="alert">✕ {refusalText(ended.refusal)}</p>)}
+      {ended && (ended.ok ? <Result value={ended.value} /> : <p class="bad" role="alert">✕ <DeviceText text={refusalText(ended.refusal)} /> {jobIn(ended.refusal) !== undefined && <OpenJob id={jobIn(ended.refusal)!} />}</p>)}
     </div>
   );
 }

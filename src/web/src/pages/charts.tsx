@@ -6,6 +6,8 @@ import { remember, remembered } from "../kept";
 import { ChartData, keyOf, type Chosen, type Line } from "../live/chart_data";
 import { frameStream } from "../live/frames";
 import { devices, seconds, table } from "../live/gateway";
+import { lostDevices } from "../live/watch";
+import { isolated } from "../visible";
 import { csvOf } from "../live/series";
 import { useStore, useTick } from "../live/store";
 import { download, stamp } from "../parts/download";
@@ -55,7 +57,7 @@ function Picker({ data, onChange }: { data: ChartData; onChange: () => void }) {
         <>
           <select aria-label={t("message")} value={String(now)} onChange={(event) => setFrame(Number(event.currentTarget.value))}>
             {heard.map((one) => (
-              <option key={one} value={String(one)}>{nameOf(one >> 8) || hexByte(one >> 8)} · {of.name(one & 255)}: {titleText(of.name(one & 255), of.title(one & 255))}</option>
+              <option key={one} value={String(one)}>{isolated(nameOf(one >> 8) || hexByte(one >> 8))} · {of.name(one & 255)}: {titleText(of.name(one & 255), of.title(one & 255))}</option>
             ))}
           </select>
           <div class="checks">
@@ -81,6 +83,7 @@ const numberText = (value: number | undefined): string => (value === undefined |
 /** The newest value of each line, the one under the pointer, and its difference from the one at the measuring mark. */
 function Values({ lines, look, mark, onRemove }: { lines: readonly Line[]; look: number | undefined; mark: number | undefined; onRemove: (key: string) => void }) {
   useTick(250);
+  const gone = useStore(lostDevices);
   const measures = look !== undefined && mark !== undefined;
   return (
     <div class="scroll" tabIndex={0} role="group" aria-label={t("values")}>
@@ -96,10 +99,11 @@ function Values({ lines, look, mark, onRemove }: { lines: readonly Line[]; look:
             const here = look === undefined ? undefined : line.series.before(look);
             const there = mark === undefined ? undefined : line.series.before(mark);
             const newest = line.series.length > 0 ? line.series.value(line.series.length - 1) : undefined;
+            const isOld = gone.has(line.from);
             return (
               <tr key={keyOf(line)}>
-                <th scope="row"><i class="swatch" style={{ background: colours[i % colours.length]! }} aria-hidden="true" />{line.label} <small class="muted">{line.unit}</small></th>
-                <td class="number">{numberText(newest)}</td>
+                <th scope="row"><i class="swatch" style={{ background: colours[i % colours.length]! }} aria-hidden="true" /><bdi>{line.label}</bdi> <small class="muted">{line.unit}</small></th>
+                <td class={`number ${isOld ? "late-value" : ""}`}>{numberText(newest)}</td>
                 <td class="number">{numberText(here)}</td>
                 <td class="number">{here !== undefined && there !== undefined ? numberText(here - there) : "–"}</td>
                 <td><button class="plain" aria-label={`${t("remove")} ${line.label}`} onClick={() => onRemove(keyOf(line))}>✕</button></td>

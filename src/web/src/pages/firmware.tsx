@@ -1,14 +1,16 @@
 // Firmware upgrade: shows the file, the device, and each step until the device has checked the image.
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
+import { ask } from "../api";
 import { nameOf } from "../addresses";
 import { shortNumber } from "../format";
 import { t, useLanguage } from "../i18n";
-import { path } from "../live/device";
-import { devices, mayAct } from "../live/gateway";
+import { forgetCommands, path } from "../live/device";
+import { devices, mayAct, type Device } from "../live/gateway";
 import { cancel } from "../live/jobs";
 import { useRunning } from "../live/running";
 import { useStore } from "../live/store";
-import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
+import { DeviceText } from "../parts/device_text";
+import { jobIn, JobLine, OpenJob, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { firmwareFile, type FirmwareFile } from "../parts/firmware_file";
 import { hexByte } from "../protocol/table";
@@ -30,18 +32,30 @@ export function Firmware({ device }: { device: number }) {
   const [crc, setCrc] = useState(crcs[0]!);
   const [force, setForce] = useState(false);
   const action = useAction();
+  const [isAskedAnew, setAskedAnew] = useState(false); // with new firmware it has another version: the old one is not shown meanwhile
+  useEffect(() => {
+    if (!ended?.ok) return;
+    setFile(undefined);
+    forgetCommands(device);
+    setAskedAnew(true);
+    void ask<{ devices: Device[] }>("/devices/scan", { method: "POST", body: {} }).then((answer) => {
+      if (answer.ok) devices.set(answer.value.devices);
+      setAskedAnew(false);
+    });
+  }, [ended, device]);
   const choose = async (chosen: File | undefined): Promise<void> => {
     if (chosen) setFile({ file: chosen, about: firmwareFile(await chosen.slice(0, 100).arrayBuffer(), chosen.size) });
   };
   const flash = (): void => {
+    action.say(undefined);
     if (file) start(path(device, `firmware?crc=${encodeURIComponent(crc)}${force ? "&force" : ""}`), { body: file.file });
   };
   const header = file?.about.header;
   return (
     <div>
-      <h1>{t("firmware")} <small class="muted">{nameOf(device)} {hexByte(device)}</small></h1>
-      {known?.hw !== undefined && <p>{t("device_versions", { hw: known.hw, sw: known.sw ?? "–" })}</p>}
-      {known?.in_loader && <p class="note warn">{t("in_loader")}</p>}
+      <h1>{t("firmware")} <small class="muted"><DeviceText text={nameOf(device)} /> {hexByte(device)}</small></h1>
+      {known?.hw !== undefined && !job && !isAskedAnew && <p>{t(ended?.ok ? "now_has" : "device_versions", { hw: known.hw, sw: known.sw ?? "–" })}</p>}
+      {known?.in_loader && !job && !ended?.ok && <p class="note warn">{t("in_loader")}</p>}
       {mayAct() && !job && (
         <div class="card">
           <div class="tools">
@@ -60,7 +74,7 @@ export function Firmware({ device }: { device: number }) {
       <OutcomeLine action={action} />
       {ended && (ended.ok
         ? <p class="good" role="status">✓ {t("flashed", { bytes: ended.value.bytes, frames: ended.value.frames, repeats: ended.value.repeats, s: ended.value.seconds })}</p>
-        : <p class="bad" role="alert">✕ {refusalText(ended.refusal)}</p>)}
+        : <p class="bad" role="alert">✕ <DeviceText text={refusalText(ended.refusal)} /> {jobIn(ended.refusal) !== undefined && <OpenJob id={jobIn(ended.refusal)!} />}</p>)}
     </div>
   );
 }

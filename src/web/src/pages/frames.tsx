@@ -9,20 +9,23 @@ import { FrameRows, type FrameRow } from "../live/rows";
 import { useStore, useTick } from "../live/store";
 import { directions, type Direction, type Tables } from "../protocol/records";
 import { hexByte, hexOf, type MessageTable, type Reading, type Unreadable } from "../protocol/table";
+import { lostDevices } from "../live/watch";
+import { DeviceText } from "../parts/device_text";
+import { visible } from "../visible";
 import { SendForm } from "../parts/send_form";
 
 const maxShown = 300;
 
-export const unreadableText = (why: Unreadable): string => t(why);
+export const unreadableText = (why: Unreadable, size: number): string => t(why, { n: size });
 
 /** The first values, as many as fit into a line. */
-function Brief({ reading }: { reading: Reading | Unreadable }) {
-  if (typeof reading === "string") return <span class="muted">{unreadableText(reading)}</span>;
+function Brief({ reading, size }: { reading: Reading | Unreadable; size: number }) {
+  if (typeof reading === "string") return <span class="muted">{unreadableText(reading, size)}</span>;
   const shown = reading.fields().filter(({ field }) => field.type !== "bytes" && field.type !== "list" && field.type !== "frames").slice(0, 8);
   return (
     <span class="brief">
       {shown.map(({ field, value }) => (
-        <span key={field.name}><small>{field.label ?? field.name}</small> {valueText(value, field).slice(0, 60)}{value !== null && field.unit ? <small> {field.unit}</small> : null}</span>
+        <span key={field.name}><small>{field.label ?? field.name}</small> <bdi>{visible(valueText(value, field)).slice(0, 60)}</bdi>{value !== null && field.unit ? <small> {field.unit}</small> : null}</span>
       ))}
     </span>
   );
@@ -38,7 +41,7 @@ function Opened({ row, reading, tables }: { row: FrameRow; reading: Reading | Un
   return (
     <div class="opened">
       <p class="muted">
-        {t("to")} {row.to === 255 ? t("broadcast") : `${hexByte(row.to)} ${nameOf(row.to)}`} · {t("link")} {tables?.links[row.link] ?? row.link} · {t("count")} {row.count} · {row.data.length} {t("size")}
+        {t("to")} {row.to === 255 ? t("broadcast") : <>{hexByte(row.to)} <DeviceText text={nameOf(row.to)} /></>} · {t("link")} {tables?.links[row.link] ?? row.link} · {t("count")} {row.count} · {row.data.length} {t("size")}
         {row.cause > 0 && <> · <b class="warn">{causeText(tables?.causes[row.cause] ?? String(row.cause))}</b></>}
       </p>
       {typeof reading !== "string" && (
@@ -47,7 +50,7 @@ function Opened({ row, reading, tables }: { row: FrameRow; reading: Reading | Un
             {reading.fields().map(({ field, value }) => (
               <tr key={field.name}>
                 <th scope="row">{field.label ?? field.name}</th>
-                <td class="number">{value === null ? <span class="muted">{t("no_data")}</span> : valueText(value, field)}</td>
+                <td class="number">{value === null ? <span class="muted">{t("no_data")}</span> : <bdi>{visible(valueText(value, field))}</bdi>}</td>
                 <td class="unit">{field.unit ?? ""}{meaningOf(value, field) ? <i>{meaningOf(value, field)}</i> : null}{field.note ? <span class="muted"> {field.note}</span> : null}</td>
               </tr>
             ))}
@@ -60,17 +63,17 @@ function Opened({ row, reading, tables }: { row: FrameRow; reading: Reading | Un
   );
 }
 
-function Row({ row, of, open, onToggle, now, tables }: { row: FrameRow; of: MessageTable; open: boolean; onToggle: () => void; now: number; tables: Tables | undefined }) {
+function Row({ row, of, open, onToggle, now, tables, isGone }: { isGone: boolean; row: FrameRow; of: MessageTable; open: boolean; onToggle: () => void; now: number; tables: Tables | undefined }) {
   const reading = of.read(row.id, row.from, row.data);
   const layout = typeof reading === "string" ? undefined : reading.row.layout;
-  const late = row.rate.isLate(now);
+  const late = row.rate.isLate(now) || isGone;
   return (
     <li class={late ? "late" : ""}>
       <button class="row" aria-expanded={open} onClick={onToggle}>
-        <span class="from"><b>{hexByte(row.from)}</b> {nameOf(row.from)}</span>
+        <span class="from"><b>{hexByte(row.from)}</b> <DeviceText text={nameOf(row.from)} /></span>
         <span class="message"><b>{of.name(row.id)}</b>{layout ? <small> {layout}</small> : null} <code class="muted">{hexByte(row.id)}</code><small class="muted title">{titleText(of.name(row.id), typeof reading === "string" ? of.title(row.id) : reading.row.title)}</small></span>
         <span class="rate number">{late ? "–" : rateText(row.rate.perSecond(now))}<small> {t("per_second")}</small></span>
-        <Brief reading={reading} />
+        <Brief reading={reading} size={row.data.length} />
       </button>
       {open && <Opened row={row} reading={reading} tables={tables} />}
     </li>
@@ -99,7 +102,7 @@ function useRows(direction: Direction): { rows: FrameRows; tables: Tables | unde
 export function Frames() {
   useLanguage();
   useStore(devices);
-  const of = useStore(table);
+  const of = useStore(table), gone = useStore(lostDevices);
   const [direction, setDirection] = useState<Direction>("in");
   const [search, setSearch] = useState("");
   const [open, setOpen] = useState<ReadonlySet<string>>(new Set());
@@ -135,7 +138,7 @@ export function Frames() {
       {found.length === 0 ? <p class="muted">{t("no_frames_yet")}</p> : (
         <ul class="rows">
           {found.slice(0, maxShown).map((row) => (
-            <Row key={row.key} row={row} of={of} open={open.has(row.key)} onToggle={() => toggle(row.key)} now={now} tables={tables} />
+            <Row key={row.key} row={row} of={of} open={open.has(row.key)} onToggle={() => toggle(row.key)} now={now} tables={tables} isGone={gone.has(row.from)} />
           ))}
         </ul>
       )}

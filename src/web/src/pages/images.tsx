@@ -8,6 +8,7 @@ import { seconds, table } from "../live/gateway";
 import { Pictures, pixelsOf, rowBytes, type Picture } from "../live/pictures";
 import { Rate } from "../live/rate";
 import { useStore, useTick } from "../live/store";
+import { DeviceName } from "../parts/device_text";
 import { download, stamp } from "../parts/download";
 import { hexByte, Reading } from "../protocol/table";
 
@@ -79,7 +80,7 @@ export function Images() {
         {all.map(([from, one]) => (
           <figure key={from} class={`card ${one.rate.isLate(now) ? "late" : ""}`}>
             <Canvas picture={one.picture} stopped={stopped} />
-            <figcaption>{nameOf(from) || hexByte(from)} · {one.picture.width} × {one.picture.height} px · {one.rate.isLate(now) ? "–" : rateText(one.rate.perSecond(now))} {t("per_second")}{one.broken > 0 && <span class="warn"> · {t("images_broken", { n: one.broken })}</span>}</figcaption>
+            <figcaption><DeviceName device={from} /> · {one.picture.width} × {one.picture.height} px · {one.rate.isLate(now) ? "–" : rateText(one.rate.perSecond(now))} {t("per_second")}{one.broken > 0 && <span class="warn"> · {t("images_broken", { n: one.broken })}</span>}</figcaption>
           </figure>
         ))}
       </div>

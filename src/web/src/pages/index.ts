@@ -2,6 +2,7 @@
 import type { FunctionComponent } from "preact";
 import type { Key } from "../i18n";
 import { pageOfDevice, type Place } from "../route";
+import { Alarms } from "./alarms";
 import { Calibration } from "./calibration";
 import { Charts } from "./charts";
 import { Commands } from "./commands";
@@ -31,6 +32,7 @@ export const pages: Page[] = [
   { name: "images", title: "images", ofDevice: false, view: Images },
   { name: "recordings", title: "recordings", ofDevice: false, view: Recordings },
   { name: pageOfDevice, title: "vehicle", ofDevice: true, view: Vehicle },
+  { name: "alarms", title: "alarms", ofDevice: true, asks: true, view: Alarms },
   { name: "parameters", title: "parameters", ofDevice: true, asks: true, view: Parameters },
   { name: "commands", title: "commands", ofDevice: true, asks: true, view: Commands },
   { name: "waypoints", title: "waypoints", ofDevice: true, asks: true, view: Waypoints },

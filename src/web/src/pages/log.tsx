@@ -1,10 +1,13 @@
 // The log messages of devices: 0xA0 and 0xA1.
 import { useEffect, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
+import { ask } from "../api";
 import { t, useLanguage } from "../i18n";
 import { frameStream } from "../live/frames";
 import { seconds, table } from "../live/gateway";
 import { useStore, useTick } from "../live/store";
+import { DeviceName } from "../parts/device_text";
+import { visible } from "../visible";
 import { download, stamp } from "../parts/download";
 import { hexByte, Reading } from "../protocol/table";
 
@@ -27,9 +30,40 @@ let count = 0;
 
 function add(entry: Omit<Entry, "number">): void {
   entries.push({ ...entry, number: ++count });
-  if (entries.length > maxEntries) entries.splice(0, entries.length - maxEntries);
+  while (entries.length > maxEntries) entries.splice(oldestOfMost(), 1);
 }
 
+/** The place of the oldest entry of the device with the most, so that nobody displaces the lines of others. */
+function oldestOfMost(): number {
+  const of = new Map<number, number>();
+  for (const one of entries) of.set(one.from, (of.get(one.from) ?? 0) + 1);
+  const [most] = [...of].reduce((a, b) => (b[1] > a[1] ? b : a));
+  return entries.findIndex((one) => one.from === most);
+}
+
+interface KeptLine {
+  time: number;
+  device: string;
+  color?: number;
+  value?: number | string;
+  text: string;
+}
+
+const everybody = 255;
+
+/** What the gateway kept of the time before, or while another page was open. Its clock is the one of the frames, but it looks at it a moment earlier or later. */
+async function fill(): Promise<void> {
+  const answer = await ask<{ lines?: KeptLine[] }>(`/devices/${everybody}/log`, { timeout: 5000 });
+  if (!answer.ok || !Array.isArray(answer.value.lines)) return;
+  const isHere = (line: KeptLine, text: string): boolean => entries.some((one) => one.from === Number(line.device) && Math.abs(one.time - line.time) < 0.1 && one.text.startsWith(text));
+  const found = answer.value.lines.filter((line) => line.time > clearedAt && !isHere(line, line.text)).map((line): Entry => (
+    { number: ++count, time: line.time, from: Number(line.device), colour: line.color ?? 0, value: typeof line.value === "number" ? line.value : undefined, text: line.text }));
+  if (found.length === 0) return;
+  const all = [...entries, ...found].sort((a, b) => a.time - b.time).filter((one) => one.missed === undefined || !found.some((line) => line.time > one.time - 1)).slice(-maxEntries);
+  entries.splice(0, entries.length, ...all.map((one) => ({ ...one, number: ++count })));
+}
+
+let clearedAt = 0; // Unix seconds
 let leftAt: number | undefined; // when the view was left
 const miss = (why: string): void => add({ time: Date.now() / 1000, from: 0, colour: 0, value: undefined, text: "", missed: why });
 
@@ -65,6 +99,7 @@ export function Log() {
         const silent = leftAt === undefined ? 0 : seconds() - leftAt;
         leftAt = undefined;
         if (silent > 1 && entries.length > 0) miss(t("log_not_heard", { s: Math.round(silent) }));
+        void fill();
       },
       lost: (told) => miss(t("lost_on_the_way", { n: Object.values(told.lost).reduce((sum, n) => sum + n, 0) })),
       take: (record) => {
@@ -94,7 +129,7 @@ export function Log() {
         <input type="search" aria-label={t("search")} placeholder={t("search_log")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} />
         <button disabled={found.length === 0} onClick={() => download(`anogate_${stamp()}.log`, new Blob([found.map(lineOf).join("\n") + "\n"], { type: "text/plain" }))}>{t("save_file")}</button>
         <button aria-pressed={paused !== undefined} onClick={() => setPaused(paused ? undefined : [...entries])}>{paused ? t("go_on") : t("pause")}{unseen > 0 ? ` (+${unseen})` : ""}</button>
-        <button onClick={() => { entries.length = 0; setPaused(undefined); }}>{t("clear")}</button>
+        <button onClick={() => { entries.length = 0; clearedAt = Date.now() / 1000; setPaused(undefined); }}>{t("clear")}</button>
       </div>
       {frameStream.lostFrames > 0 && <p class="note warn" role="status">{t("lost_on_the_way", { n: frameStream.lostFrames })}</p>}
       {found.length === 0 ? <p class="muted">{t("log_empty")}</p> : (
@@ -102,8 +137,8 @@ export function Log() {
           {found.slice(-500).reverse().map((entry) => entry.missed !== undefined ? <li key={entry.number}><time class="muted number">{clock(entry.time)}</time><span class="warn">{entry.missed}</span></li> : (
             <li key={entry.number}>
               <time class="muted number">{clock(entry.time)}</time>
-              <span class="muted">{nameOf(entry.from) || hexByte(entry.from)}</span>
-              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{Number(entry.value.toPrecision(7))} </b>}<Words text={entry.text} /></span>
+              <span class="muted"><DeviceName device={entry.from} /></span>
+              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{Number(entry.value.toPrecision(7))} </b>}<bdi><Words text={visible(entry.text)} /></bdi></span>
             </li>
           ))}
         </ol>

@@ -9,7 +9,10 @@ import { cancel, follow, type Job } from "../live/jobs";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
-import { changesOf, fileOf, has, isCalibration, isSame, named, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
+import { draftOf, setDraft } from "../live/edits";
+import { useStore } from "../live/store";
+import { DeviceText } from "../parts/device_text";
+import { changesOf, faultOf, fileOf, has, isCalibration, isSame, named, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
 import { hexByte } from "../protocol/table";
 
 interface All {
@@ -44,17 +47,19 @@ function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Par
   const name = nameOf(parameter);
   const id = "parameter-" + parameter.id;
   const changed = typed !== undefined && !isSame(parameter.value, typed, parameter.type);
+  const fault = changed ? faultOf(parameter, typed) : undefined;
   const differs = file !== undefined && !isSame(parameter.value, file, parameter.type);
   return (
     <li class={changed ? "changed" : ""}>
-      <label for={id}><b>{name}</b> <small>{parameter.type ?? ""}{parameter.min !== undefined ? ` ${parameter.min}…${parameter.max}` : ""}</small></label>
-      <input id={id} disabled={disabled || parameter.missing === true} value={typed ?? String(parameter.value ?? "")} aria-describedby={id + "-text"} onInput={(event) => onType(event.currentTarget.value)} />
+      <label for={id}><b><DeviceText text={name} /></b> <small>{parameter.type ?? ""}{parameter.mul !== undefined ? ` / ${parameter.mul}` : ""}{parameter.min !== undefined ? ` ${parameter.min}…${parameter.max}` : ""}</small></label>
+      <input id={id} disabled={disabled || parameter.missing === true} value={typed ?? String(parameter.value ?? "")} aria-invalid={fault !== undefined} aria-describedby={id + "-text"} onInput={(event) => onType(event.currentTarget.value)} />
       <span id={id + "-text"} class="about">
+        {fault && <b class="bad fault">{t(fault.key, "min" in fault ? { min: fault.min, max: fault.max } : {})} </b>}
         {parameter.missing && <span class="bad">{t("parameter_missing")} </span>}
         {changed && <button class="plain" onClick={() => onType(undefined)}>{t("undo_to", { value: String(parameter.value ?? "–") })}</button>}
         {differs && <button class="plain warn" onClick={() => onType(file)}>{t("file_says", { value: file })}</button>}
-        {end && <span class={end.state === "failed" ? "bad" : end.clamped ? "warn" : "good"}>{end.state === "failed" ? end.what : end.clamped ? t("stored_clamped", { value: String(end.stored) }) : end.stored !== undefined ? t("stored", { value: String(end.stored) }) : end.state} </span>}
-        <span class="muted">{parameter.text}</span>
+        {end && <span class={end.state === "failed" ? "bad" : end.clamped ? "warn" : "good"}>{end.state === "failed" ? <DeviceText text={end.what} /> : end.clamped ? t("stored_clamped", { value: String(end.stored) }) : end.stored !== undefined ? t("stored", { value: String(end.stored) }) : end.state} </span>}
+        <span class="muted"><DeviceText text={parameter.text} /></span>
       </span>
     </li>
   );
@@ -62,10 +67,18 @@ function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Par
 
 type Which = "all" | "changed" | "file" | "defaults";
 
+/** By the name of the parameter. */
+type Typed = Record<string, string>;
+const nothing: Typed = {};
+
 export function Parameters({ device }: { device: number }) {
   useLanguage();
   const { all, setAll, job, setJob, fault, read } = useParameters(device);
-  const [typed, setTyped] = useState<Record<string, string>>({});
+  const draft = draftOf<Typed>("parameters", device), typed = useStore(draft) ?? nothing;
+  const setTyped = (change: (before: Typed) => Typed): void => {
+    const after = change(draft.get() ?? nothing);
+    setDraft("parameters", device, Object.keys(after).length > 0 ? after : undefined);
+  };
   const [file, setFile] = useState<Record<string, string>>();
   const [stranger, setStranger] = useState<string>();
   const [ends, setEnds] = useState<Record<string, Written>>({});
@@ -79,6 +92,7 @@ export function Parameters({ device }: { device: number }) {
   const hasCalibration = Object.keys(file ?? {}).some(isCalibration);
   const unknown = Object.keys(file ?? {}).filter((name) => all && !parameters.some((one) => nameOf(one) === name));
   const count = Object.keys(changes).length;
+  const faults = parameters.filter((one) => has(changes, nameOf(one)) && faultOf(one, changes[nameOf(one)]!)).length;
 
   const stored = (written: Written[]): void => {
     setEnds((before) => ({ ...before, ...Object.fromEntries(written.map((one) => [one.name, one])) }));
@@ -127,7 +141,7 @@ export function Parameters({ device }: { device: number }) {
   });
   return (
     <div class="parameters">
-      <h1>{t("parameters")} <small class="muted">{all?.device.name ?? nameOfAddress(device)} {hexByte(device)}</small></h1>
+      <h1>{t("parameters")} <small class="muted"><DeviceText text={all?.device.name ?? nameOfAddress(device)} /> {hexByte(device)}</small></h1>
       <div class="tools">
         <input type="search" aria-label={t("search")} placeholder={t("search_parameters")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} />
         <select aria-label={t("direction")} value={which} onChange={(event) => setWhich(event.currentTarget.value as Which)}>
@@ -142,9 +156,10 @@ export function Parameters({ device }: { device: number }) {
       </div>
       {mayAct() && (
         <div class="tools">
-          <button class="main" disabled={count === 0 || action.busy} onClick={write}>{t("write_n", { n: count })}</button>
+          <button class="main" disabled={count === 0 || faults > 0 || action.busy} onClick={write}>{t("write_n", { n: count })}</button>
+          {faults > 0 && <span class="bad">{t("fix_first", { n: faults })}</span>}
           {hasCalibration && <label class="check"><input type="checkbox" checked={calibration} onChange={() => setCalibration(!calibration)} />{t("with_calibration")}</label>}
-          {file && Object.keys(differing).length > 0 && <button onClick={() => setTyped({ ...typed, ...differing })}>{t("take_from_file", { n: Object.keys(differing).length })}</button>}
+          {file && Object.keys(differing).length > 0 && <button onClick={() => setTyped((before) => ({ ...before, ...differing }))}>{t("take_from_file", { n: Object.keys(differing).length })}</button>}
           <button disabled={action.busy || !all} onClick={() => act("save")}>{t("save_in_device")}</button>
           <Confirm label={t("restore_defaults")} question={t("restore_question")} yes={t("restore_defaults")} disabled={action.busy || !all} onYes={() => act("restore_defaults")} />
           <OutcomeLine action={action} />
@@ -154,13 +169,13 @@ export function Parameters({ device }: { device: number }) {
       {which === "defaults" && <p class="note">{t("defaults_unknown")}</p>}
       {unknown.length > 0 && <p class="note warn">{t("file_unknown", { names: unknown.slice(0, 8).join(", ") + (unknown.length > 8 ? " …" : "") })}</p>}
       <JobLine job={job} {...(job && mayAct() ? { onCancel: () => void cancel(job) } : {})} />
-      {fault && <p class="bad" role="alert">{fault}</p>}
+      {fault && <p class="bad" role="alert"><DeviceText text={fault} /></p>}
       <ul class="set card">
         {shown.map((one) => {
           const name = nameOf(one);
           return (
             <Row key={one.id} parameter={one} typed={named(typed, name)} file={named(file, name)} end={named(ends, name)} disabled={!mayAct() || action.busy}
-              onType={(text) => setTyped((before) => (text === undefined ? Object.fromEntries(Object.entries(before).filter(([other]) => other !== name)) : { ...before, [name]: text }))} />
+              onType={(text) => setTyped((before) => (text === undefined || text === String(one.value ?? "") ? Object.fromEntries(Object.entries(before).filter(([other]) => other !== name)) : { ...before, [name]: text }))} />
           );
         })}
       </ul>

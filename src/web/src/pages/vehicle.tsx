@@ -4,10 +4,14 @@ import { nameOf } from "../addresses";
 import { fixed } from "../format";
 import { t, useLanguage, type Key } from "../i18n";
 import { frameStream } from "../live/frames";
-import { seconds, table } from "../live/gateway";
+import { devices, seconds, status, table } from "../live/gateway";
 import { Latest, type Seen } from "../live/latest";
+import { orientationOf } from "../live/orientation";
 import { useStore, useTick } from "../live/store";
+import { lastStateOf, lostDevices } from "../live/watch";
 import { hexByte, type MessageTable } from "../protocol/table";
+import { inWords } from "../parts/alerts";
+import { DeviceText } from "../parts/device_text";
 import { Horizon, Rose } from "../parts/horizon";
 import type { Place } from "../map/datum";
 import type { Point, Scene } from "../parts/ground";
@@ -17,7 +21,7 @@ import { isPlace, onGround } from "../parts/waypoint_set";
 
 /** Maximum rates of the messages that the page shows, per second; more would not be seen. */
 const wanted: Record<string, number> = {
-  euler: 30, altitude: 10, velocity: 10, position: 10, mode: 10, power: 4, gps: 5, module_status: 2, return_home: 4, wind: 2, remote_control: 20, pwm: 10,
+  euler: 30, quaternion: 30, altitude: 10, velocity: 10, position: 10, mode: 10, power: 4, gps: 5, module_status: 2, return_home: 4, wind: 2, remote_control: 20, pwm: 10,
 };
 const hosts = [0xfe, 0xd2];
 
@@ -74,10 +78,10 @@ function Figure({ label, seen, digits = 1 }: { label: string; seen: Seen | undef
   );
 }
 
-function Bars({ title, values, low, high, unit }: { title: string; values: [string, number][]; low: number; high: number; unit: string }) {
+function Bars({ title, late, values, low, high, unit }: { title: string; late: boolean; values: [string, number][]; low: number; high: number; unit: string }) {
   if (values.length === 0) return null;
   return (
-    <section>
+    <section class={late ? "late-bars" : ""}>
       <h2>{title}</h2>
       <ul class="bars">
         {values.map(([name, value]) => (
@@ -98,12 +102,17 @@ function numbersOf(latest: Latest, message: string): [string, number][] {
 
 const lockWords: Record<number, Key> = { 0: "flag_locked", 1: "flag_unlocked", 2: "flag_airborne" };
 
-function State({ latest, now }: { latest: Latest; now: number }) {
-  const flag = latest.number("mode", "sflag", now), mode = latest.number("mode", "mode", now);
+/** Of a vehicle that was lost before this page was opened, the state is what was known last. */
+function State({ latest, device, now }: { latest: Latest; device: number; now: number }) {
+  const seen = latest.number("mode", "sflag", now), mode = latest.number("mode", "mode", now);
+  const before = seen ? undefined : lastStateOf(device);
+  const flag: Pick<Seen, "value" | "late"> | undefined = seen ?? (before && { value: before.flag, late: true });
   const word = flag && lockWords[flag.value];
+  const state = word ? t(word) : flag ? String(flag.value) : "–";
+  const age = before ? now - before.at : flag?.late ? latest.age("mode", now) : undefined;
   return (
     <p class="state">
-      <b class={`flag ${flag?.late ?? true ? "late-value" : flag?.value === 0 ? "good" : "warn"}`}>{word ? t(word) : flag ? String(flag.value) : "–"}</b>
+      <b class={`flag ${flag?.late ?? true ? "late-value" : flag?.value === 0 ? "good" : "warn"}`}>{age !== undefined && age >= 1 ? t("state_ago", { state, time: inWords(age) }) : state}</b>
       {mode && <span class={mode.late ? "late-value" : ""}>{t("mode_n", { n: mode.value })}</span>}
     </p>
   );
@@ -117,12 +126,13 @@ function speedOf(latest: Latest, now: number): Seen | undefined {
 function Modules({ latest, now }: { latest: Latest; now: number }) {
   const reading = latest.reading("module_status");
   if (!reading) return null;
+  const late = latest.isLate("module_status", now);
   const names: Record<string, Key> = { sta_g_vel: "module_velocity", sta_g_pos: "module_position", sta_gps: "module_gps", sta_alt_add: "module_height" };
   const words: Key[] = ["module_none", "module_unusable", "module_normal", "module_good"];
   return (
-    <ul class={`modules ${latest.isLate("module_status", now) ? "late-value" : ""}`}>
+    <ul class={`modules ${late ? "late-value" : ""}`}>
       {reading.fields().map(({ field, value }) => (
-        <li key={field.name} class={value === 0 ? "muted" : value === 1 ? "bad" : "good"}>
+        <li key={field.name} class={late || value === 0 ? "muted" : value === 1 ? "bad" : "good"}>
           <i class="lamp" aria-hidden="true" />{names[field.name] ? t(names[field.name]!) : field.name}: {typeof value === "number" && words[value] ? t(words[value]!) : String(value)}
         </li>
       ))}
@@ -135,23 +145,25 @@ export function Vehicle({ device }: { device: number }) {
   const of = useStore(table);
   const latest = useLatest(of, device);
   useTick(50);
-  const now = seconds();
+  const now = seconds(), gone = useStore(lostDevices).has(device);
+  if (latest) latest.isGone = gone;
   if (!latest) return <p class="muted" role="status">{t("waiting_first")}</p>;
-  const angle = (name: string): number => latest.number("euler", name, now)?.value ?? 0;
-  const late = latest.isLate("euler", now);
+  const link = devices.get().find((one) => Number(one.address) === device)?.link;
+  const is = orientationOf(latest, now, status.get()?.links.find((one) => one.name === link)?.attitude === "lx");
+  const roll = is.roll?.value ?? 0, pitch = is.pitch?.value ?? 0, yaw = is.yaw?.value ?? 0;
   const sticks = numbersOf(latest, "remote_control"), motors = numbersOf(latest, "pwm");
   return (
     <div class="vehicle">
-      <h1>{nameOf(device) || t("vehicle")} <small class="muted">{hexByte(device)}</small></h1>
-      <State latest={latest} now={now} />
+      <h1><DeviceText text={nameOf(device) || t("vehicle")} /> <small class="muted">{hexByte(device)}</small></h1>
+      <State latest={latest} device={device} now={now} />
       <div class="panels">
         <div class="attitude card">
-          <Horizon roll={angle("rol")} pitch={angle("pit")} yaw={angle("yaw")} late={late} />
-          <Rose yaw={angle("yaw")} late={late} />
+          <Horizon roll={roll} pitch={pitch} yaw={yaw} late={is.late} />
+          <Rose yaw={yaw} late={is.late} />
           <dl class="figures">
-            <Figure label={t("roll")} seen={latest.number("euler", "rol", now)} />
-            <Figure label={t("pitch")} seen={latest.number("euler", "pit", now)} />
-            <Figure label={t("yaw")} seen={latest.number("euler", "yaw", now)} />
+            <Figure label={t("roll")} seen={is.roll} />
+            <Figure label={t("pitch")} seen={is.pitch} />
+            <Figure label={t("yaw")} seen={is.yaw} />
           </dl>
         </div>
         <div class="card">
@@ -167,9 +179,9 @@ export function Vehicle({ device }: { device: number }) {
           </dl>
           <Modules latest={latest} now={now} />
         </div>
-        <div class="card wide"><Track device={device} scene={{ track: trackOf(device), marks: [], now: pointOf(latest) }} onMap={onMap(latest, device)} yaw={angle("yaw")} /></div>
-        {sticks.length > 0 && <div class="card"><Bars title={t("sticks")} values={sticks} low={1000} high={2000} unit="" /></div>}
-        {motors.length > 0 && <div class="card"><Bars title={t("motors")} values={motors} low={0} high={100} unit=" %" /></div>}
+        <div class="card wide"><Track device={device} scene={{ track: trackOf(device), marks: [], now: pointOf(latest) }} onMap={onMap(latest, device)} yaw={yaw} /></div>
+        {sticks.length > 0 && <div class="card"><Bars title={t("sticks")} late={latest.isLate("remote_control", now)} values={sticks} low={1000} high={2000} unit="" /></div>}
+        {motors.length > 0 && <div class="card"><Bars title={t("motors")} late={latest.isLate("pwm", now)} values={motors} low={0} high={100} unit=" %" /></div>}
       </div>
     </div>
   );

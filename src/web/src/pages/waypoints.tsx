@@ -4,9 +4,12 @@ import { nameOf } from "../addresses";
 import { ask } from "../api";
 import { t, useLanguage } from "../i18n";
 import { path } from "../live/device";
+import { draftOf, setDraft } from "../live/edits";
 import { mayAct } from "../live/gateway";
 import { follow, type Job } from "../live/jobs";
+import { useStore } from "../live/store";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
+import { DeviceText } from "../parts/device_text";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
 import { numberIn } from "../parts/frame_of";
@@ -56,7 +59,10 @@ function WaypointTable({ all, disabled, onChange }: { all: Waypoint[]; disabled:
 
 export function Waypoints({ device }: { device: number }) {
   useLanguage();
-  const [all, setAll] = useState<Waypoint[]>();
+  const [stored, setStored] = useState<Waypoint[]>(); // in the device
+  const draft = useStore(draftOf<Waypoint[]>("waypoints", device));
+  const all = draft ?? stored;
+  const setAll = (changed: Waypoint[]): void => setDraft("waypoints", device, JSON.stringify(changed) === JSON.stringify(stored) ? undefined : changed);
   const [job, setJob] = useState<Job>();
   const [fault, setFault] = useState("");
   const [foreign, setForeign] = useState<{ form: string; json: unknown; name: string }>();
@@ -65,7 +71,7 @@ export function Waypoints({ device }: { device: number }) {
     setFault("");
     const answer = await follow<unknown>(path(device, "waypoints"), {}, setJob);
     setJob(undefined);
-    if (answer.ok) setAll(waypointsIn(answer.value) ?? []);
+    if (answer.ok) setStored(waypointsIn(answer.value) ?? []);
     else setFault(refusalText(answer.refusal));
   };
   useEffect(() => void read(), [device]);
@@ -74,6 +80,7 @@ export function Waypoints({ device }: { device: number }) {
       async () => {
         const answer = await follow<{ written: number }>(path(device, "waypoints" + (form ? "?format=" + form : "")), { method: "PUT", body }, setJob);
         setJob(undefined);
+        if (answer.ok && !form) setDraft("waypoints", device, undefined); // it was sent
         if (answer.ok) void read();
         return answer;
       },
@@ -115,7 +122,7 @@ export function Waypoints({ device }: { device: number }) {
   const may = mayAct() && !action.busy;
   return (
     <div>
-      <h1>{t("waypoints")} <small class="muted">{nameOf(device)} {hexByte(device)}</small></h1>
+      <h1>{t("waypoints")} <small class="muted"><DeviceText text={nameOf(device)} /> {hexByte(device)}</small></h1>
       <div class="tools">
         {mayAct() && <Confirm label={t("write_waypoints")} question={t("waypoints_question", { n: all?.length ?? 0 })} yes={t("write_waypoints")} kind="main" disabled={!all?.length || !may} onYes={() => put("", { waypoints: all })} />}
         {mayAct() && <button disabled={!may} onClick={add}>{t("add_waypoint")}</button>}
@@ -127,8 +134,9 @@ export function Waypoints({ device }: { device: number }) {
         <OutcomeLine action={action} />
       </div>
       {foreign && <p class="note">{foreign.name}: <Confirm label={t("write_file")} question={t("write_file_question")} yes={t("write_file")} disabled={!may} onYes={() => { put(foreign.form, foreign.json); setForeign(undefined); }} /></p>}
+      {draft && <p class="note unsent" role="status">{t("waypoints_not_sent")} <button type="button" disabled={!may} onClick={() => setDraft("waypoints", device, undefined)}>{t("discard")}</button></p>}
       <JobLine job={job} />
-      {fault && <p class="bad" role="alert">{fault}</p>}
+      {fault && <p class="bad" role="alert"><DeviceText text={fault} /></p>}
       <div class="card map"><Track device={device} scene={scene} onMap={scene.origin && scene} yaw={0} way /></div>
       {all && <WaypointTable all={all} disabled={!may} onChange={setAll} />}
     </div>

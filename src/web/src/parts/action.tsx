@@ -1,13 +1,16 @@
 // An action on a device: one at a time, and its result is shown.
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Answer, Refusal } from "../api";
-import { messageText, reasonText, t } from "../i18n";
-import type { Job } from "../live/jobs";
+import { messageText, reasonText, t, type Key } from "../i18n";
+import { jobs, type Job } from "../live/jobs";
+import { hashOf } from "../route";
+import { visible } from "../visible";
 import { Confirm } from "./confirm";
 
 export interface Outcome {
   words: string;
   good: boolean;
+  job?: number | undefined; // the one that uses the device
 }
 
 /** The details that the gateway gives about a failure. */
@@ -21,10 +24,32 @@ export function evidenceText(evidence: Record<string, unknown> | undefined): str
 }
 
 export function refusalText(refusal: Refusal): string {
-  if (refusal.status === 0) return t("no_contact") + t("may_have_been_done");
+  if (refusal.status === 0) return t("no_contact") + (refusal.writes ? t("may_have_been_done") : "");
   const why = reasonText(refusal.error) + evidenceText(refusal.evidence);
   if (refusal.what === "unknown" && refusal.status === 504) return t("unknown_end", { why });
   return refusal.status === 504 ? t("no_answer_of_device", { why }) : refusal.what === "busy" ? t("busy", { why }) : t("refused", { why });
+}
+
+/** The job that a refusal names. */
+export function jobIn(refusal: Refusal): number | undefined {
+  const job = (refusal.body as { job?: unknown } | undefined)?.job;
+  return typeof job === "number" ? job : undefined;
+}
+
+const pageOfKind: Record<string, string> = {
+  parameters: "parameters", write: "parameters", apply: "parameters", action: "parameters", commands: "commands", command: "commands",
+  waypoints: "waypoints", put_waypoints: "waypoints", firmware: "firmware", calibration: "calibration",
+};
+
+/** Leads to the page on which the job that uses the device can be seen, continued and cancelled. */
+export function OpenJob({ id }: { id: number }) {
+  const [job, setJob] = useState<Job>();
+  useEffect(() => {
+    void jobs().then((answer) => setJob(answer.ok ? answer.value.jobs.find((one) => one.id === id) : undefined));
+  }, [id]);
+  const page = job && pageOfKind[job.kind];
+  if (!job || !page || !job.device) return null;
+  return <a class="open-job" href={hashOf({ page, device: Number(job.device) })}>{t(job.state === "waiting" ? "open_waiting_job" : "open_job", { page: t(page as Key) })}</a>;
 }
 
 export interface Action {
@@ -50,7 +75,7 @@ export function useAction(): Action {
       running.current = false;
       if (gone.current) return;
       setBusy(false);
-      setOutcome(answer.ok ? { words: words(answer.value), good: true } : { words: refusalText(answer.refusal), good: false });
+      setOutcome(answer.ok ? { words: words(answer.value), good: true } : { words: refusalText(answer.refusal), good: false, job: jobIn(answer.refusal) });
     });
   };
   return { busy, outcome, run, say: setOutcome };
@@ -64,7 +89,7 @@ export function JobLine({ job, onCancel, question }: { job: Job | undefined; onC
     <div class="job">
       <progress max={1} value={progress} aria-label={messageText(job.message) || job.kind} />
       <span class="number">{total ? `${done ?? 0} / ${total} ${unit ?? ""}` : ""}</span>
-      <span>{messageText(job.message)}</span>
+      <bdi>{visible(messageText(job.message))}</bdi>
       {onCancel && (question
         ? <Confirm label={t("cancel")} question={question} yes={t("yes_cancel")} no={t("no_go_on")} onYes={onCancel} />
         : <button type="button" onClick={onCancel}>{t("cancel")}</button>)}
@@ -76,7 +101,8 @@ export function OutcomeLine({ action }: { action: Action }) {
   const { busy, outcome } = action;
   return (
     <span role="status" class={`outcome ${busy ? "muted" : outcome?.good ? "good" : "bad"}`}>
-      {busy ? t("at_work") : outcome ? `${outcome.good ? "✓" : "✕"} ${outcome.words}` : ""}
+      {busy ? t("at_work") : outcome ? <>{outcome.good ? "✓" : "✕"} <bdi>{visible(outcome.words)}</bdi></> : ""}
+      {!busy && outcome?.job !== undefined && <> <OpenJob id={outcome.job} /></>}
     </span>
   );
 }

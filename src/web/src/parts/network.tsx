@@ -7,6 +7,9 @@ import { replayedDevices } from "../live/replayed";
 import { duration, rateText, shortNumber } from "../format";
 import { hashOf, pageOfDevice } from "../route";
 import { nameOf } from "../addresses";
+import { useStore } from "../live/store";
+import { ageOf, lostDevices } from "../live/watch";
+import { DeviceText } from "./device_text";
 import { calmHints } from "../words_of_gateway";
 
 /** A wire with an animated flow, faster at a higher rate; no flow without frames. */
@@ -24,16 +27,17 @@ function Wire({ rate, back }: { rate: number; back: boolean }) {
 function Who({ route }: { route: Route }) {
   const address = Number(route.address);
   const isHost = address === 0xfe || address === 0xd2;
-  const age = route.age_s ?? 0;
+  const isLost = useStore(lostDevices).has(address);
+  const age = isLost ? (ageOf(address) ?? route.age_s ?? 0) : (route.age_s ?? 0);
   const text = (
     <>
-      <b>{route.address}</b> {nameOf(address)}
-      {age > 3 && <small> · {t("ago", { time: duration(age, language.get() === "zh") })}</small>}
+      <b>{route.address}</b> <DeviceText text={nameOf(address)} />
+      {(isLost || age > 3) && <small> · {t("ago", { time: duration(age, language.get() === "zh") })}</small>}
     </>
   );
   const title = route.via === "replayed" ? t("replayed") : t(`via_${route.via}` as "via_own");
   return (
-    <li class={age > 3 ? "who late" : "who"} title={title}>
+    <li class={isLost ? "who late lost" : age > 3 ? "who late" : "who"} title={title}>
       {!isHost && route.via !== "port" ? <a href={hashOf({ page: pageOfDevice, device: address })}>{text}</a> : text}
     </li>
   );
@@ -48,7 +52,10 @@ function Peers({ link }: { link: Link }) {
   return (
     <ul class="peers" aria-label={t("peers")}>
       {shown.map((channel) => (
-        <li key={channel.peer}><code>{channel.peer}</code></li>
+        <li key={channel.peer}>
+          <code>{channel.peer}</code>
+          {channel.listening_since_s !== undefined && <small class="muted"> · {t("listening_since", { time: duration(channel.listening_since_s, language.get() === "zh") })}</small>}
+        </li>
       ))}
       {link.channels.length > shown.length && <li class="muted">{t("peers_more", { n: link.channels.length - shown.length })}</li>}
     </ul>
@@ -57,7 +64,7 @@ function Peers({ link }: { link: Link }) {
 
 function CounterTable({ link }: { link: Link }) {
   const keptBack = ["kept_back_of_hosts", "kept_back_commands", "kept_back_tunnels"].filter((name) => name in link);
-  const names = ["frames_in", "bytes_in", "skipped_bytes", ...keptBack, "frames_out", "bytes_out", "empty_out", "waiting", ...drops(link).map(([name]) => name)];
+  const names = ["frames_in", "bytes_in", "skipped_bytes", ...keptBack, "frames_out", "bytes_out", "empty_out", "flush_bytes", "waiting", ...drops(link).map(([name]) => name)];
   return (
     <table class="counters" aria-label={t("details_of", { name: link.name })}>
       <tbody>

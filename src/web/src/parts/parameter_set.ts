@@ -7,6 +7,7 @@ export interface Parameter {
   text?: string;
   min?: number;
   max?: number;
+  mul?: number; // the device has the value times this, as an integer
   missing?: boolean;
 }
 
@@ -37,6 +38,35 @@ export function isSame(value: number | string | undefined, text: string, type: s
   return type === "f32" ? Math.fround(number) === Math.fround(Number(value)) : number === Number(value);
 }
 
+export type ValueFault = { key: "not_a_number" | "not_whole" } | { key: "out_of_range"; min: number | string; max: number | string };
+
+/** Why the device can't have this value; undefined: it can, as far as its description says. */
+export function faultOf(parameter: Parameter, text: string): ValueFault | undefined {
+  const { type, min, max, mul } = parameter;
+  if (!type || type === "string" || type === "text") return undefined;
+  const words = text.trim();
+  const isFloat = type.startsWith("f") || mul !== undefined;
+  if (type.startsWith("f") && /^[+-]?(nan|inf)$/i.test(words)) return undefined;
+  const number = words === "" ? Number.NaN : Number(words);
+  if (Number.isNaN(number) || !Number.isFinite(number)) return { key: "not_a_number" };
+  if (min !== undefined && max !== undefined && (number < min || number > max)) return { key: "out_of_range", min, max };
+  if (isFloat) return undefined;
+  const [, sign, bits] = /^([ui])(8|16|32|64)$/.exec(type) ?? [];
+  if (!sign) return undefined;
+  if (!Number.isInteger(number)) return { key: "not_whole" };
+  const least = sign === "u" ? 0n : -(1n << BigInt(Number(bits) - 1)), most = (1n << BigInt(Number(bits) - (sign === "u" ? 0 : 1))) - 1n;
+  const exact = bigIn(words) ?? BigInt(number);
+  return exact < least || exact > most ? { key: "out_of_range", min: String(least), max: String(most) } : undefined;
+}
+
+function bigIn(words: string): bigint | undefined {
+  try {
+    return BigInt(words);
+  } catch {
+    return undefined;
+  }
+}
+
 /** The values that differ from those of the device, by name. */
 export function changesOf(parameters: readonly Parameter[], typed: Readonly<Record<string, string>>): Record<string, string> {
   return Object.fromEntries(parameters.flatMap((parameter): [string, string][] => {
@@ -51,7 +81,7 @@ export function fileOf(device: { address: string; name?: string; sw?: number }, 
   return JSON.stringify({ device: device.address, name: device.name, sw: device.sw, parameters: values }, null, 2) + "\n";
 }
 
-/** Values by name; undefined: not such a file. Integers keep all their digits. */
+/** Values by name; undefined: not such a file. Integers keep all their digits. Texts with U+FFFD, which older versions wrote in place of GBK, are left out. */
 export function valuesIn(text: string): Record<string, string> | undefined {
   let json: unknown;
   try {
@@ -62,7 +92,7 @@ export function valuesIn(text: string): Record<string, string> | undefined {
   if (typeof json !== "object" || json === null) return undefined;
   const values = (json as { parameters?: unknown }).parameters ?? json;
   if (typeof values !== "object" || values === null || Array.isArray(values)) return undefined;
-  return Object.fromEntries(Object.entries(values).filter(([, value]) => typeof value === "number" || typeof value === "string").map(([name, value]) => [name, String(value)]));
+  return Object.fromEntries(Object.entries(values).filter(([, value]) => typeof value === "number" || (typeof value === "string" && !value.includes("\ufffd"))).map(([name, value]) => [name, String(value)]));
 }
 
 /** The device that a file is of, if it is known and differs from `device`: compared by name, or without one by address. */

@@ -16,6 +16,7 @@ export interface FrameRecord {
   data: Uint8Array; // refers to the memory of the message: copy it to keep it
 }
 
+const elsewhere = 0x80; // in the byte of the direction: the source is at home elsewhere; the page does not ask for such frames
 const headSize = 20;
 const frameHead = 6; // HEAD S_ADDR D_ADDR ID LEN
 const frameChecks = 2;
@@ -28,7 +29,7 @@ export function takeRecords(message: ArrayBuffer, take: (record: FrameRecord) =>
     const frame = at + headSize;
     if (frame + frameHead + frameChecks > message.byteLength || view.getUint8(frame) !== 0xab) return false;
     const size = view.getUint16(frame + 4, true);
-    const direction = directions[view.getUint8(at + 17)];
+    const direction = directions[view.getUint8(at + 17) & ~elsewhere];
     const end = frame + frameHead + size + frameChecks;
     if (end > message.byteLength || direction === undefined) return false;
     take({

@@ -5,6 +5,7 @@ export interface FieldRow {
   type: string; // "u8" … "f64", "text", "bytes", "ip", "frames", "list"
   offset: number;
   count?: number | null; // null: to the end
+  endian?: "big"; // high byte first
   scale?: number;
   unit?: string;
   range?: [number, number];
@@ -57,18 +58,19 @@ export function hexOf(bytes: Uint8Array): string {
 
 export const hexByte = (n: number): string => "0x" + n.toString(16).toUpperCase().padStart(2, "0");
 
-function wireNumber(type: string, view: DataView, at: number): number | bigint {
-  switch (type) {
+function wireNumber(field: FieldRow, view: DataView, at: number): number | bigint {
+  const little = field.endian !== "big";
+  switch (field.type) {
     case "u8": return view.getUint8(at);
     case "i8": return view.getInt8(at);
-    case "u16": return view.getUint16(at, true);
-    case "i16": return view.getInt16(at, true);
-    case "u32": return view.getUint32(at, true);
-    case "i32": return view.getInt32(at, true);
-    case "u64": return view.getBigUint64(at, true);
-    case "i64": return view.getBigInt64(at, true);
-    case "f32": return view.getFloat32(at, true);
-    default: return view.getFloat64(at, true);
+    case "u16": return view.getUint16(at, little);
+    case "i16": return view.getInt16(at, little);
+    case "u32": return view.getUint32(at, little);
+    case "i32": return view.getInt32(at, little);
+    case "u64": return view.getBigUint64(at, little);
+    case "i64": return view.getBigInt64(at, little);
+    case "f32": return view.getFloat32(at, little);
+    default: return view.getFloat64(at, little);
   }
 }
 
@@ -81,7 +83,7 @@ function scaled(wire: number, scale: number): number {
 }
 
 function numberAt(field: FieldRow, view: DataView, at: number): number | bigint | null {
-  const wire = wireNumber(field.type, view, at);
+  const wire = wireNumber(field, view, at);
   if (typeof wire === "bigint") return wire >= -9007199254740991n && wire <= 9007199254740991n ? Number(wire) : wire;
   if (field.no_data !== undefined && wire === field.no_data) return null;
   if (!Number.isFinite(wire)) return null;
@@ -92,20 +94,57 @@ const utf8 = new TextDecoder("utf-8");
 const utf8Strict = new TextDecoder("utf-8", { fatal: true });
 let gbk: TextDecoder | undefined;
 
-/** Up to the first zero byte; decoded as GBK, which is common, when it is not UTF-8. */
-export function textOf(bytes: Uint8Array): string {
-  const end = bytes.indexOf(0);
-  const used = end < 0 ? bytes : bytes.subarray(0, end);
-  try {
-    return utf8Strict.decode(used);
-  } catch {
-    try {
-      gbk ??= new TextDecoder("gbk", { fatal: true });
-      return gbk.decode(used);
-    } catch {
-      return utf8.decode(used);
-    }
+/** Bytes of a last UTF-8 character that is cut off; 0: none is. */
+function cutUtf8(bytes: Uint8Array): number {
+  for (let n = 1; n <= 3 && n <= bytes.length; n++) {
+    const byte = bytes[bytes.length - n] ?? 0;
+    if ((byte & 0xc0) === 0x80) continue;
+    return byte >= 0xc2 && byte <= 0xf4 && n < (byte < 0xe0 ? 2 : byte < 0xf0 ? 3 : 4) ? n : 0;
   }
+  return 0;
+}
+
+/** Whether the last byte begins a GBK character that is cut off. */
+function isCutGbk(bytes: Uint8Array): boolean {
+  let at = 0;
+  while (at < bytes.length) at += (bytes[at] ?? 0) > 0x80 && bytes[at] !== 0xff ? 2 : 1;
+  return at > bytes.length;
+}
+
+const isUtf8 = (bytes: Uint8Array): boolean => {
+  try {
+    utf8Strict.decode(bytes.subarray(0, bytes.length - cutUtf8(bytes)));
+    return true;
+  } catch {
+    return false;
+  }
+};
+
+function gbkOf(bytes: Uint8Array): string | undefined {
+  try {
+    gbk ??= new TextDecoder("gbk", { fatal: true });
+    return gbk.decode(isCutGbk(bytes) ? bytes.subarray(0, -1) : bytes);
+  } catch {
+    return undefined;
+  }
+}
+
+const used = (bytes: Uint8Array): Uint8Array => {
+  const end = bytes.indexOf(0);
+  return end < 0 ? bytes : bytes.subarray(0, end);
+};
+
+/** Whether it is GBK and not UTF-8. */
+export const isGbk = (bytes: Uint8Array): boolean => !isUtf8(used(bytes)) && gbkOf(used(bytes)) !== undefined;
+
+/**
+ * Up to the first zero byte, without a last character that is cut off; decoded as GBK when it is not UTF-8, or when the sender is known to
+ * write GBK.
+ */
+export function textOf(bytes: Uint8Array, writesGbk = false): string {
+  const text = used(bytes);
+  if (!writesGbk && isUtf8(text)) return utf8.decode(text.subarray(0, text.length - cutUtf8(text)));
+  return gbkOf(text) ?? utf8.decode(text);
 }
 
 const viewOf = (data: Uint8Array): DataView => new DataView(data.buffer, data.byteOffset, data.byteLength);
@@ -115,6 +154,7 @@ export class Reading {
   constructor(
     readonly row: MessageRow,
     readonly data: Uint8Array,
+    private readonly isGbk = false,
   ) {}
 
   value(field: FieldRow): Value {
@@ -122,7 +162,7 @@ export class Reading {
     const end = isOpen(field) ? data.length : field.offset + sizeOf(field);
     if (field.type === "list") return this.elements(field.offset);
     const bytes = data.subarray(field.offset, end);
-    if (field.type === "text") return textOf(bytes);
+    if (field.type === "text") return textOf(bytes, this.isGbk);
     if (field.type === "ip") return Array.from(bytes).join(".");
     if (!isNumeric(field.type)) return hexOf(bytes);
     const view = viewOf(data);
@@ -163,27 +203,47 @@ export class Reading {
   }
 }
 
+/** Text without control characters, and only zero bytes after the first one. */
+function isPaddedText(bytes: Uint8Array): boolean {
+  const end = bytes.indexOf(0);
+  const used = end < 0 ? bytes : bytes.subarray(0, end);
+  return used.every((byte) => byte >= 0x20 && byte !== 0x7f) && (end < 0 || bytes.subarray(end).every((byte) => byte === 0));
+}
+
 /** Whether these bytes can have this layout; the same rule as in the gateway. */
 function isPlausible(row: MessageRow, data: Uint8Array): boolean {
   if (data.length < row.size) return false;
   const view = viewOf(data);
+  if (row.by_look) {
+    const min = row.fields.find((field) => field.name === "min"), max = row.fields.find((field) => field.name === "max");
+    if (min && max && view.getInt32(min.offset, true) > view.getInt32(max.offset, true)) return false;
+    const texts = row.fields.filter((field) => field.type === "text" && !isOpen(field));
+    if (!texts.every((field) => isPaddedText(data.subarray(field.offset, field.offset + sizeOf(field))))) return false;
+  }
   for (const field of row.fields) {
     const first = data[field.offset] ?? 0;
     if (field.type === "text" && !isOpen(field) && (first < 0x20 || first === 0x7f || first === 0x80 || first === 0xff)) return false;
     if (!field.range || !isNumeric(field.type) || field.type.startsWith("f")) continue;
-    const value = scaled(Number(wireNumber(field.type, view, field.offset)), field.scale ?? 1);
+    const value = scaled(Number(wireNumber(field, view, field.offset)), field.scale ?? 1);
     if (value < field.range[0] || value > field.range[1]) return false;
   }
   return true;
 }
 
+/** With one more byte than this layout has, a mode byte may stand before the fields of what a device sends again and again. */
+function isPerhapsShifted(row: MessageRow, data: Uint8Array): boolean {
+  const last = row.fields.at(-1);
+  return row.replaces !== "nothing" && data.length === row.size + 1 && last !== undefined && !isOpen(last);
+}
+
 function fits(row: MessageRow, base: MessageRow, data: Uint8Array): boolean {
-  if (row.length !== undefined && row.length !== data.length) return false;
+  if (isPerhapsShifted(row, data)) return false;
+  if (row.length !== undefined && (row === base ? data.length > row.length : data.length !== row.length)) return false;
   if (row.by_look && (isPlausible(base, data) || !isPlausible(row, data))) return false;
   for (const field of row.fields) {
     if (!field.only) continue;
     if (data.length < field.offset + sizeOf(field)) return false;
-    const value = Number(wireNumber(field.type, viewOf(data), field.offset));
+    const value = Number(wireNumber(field, viewOf(data), field.offset));
     if (value < field.only[0] || value > field.only[1]) return false;
   }
   return true;
@@ -191,6 +251,7 @@ function fits(row: MessageRow, base: MessageRow, data: Uint8Array): boolean {
 
 export class MessageTable {
   private readonly byId = new Map<number, MessageRow[]>();
+  private readonly gbkSenders = new Set<number>(); // those of whom a text was GBK and not UTF-8
 
   constructor(readonly rows: MessageRow[]) {
     for (const row of rows) {
@@ -224,14 +285,19 @@ export class MessageTable {
   }
 
   private chosen(all: readonly MessageRow[], base: MessageRow, source: number, data: Uint8Array): MessageRow | undefined {
-    const own = all.find((row) => row.source === source);
-    if (own) return own;
-    if (base.id >= 0xf1 && base.id <= 0xfa) return all.find((row) => row.source === undefined && row.fields.length > 0);
+    if (base.id >= 0xf1 && base.id <= 0xfa) {
+      const rank = (row: MessageRow): number => (row.source === undefined ? 0 : 2) + (row.fields[0]?.only ? 1 : 0);
+      const fitting = all.filter((row) => row.fields.length > 0 && (row.source ?? source) === source && fits(row, base, data));
+      return fitting.sort((a, b) => rank(b) - rank(a))[0];
+    }
     return all.slice(1).find((row) => fits(row, base, data)) ?? (fits(base, base, data) ? base : undefined);
   }
 
   read(id: number, source: number, data: Uint8Array): Reading | Unreadable {
     const row = this.layoutOf(id, source, data);
-    return typeof row === "string" ? row : new Reading(row, data);
+    if (typeof row === "string") return row;
+    const texts = row.fields.filter((field) => field.type === "text");
+    if (!this.gbkSenders.has(source) && texts.some((field) => isGbk(data.subarray(field.offset, isOpen(field) ? data.length : field.offset + sizeOf(field))))) this.gbkSenders.add(source);
+    return new Reading(row, data, this.gbkSenders.has(source));
   }
 }

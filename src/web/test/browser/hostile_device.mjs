@@ -85,3 +85,50 @@ export class HostileDevice {
     this.socket.close();
   }
 }
+
+const i16 = (value) => [value & 255, (value >> 8) & 255];
+const i32 = (value) => [value & 255, (value >> 8) & 255, (value >> 16) & 255, (value >> 24) & 255];
+
+/** A vehicle in flight, by UDP, ten times a second; kill() is a crash, and stop() is after it has landed. `voltage` is of the battery. */
+export class FlyingDevice {
+  constructor(port, { address = 50, name = "Falcon", voltage = 15.2, satellites = 14 } = {}) {
+    Object.assign(this, { port, address, name, voltage, satellites });
+    this.socket = dgram.createSocket("udp4");
+    this.send = (id, data, to = 255) => this.socket.send(frame(this.address, to, id, data), port, "127.0.0.1");
+    this.socket.on("message", (bytes) => {
+      for (let at = 0; at + 8 <= bytes.length; at += 8 + bytes.readUInt16LE(at + 4))
+        if (bytes[at + 3] === 0xe0 && bytes[at + 6] === 0) this.send(0xe3, [this.address, 100, 0, 100, 0, 0, 0, 0x20, 3, ...Buffer.from(this.name)], bytes[at + 1]);
+    });
+    this.fly();
+  }
+
+  /** The longest of the last intervals, in milliseconds: on a busy computer, timers are late. */
+  period() {
+    return Math.max(...this.sentAt.slice(-9).map((at, i, all) => (i > 0 ? at - all[i - 1] : 0)));
+  }
+  fly() {
+    this.sentAt = [];
+    this.timer = setInterval(() => {
+      this.sentAt.push(performance.now());
+      this.send(0x03, [...i16(500), ...i16(-300), ...i16(9000), 0]);
+      this.send(0x06, [3, 2, 0, 0, 0]); // airborne
+      this.send(0x05, [...i32(1500), ...i32(0), ...i32(1480), 1]);
+      this.send(0x07, [...i16(120), ...i16(-50), ...i16(10)]);
+      this.send(0x0d, [...i16(Math.round(this.voltage * 100)), ...i16(1850)]);
+      this.send(0x0e, [3, 3, 3, 3]);
+      this.send(0x20, [...i16(4100), ...i16(4200), ...i16(4000), ...i16(4300)]);
+      this.send(0x30, [3, this.satellites, ...i32(1164000000), ...i32(399000000), ...i32(5000), ...i16(0), ...i16(0), ...i16(0), 10, 10, 10]);
+      this.send(0x0c, [...i16(900), ...i16(120)]);
+    }, 100);
+  }
+  log(text, colour = 1) {
+    this.send(0xa0, [colour, ...Buffer.from(text)]);
+  }
+  kill() {
+    clearInterval(this.timer);
+  }
+  stop() {
+    this.kill();
+    this.socket.send(frame(this.address, 255, 0x06, [3, 0, 0, 0, 0]), this.port, "127.0.0.1", () => this.socket.close());
+  }
+}

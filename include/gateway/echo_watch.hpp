@@ -1,0 +1,55 @@
+// Recognises a line that echoes: what is sent by it comes back by it, as on RS-485 or one wire without muting the receiver.
+#pragma once
+#include <ano/time.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace anogate {
+
+/// For one channel: the last frames that were sent by it and ask or act, by frame_key(). Each is an echo once. No allocation.
+class EchoWatch {
+public:
+    static constexpr std::size_t memory = 32;    // frames
+    static constexpr ano::Duration window = std::chrono::seconds{2}, shown_for = std::chrono::seconds{60};
+    /// So many frames in a row have to come back before one is an echo whose sender was heard here too: it may be his own.
+    static constexpr unsigned enough = 4;
+    static constexpr unsigned max_missing = 8;    // that did not come back meanwhile
+
+    void sent(std::uint64_t key, ano::TimePoint now) noexcept {
+        sent_[next_++ % memory] = {key, now, false};
+        last_sent_ = now;
+        if (++missing_ > max_missing) in_a_row_ = 0;
+    }
+    bool is_listening(ano::TimePoint now) const noexcept { return last_sent_ && now - *last_sent_ < window; }
+    /// Whether the frame that came is an echo. `sender_is_here`: its source was heard by this channel before.
+    bool is_echo(std::uint64_t key, bool sender_is_here, ano::TimePoint now) noexcept {
+        const auto is_it = [&](const Sent& one) { return one.key == key && !one.is_back && one.at && now - *one.at < window; };
+        const auto found = std::find_if(sent_.begin(), sent_.end(), is_it);
+        if (found == sent_.end()) return false;
+        found->is_back = true;
+        missing_ = 0;
+        in_a_row_ = std::min(in_a_row_ + 1, enough);
+        if (sender_is_here && in_a_row_ < enough) return false;
+        last_echo_ = now;
+        return true;
+    }
+    /// For a hint.
+    bool echoes(ano::TimePoint now) const noexcept { return last_echo_ && now - *last_echo_ < shown_for; }
+
+private:
+    struct Sent {
+        std::uint64_t key = 0;
+        std::optional<ano::TimePoint> at{};
+        bool is_back = false;
+    };
+    std::array<Sent, memory> sent_{};
+    std::size_t next_ = 0;
+    unsigned missing_ = 0, in_a_row_ = 0;
+    std::optional<ano::TimePoint> last_sent_, last_echo_;
+};
+
+}    // namespace anogate

@@ -1,0 +1,37 @@
+// Notices that a device has restarted, by what it sends and what it does not send.
+#pragma once
+#include <host/device.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace ano::host {
+
+/// Signs of a restart: a gap in its samples; device info that nobody asked for; device info that has changed, or a long absence.
+class RestartWatch {
+public:
+    /// A longer gap is a sign; of a device that sends fewer than six samples a second: one of three usual intervals.
+    static constexpr Duration max_gap = std::chrono::milliseconds{500};
+    static constexpr unsigned usual_gaps = 3;
+
+    RestartWatch(const Device& device, TimePoint now) noexcept
+        : presence_{device.presence()}, announcements_{device.announcements()}, since_{now} {}
+
+    /// To be called with each sample.
+    void sampled(TimePoint now);
+    /// The first sign, as a clause; std::nullopt: none.
+    std::optional<std::string> sign(const Device& device) const;
+    /// The time of the last sample, or of the beginning.
+    TimePoint sampled_at() const noexcept { return last_.value_or(since_); }
+
+private:
+    std::uint32_t presence_, announcements_;
+    TimePoint since_;
+    std::optional<TimePoint> last_;
+    std::optional<Duration> usual_;
+    std::optional<Duration> gap_;
+};
+
+}    // namespace ano::host

@@ -1,0 +1,229 @@
+#include <control/control_door.hpp>
+#include <control/login_route.hpp>
+#include <foxglove/foxglove_messages.hpp>
+#include <http/body_file.hpp>
+#include <http/socket_path.hpp>
+#include <http/tcp_door.hpp>
+#include <http/token_file.hpp>
+#include <log/log_line.hpp>
+#include <sys/device_permission.hpp>
+#include <sys/rooms.hpp>
+#include <sys/state_folder.hpp>
+
+#include <climits>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include <unistd.h>
+
+namespace anogate {
+namespace {
+
+constexpr Duration retry = std::chrono::milliseconds{500};
+constexpr std::size_t request_memory = 384 * 1024;    // bytes for a request with its response: no request is begun without them
+
+std::string host_name() {
+    char name[HOST_NAME_MAX + 1] = {};
+    return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+/// The absolute path, for programs that run in another folder.
+std::string whole_path(const std::string& path) {
+    std::error_code ec;
+    const std::filesystem::path whole = std::filesystem::absolute(path, ec);
+    return ec ? path : whole.lexically_normal().string();
+}
+
+void log_guessing(const std::string& peer, const http::Attempts::News& news) {
+    if (news.untold > 0)
+        log_warning("control.http: before that, wrong tokens of {} more addresses were slowed down", news.untold);
+    log_warning(
+        "control.http: ten wrong tokens from {} within a minute; its further ones are slowed down and counted (http.wrong_tokens "
+        "of the status){}",
+        peer,
+        news.is_last ? "; so many addresses do so that others of this minute are only counted (http.guessing_clients)" : "");
+}
+
+}    // namespace
+
+bool network_needs_token(const std::string& address, uid_t user) { return is_service_user(user) || !http::is_loopback(address); }
+
+ControlDoor::ControlDoor(asio::io_context& io, ControlSettings settings)
+    : settings_{std::move(settings)},
+      server_{io, {}, [] { return memory_is_left(request_memory); }},
+      again_{io, [this] { try_again(); }},
+      errand_{io} {
+    server_.admission().on_guessing(log_guessing);
+    server_.keep_large_bodies([&io] { return std::make_unique<FileKeeper>(io); });
+}
+
+void ControlDoor::add_login_routes() {
+    routes().add({"POST", "/login", http::Access::open, "takes a token as {\"token\": ...}, and gives a browser a cookie for it",
+                  [this](const http::Request& request) { return login(server_.admission(), request, ano::Clock::now()); }});
+    routes().add_without_body({"POST", "/logout", http::Access::open, "takes the cookie back",
+                               [this](const http::Request& request) { return logout(server_.admission(), request); }});
+}
+
+bool ControlDoor::open() {
+    if (!open_local()) return false;
+    if (settings_.http) open_network();
+    if (awaits_local_ || awaits_network_) again_.start(retry);
+    return true;
+}
+
+void ControlDoor::finish(Duration patience) {
+    again_.stop();
+    errand_.stop();
+    server_.finish(patience);
+}
+
+void ControlDoor::close() {
+    again_.stop();
+    errand_.stop();
+    server_.stop();
+}
+
+bool ControlDoor::open_local() {
+    const auto socket = http::control_socket(settings_.socket, http::this_runner());
+    if (!socket) return true;
+    socket_ = *socket;
+    const http::Server::Outcome outcome = server_.start(socket_);
+    if (!outcome.notice.empty()) log_info("{}", outcome.notice);
+    if (outcome.error.empty()) return true;
+    if (!outcome.in_use && !settings_.socket.empty()) {
+        log_error("--control: {}", outcome.error);
+        return false;
+    }
+    log_warning("no control interface: {}{}", outcome.error, outcome.in_use ? "; waiting for it" : "");
+    awaits_local_ = outcome.in_use;
+    return true;
+}
+
+/// What is in the files of the TCP access.
+struct ControlDoor::Files {
+    std::string fault{};    // empty: they are whole
+    std::string token_file{}, token_file_id{};
+    std::vector<http::Token> tokens{};
+    std::shared_ptr<http::Tls> tls{};
+};
+
+// May block.
+ControlDoor::Files ControlDoor::read_files(const ControlSettings& settings, bool needs_token) {
+    Files files;
+    const std::string folder = state_folder();
+    if (needs_token || !settings.token_file.empty()) {
+        if (settings.token_file.empty() && folder.empty()) return {"no folder for the tokens; give control.token_file"};
+        files.token_file = settings.token_file.empty() ? folder + "/token" : settings.token_file;
+        auto tokens = http::read_or_make_tokens(files.token_file);
+        if (!tokens) return {"control.token_file: " + tokens.error()};
+        files.tokens = std::move(*tokens);
+        files.token_file_id = http::id_of_token_file(files.token_file);
+    }
+    if (settings.tls.key.empty()) return files;
+    auto tls = http::Tls::load(settings.tls.certificate, settings.tls.key);
+    if (!tls) return {"control.tls: " + tls.error()};
+    files.tls = std::move(*tls);
+    return files;
+}
+
+void ControlDoor::open_network() {
+    name_network();
+    if (!use(read_files(settings_, network_.needs_token))) return;
+    awaits_network_ = true;
+    try_network();
+}
+
+void ControlDoor::renew(const std::function<void(std::string fault)>& done) {
+    if (!settings_.http) return done({});
+    const auto files = std::make_shared<Files>();
+    const bool goes = errand_.run(
+        [files, settings = settings_, needs = network_.needs_token] { *files = read_files(settings, needs); },
+        [this, files, done](std::string thrown) {
+            if (!thrown.empty()) files->fault = std::move(thrown);
+            const bool was_shut = network_door_.state == NetworkDoor::State::shut;
+            if (use(std::move(*files)) && was_shut) {
+                awaits_network_ = true;
+                try_network();
+                if (awaits_network_) again_.start(retry);
+            }
+            done(network_door_.state == NetworkDoor::State::shut ? network_door_.error : std::string{});
+        });
+    if (!goes) done("tokens and certificate were not read again: no thread is available");
+}
+
+// Without tokens or certificate it stays closed: access without protection would be worse than no access.
+bool ControlDoor::shut(std::string why) {
+    log_error("control.http stays shut: {}", why);
+    awaits_network_ = false;
+    server_.set_rules({});
+    server_.stop_network();
+    network_door_.state = NetworkDoor::State::shut;
+    network_door_.error = std::move(why);
+    return false;
+}
+
+void ControlDoor::name_network() {
+    network_ = {settings_.http->address.text(), settings_.http->port};
+    if (!settings_.http->interface.empty()) network_.address += "%" + settings_.http->interface;
+    network_.needs_token = network_needs_token(network_.address, ::geteuid());
+    network_door_.address = network_.address;
+    network_door_.port = network_.port;
+    network_door_.needs_token = network_.needs_token;
+    network_door_.hosts = settings_.hosts;
+}
+
+// The name of the cookie stays while the program runs: a browser whose token is still there stays signed in.
+bool ControlDoor::use(Files files) {
+    if (!files.fault.empty()) return shut(std::move(files.fault));
+    if (!files.token_file.empty() && network_door_.token_file.empty())
+        log_info("control.http: the tokens are in {}", files.token_file);
+    if (token_file_id_.empty()) token_file_id_ = files.token_file_id;
+    if (!files.token_file.empty()) network_door_.token_file = whole_path(files.token_file);
+    server_.set_rules({std::move(files.tokens),
+                       host_name(),
+                       settings_.hosts,
+                       settings_.origins,
+                       {"/", "/foxglove"},
+                       {foxglove::subprotocols.begin(), foxglove::subprotocols.end()},
+                       token_file_id_});
+    network_.tls = std::move(files.tls);
+    server_.set_tls(network_.tls);
+    network_door_.is_encrypted = network_.tls != nullptr;
+    network_door_.certificate = network_.tls ? whole_path(settings_.tls.certificate) : std::string{};
+    return true;
+}
+
+void ControlDoor::try_again() {
+    if (awaits_local_) try_local();
+    if (awaits_network_) try_network();
+    if (!awaits_local_ && !awaits_network_) again_.stop();
+}
+
+// The program that has the socket may end; then this one takes its place.
+void ControlDoor::try_local() {
+    const http::Server::Outcome outcome = server_.start(socket_);
+    if (!outcome.error.empty()) return;
+    awaits_local_ = false;
+    if (!outcome.notice.empty()) log_info("{}", outcome.notice);
+    log_info("{}: up", socket_);
+}
+
+void ControlDoor::try_network() {
+    const auto port = server_.start(network_);
+    if (!port) {
+        if (port.error() != network_door_.error) log_warning("control.http: {}; waiting for it", port.error());
+        network_door_.state = NetworkDoor::State::waiting;
+        network_door_.error = port.error();
+        return;
+    }
+    awaits_network_ = false;
+    network_door_.state = NetworkDoor::State::up;
+    network_door_.error.clear();
+    network_door_.port = *port;
+    Endpoint where = *settings_.http;
+    where.port = *port;
+    log_info("{}{}: up", network_.tls ? "https://" : "http://", where.text());
+}
+
+}    // namespace anogate

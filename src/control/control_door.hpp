@@ -1,0 +1,72 @@
+// The listening sockets of the control interface: its Unix socket, and TCP when that is configured.
+#pragma once
+#include <gateway/settings.hpp>
+#include <http/server.hpp>
+#include <status/network_door.hpp>
+#include <sys/errand.hpp>
+#include <sys/ticker.hpp>
+
+#include <sys/types.h>
+
+#include <functional>
+#include <string>
+
+namespace anogate {
+
+/// Whether a TCP client at `address` needs a token. Not when an ordinary `user` started the gateway and only this machine can connect.
+bool network_needs_token(const std::string& address, uid_t user);
+
+/// Tries again when a path or port is in use by another program, or an address is not available yet.
+class ControlDoor {
+public:
+    ControlDoor(asio::io_context& io, ControlSettings settings);
+
+    http::Routes& routes() noexcept { return server_.routes(); }
+    void add_login_routes();
+    /// Reads tokens and certificate. False: the Unix socket can't be made at the configured path; the reason was logged. Faults of TCP are
+    /// logged only, and TCP stays closed.
+    bool open();
+    /// Accepts no more requests. Answers that are being sent are completed, for at most `patience`; those that are not made yet are waited
+    /// for until no_more_answers().
+    void finish(Duration patience);
+    void no_more_answers() { server_.no_more_answers(); }
+    /// Closes everything at once.
+    void close();
+
+    /// Reads tokens and certificate again, in a thread, and goes on with them. With a fault in them TCP is closed, as at the start, until they
+    /// are read again; `done` gets the fault, or empty.
+    void renew(const std::function<void(std::string fault)>& done);
+
+    /// The present state of the TCP access.
+    NetworkDoor network_door() const {
+        NetworkDoor door = network_door_;
+        door.wrong_tokens = server_.admission().wrong_tokens();
+        door.guessing_clients = server_.admission().guessing_clients();
+        return door;
+    }
+
+private:
+    bool open_local();
+    void open_network();
+    struct Files;
+    static Files read_files(const ControlSettings& settings, bool needs_token);
+    void name_network();
+    bool use(Files files);
+    bool shut(std::string why);
+    void try_again();
+    void try_local();
+    void try_network();
+
+    const ControlSettings
+        settings_;    // as of the start: later changes, but of the files' content, take effect at the next start
+    http::Server server_;
+    Ticker again_;
+    Errand errand_;
+    std::string socket_;
+    bool awaits_local_ = false, awaits_network_ = false;
+    http::Server::Network network_;
+    NetworkDoor network_door_;
+    std::string token_file_id_{};
+};
+
+}    // namespace anogate

@@ -1,0 +1,212 @@
+#include <ano/address.hpp>
+#include <ano/hex.hpp>
+#include <ano_json/answer_json.hpp>
+#include <ano_json/frame_json.hpp>
+#include <control/raw_streams.hpp>
+#include <control/routes.hpp>
+#include <control/send_frame.hpp>
+#include <control/watch_session.hpp>
+#include <devices/device_routes.hpp>
+#include <foxglove/foxglove_streams.hpp>
+#include <gpio/gpio_control.hpp>
+#include <http/routes.hpp>
+#include <http/served_file.hpp>
+#include <runtime/control_link.hpp>
+#include <runtime/gateway.hpp>
+#include <runtime/gateway_devices.hpp>
+#include <status/metrics.hpp>
+#include <status/status.hpp>
+#include <sys/errors.hpp>
+#include <watch/frame_watch.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <memory>
+#include <utility>
+#include <variant>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using http::Access;
+using http::Request;
+
+http::Response json(std::string body) {
+    http::Response response;
+    response.body = std::move(body);
+    return response;
+}
+
+http::Response list_of(const http::Routes& routes) {
+    Json list{{"name", "anogate"}, {"version", ANOGATE_VERSION}, {"routes", Json::array()}};
+    for (const http::Routes::Row& row : routes.rows())
+        list["routes"].push_back(
+            {{"method", row.method}, {"path", row.pattern}, {"access", text(row.access)}, {"answers", row.answers}});
+    return json(line_of(std::move(list)));
+}
+
+// Shared by the routes of streams.
+struct Streams {
+    explicit Streams(Gateway& gateway)
+        : devices{std::make_shared<GatewayDevices>(gateway)},
+          watch{gateway},
+          frames{gateway, watch},
+          foxglove{gateway, watch, devices->service()},
+          raw{gateway} {}
+    std::shared_ptr<GatewayDevices> devices;
+    FrameWatch watch;
+    FrameStreams frames;
+    FoxgloveStreams foxglove;
+    RawStreams raw;
+};
+
+// A browser gets the page without a token, since the page asks for it; the list of routes needs a token. Foxglove clients use only this
+// path.
+http::Response front(const http::Routes& routes, const Page& page, Streams& streams, const Request& request) {
+    if (is_foxglove(request) && !request.is_foreign)
+        return request.access == Access::open
+                   ? http::needs_token("a client of Foxglove needs a token, ws://HOST:PORT/?token=TOKEN")
+                   : streams.foxglove.answer(request);
+    if (page.is_wanted_by(request)) return page.file({}, request);
+    return request.access == Access::open ? http::needs_token("this path needs a token") : list_of(routes);
+}
+
+void add_page(http::Routes& routes, Page page, const std::shared_ptr<Streams>& streams) {
+    const auto kept = std::make_shared<const Page>(std::move(page));
+    routes.add({"GET", "/", Access::open, "the page, to who takes text/html; else this list, to who may view",
+                [&routes, kept, streams](const Request& request) { return front(routes, *kept, *streams, request); }});
+    routes.add({"GET", "/web/{file}", Access::open, "a file of the page",
+                [kept](const Request& request) { return kept->file(request.parameter("file"), request); }});
+}
+
+// Opened for each request, since the file may be replaced at any time. It may be a symbolic link.
+std::variant<UniqueFd, http::Response> open_map(const std::string& path) {
+    const std::string where = "control.map: " + path;
+    UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
+    struct stat is {};
+    if (!file || ::fstat(file.get(), &is) != 0) return http::error(404, error_text(where, errno));
+    if (!S_ISREG(is.st_mode)) return http::error(404, where + ": is no ordinary file");
+    return file;
+}
+
+http::Response map_answer(DiskWorks& disk, const MapSettings& map, const Request& request) {
+    if (map.file.empty()) return http::error(404, "there is no map: control.map names the file of one");
+    return served(disk, request, {.open = [path = map.file] { return open_map(path); }, .type = "application/vnd.pmtiles"});
+}
+
+http::Response metrics_answer(const Request& request, Gateway& gateway, const NetworkDoor& door, DeviceService& devices) {
+    const MetricsForm form = metrics_form(request.header("Accept"));
+    http::Response response;
+    response.type = content_type(form);
+    MetricsSnapshot snapshot = metrics_snapshot(gateway, gateway.now());
+    snapshot.wrong_tokens = door.wrong_tokens;
+    snapshot.guessing_clients = door.guessing_clients;
+    for (const ActiveAlarm& alarm : devices.alarms().watch().active(gateway.now()))
+        ++(alarm.level == AlarmLevel::red ? snapshot.red_alarms : snapshot.amber_alarms);
+    response.body = metrics(std::move(snapshot), form);
+    return response;
+}
+
+http::Response forget_route(const std::string& word, Gateway& gateway, DeviceService& devices) {
+    const auto called = ano::address_called(word);
+    if (const auto* fault = std::get_if<ano::JsonFault>(&called)) return http::error(400, fault->what);
+    const auto address = std::get<std::uint8_t>(called);
+    if (!gateway.forget(address)) return http::error(404, ano::hex_byte(address) + " was not heard: there is nothing to forget");
+    devices.forget_values(address);
+    return json(line_of({{"address", ano::hex_byte(address)}, {"forgotten", true}}));
+}
+
+// A request that waited during a standstill of the loop is refused.
+template <class Function>
+http::Routes::Function in_time(Gateway& gateway, Function function) {
+    return [&gateway, function](const http::Request& request) {
+        gateway.turn();
+        return gateway.loop().may_have_waited(request.came_at)
+                   ? http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again")
+                   : function(request);
+    };
+}
+
+// The routes own these parts; the gateway, which may live longer, only refers to them.
+template <class... Parts>
+void stop_with(Gateway& gateway, const std::shared_ptr<Parts>&... parts) {
+    gateway.before_stopping([... weak = std::weak_ptr{parts}] {
+        const auto stop = [](const auto& part) {
+            if (part) part->stop();
+        };
+        (stop(weak.lock()), ...);
+    });
+}
+
+void add_devices(http::Routes& routes, const std::shared_ptr<GatewayDevices>& devices) {
+    http::Routes rows;
+    add_device_routes(rows, devices->service());
+    for (http::Routes::Row row : rows.rows()) {
+        row.function = [devices, function = std::move(row.function)](const Request& request) { return function(request); };
+        routes.add(std::move(row));
+    }
+}
+
+http::Response join_link(Gateway& gateway, const http::Request& request) {
+    if (http::Response fault = http::web_socket_fault(request); fault.status != 200) return fault;
+    ControlLink* const link = gateway.control();
+    return link ? link->join(request, gateway.settings().gateway.id)
+                : http::error(503, "all 64 links are in use: there is no place for the link 'control'");
+}
+
+}    // namespace
+
+void add_routes(http::Routes& routes, Gateway& gateway, const std::function<NetworkDoor()>& door, Page page) {
+    const auto streams = std::make_shared<Streams>(gateway);
+    const auto disk = std::make_shared<DiskWorks>(gateway.io());
+    add_page(routes, std::move(page), streams);
+    routes.add({"GET", "/status", Access::view,
+                "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, and where it serves HTTP",
+                [&gateway, door](const Request&) { return json(status_json(gateway, door())); }});
+    routes.add({"GET", "/links", Access::view, "the links of the status alone",
+                [&gateway](const Request&) { return json(links_json(gateway)); }});
+    routes.add({"GET", "/routes", Access::view, "where each address leads: the routes of the status alone",
+                [&gateway](const Request&) { return json(routes_json(gateway)); }});
+    routes.add_without_body({"DELETE", "/routes/{address}", Access::control, "forgets where the address was heard",
+                             [&gateway, streams](const Request& request) {
+                                 return forget_route(std::string{request.parameter("address")}, gateway,
+                                                     streams->devices->service());
+                             }});
+    routes.add({"GET", "/messages", Access::view, "the messages of the protocol, with the flexible ones of the configuration",
+                [&gateway](const Request&) { return json(messages_json(gateway)); }});
+    routes.add({"GET", "/map.pmtiles", Access::view, "the map under the page's tracks (control.map), with ranges",
+                [&gateway, disk](const Request& request) { return map_answer(*disk, gateway.settings().control.map, request); }});
+    routes.add({"GET", "/metrics", Access::view, "the counters for Prometheus, as text or as OpenMetrics",
+                [&gateway, door, streams](const Request& request) {
+                    return metrics_answer(request, gateway, door(), streams->devices->service());
+                }});
+    routes.add({"POST", "/gpio", Access::control, "pulses a reset line, or switches power off and on again",
+                in_time(gateway, [&gateway](const Request& request) {
+                    return gpio_request(gateway.gpio(), request.body, gateway.now());
+                })});
+    routes.add({"POST", "/send", Access::control,
+                "sends one frame, as hex digits or as its JSON, and says by which links it left",
+                in_time(gateway, [&gateway](const Request& request) { return send_request(gateway, request); })});
+    routes.add({"GET", "/frames", Access::view, "the frames that pass, as lines of JSON or as a WebSocket",
+                [streams](const Request& request) { return streams->frames.answer(request); }});
+    routes.add({"GET", "/foxglove", Access::view,
+                "as a WebSocket: the protocol of Foxglove, which shows what passes (encoding=cdr or json); at / as well, for who "
+                "offers its subprotocol",
+                [streams](const Request& request) { return streams->foxglove.answer(request); }, 0, true});
+    routes.add({"GET", "/link", Access::control, "as a WebSocket: the program is a channel of the gateway",
+                [&gateway](const Request& request) { return join_link(gateway, request); }, 0, true});
+    routes.add(
+        {"GET", "/links/{link}/raw", Access::view,
+         "as a WebSocket: the bytes of a serial, pty or udp link as they are, both ways; who may control sends some, and with "
+         "?exclusive has the link for itself",
+         [streams](const Request& request) { return streams->raw.answer(request); }, 0, true});
+    add_devices(routes, streams->devices);
+    stop_with(gateway, streams->devices, disk);
+}
+
+}    // namespace anogate

@@ -1,0 +1,98 @@
+// Judges the values of devices by their alarm limits. Pure: the frames and the time come from its owner.
+//
+// Flow:    watch.set(device, limits, now);
+//          if (watch.wants(source, id)) watch.hear(source, ano::read(frame, layouts), now);
+//          for (const ActiveAlarm& alarm : watch.active(now)) show(alarm);
+#pragma once
+#include <ano/reading.hpp>
+#include <ano/time.hpp>
+#include <devices/alarm_limits.hpp>
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+enum class AlarmLevel : std::uint8_t { none, amber, red };
+std::string_view text(AlarmLevel level) noexcept;
+
+/// By the value alone; `value` is divided by the cells of the limit.
+AlarmLevel level_of(double value, const AlarmLimit& limit) noexcept;
+
+/// Since when one value is beyond its limit. A value that does not arrive any more stays as it was.
+class LimitClock {
+public:
+    /// `value`: in the unit of the message table.
+    void take(double value, const AlarmLimit& limit, ano::TimePoint now) noexcept;
+    /// The limit was changed: judges the last value by it.
+    void judge(const AlarmLimit& limit, ano::TimePoint now) noexcept;
+
+    /// `red` once the value has been beyond `limit.red` for `limit.for_s`; the same with amber.
+    AlarmLevel level(const AlarmLimit& limit, ano::TimePoint now) const noexcept;
+    /// Whether it is beyond, for however long.
+    bool is_beyond() const noexcept { return amber_since_.has_value(); }
+    /// Since when the value is beyond the edge of `level`; only while level() is that or a higher one.
+    ano::TimePoint since(AlarmLevel level) const noexcept { return level == AlarmLevel::red ? *red_since_ : *amber_since_; }
+    double value() const noexcept { return value_; }
+    /// When the last value came; std::nullopt: none came yet.
+    std::optional<ano::TimePoint> heard_at() const noexcept { return heard_at_; }
+
+private:
+    double value_ = 0;
+    std::optional<ano::TimePoint> heard_at_, amber_since_, red_since_;
+};
+
+/// A value that is beyond its limit for long enough.
+struct ActiveAlarm {
+    std::uint8_t device = 0;
+    AlarmLimit limit;
+    AlarmLevel level = AlarmLevel::none;
+    double value = 0;    // divided by the cells of the limit
+    ano::TimePoint since{};
+    ano::TimePoint heard_at{};    // when its last value came
+
+    /// The same but for times.
+    bool is_same(const ActiveAlarm& other) const noexcept {
+        return device == other.device && limit == other.limit && level == other.level && value == other.value;
+    }
+};
+
+/// Memory: at most AlarmLimits::max_limits clocks of a device, and nothing of one without limits.
+class AlarmWatch {
+public:
+    /// Replaces the limits of a device. What is known of a value whose field and side have a limit again is kept. A host has no alarms.
+    void set(std::uint8_t address, const AlarmLimits::List& limits, ano::TimePoint now);
+    /// Forgets the values of a device: none of them is in alarm until it comes again.
+    void forget(std::uint8_t address) noexcept;
+
+    /// Whether frames of this message have a value with a limit. Others need neither be decoded nor given to hear().
+    bool wants(std::uint8_t source, std::uint8_t id) const noexcept { return watched_[source] && watched_[source]->ids[id]; }
+    /// Ignores a frame that can't be read, "no data", and fields that are not one number. True: one of its values is beyond its limit, or
+    /// was so until now.
+    bool hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now) noexcept;
+
+    /// Red ones first, then by device, in the order of their limits.
+    std::vector<ActiveAlarm> active(ano::TimePoint now) const;
+    /// Whether a value is beyond its limit, for however long.
+    bool any_beyond() const noexcept;
+
+private:
+    struct Watched {
+        struct Value {
+            AlarmLimit limit;
+            std::optional<std::uint8_t> id;    // of its message; std::nullopt: the table has none of this name
+            LimitClock clock;
+        };
+        std::bitset<256> ids;
+        std::vector<Value> values;
+    };
+    std::array<std::unique_ptr<Watched>, 256> watched_;
+};
+
+}    // namespace anogate

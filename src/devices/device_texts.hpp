@@ -1,0 +1,57 @@
+// The names and texts of one device: bytes in its encoding on its side, UTF-8 on the side of clients. The host engine (include/host) has
+// the bytes; what a client sends or gets is converted here.
+#pragma once
+#include <ano/frame.hpp>
+#include <ano_json/encoding_of_sender.hpp>
+#include <ano_json/shown_text.hpp>
+#include <host/value.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace anogate {
+
+class DeviceTexts {
+public:
+    /// The key `encoding` of its link; std::nullopt: found out from its texts.
+    /// `expects_gbk`: the link has profile=vendor.
+    void configure(std::optional<ano::Encoding> given, bool expects_gbk = false) noexcept {
+        given_ = given;
+        expects_gbk_ = expects_gbk;
+        learned_.expect_gbk(expects_gbk);
+    }
+    /// To be called with every frame of the device.
+    void learn(ano::FrameView frame) noexcept { learned_.learn(frame); }
+    void learn(std::string_view text) noexcept { learned_.learn(text); }
+    /// It may be another device now.
+    void forget() noexcept {
+        learned_ = {};
+        learned_.expect_gbk(expects_gbk_);
+    }
+    /// The link states UTF-8, and a text of the device is no UTF-8 and can be GBK.
+    bool contradicts() const noexcept { return given_ == ano::Encoding::utf8 && learned_.has_shown_gbk(); }
+
+    ano::Encoding encoding() const noexcept { return given_.value_or(learned_.encoding()); }
+
+    /// For clients. A last character that the device has cut off is left out.
+    std::string shown(std::string_view bytes) const { return ano::shown_text(bytes, given_.value_or(learned_.for_reading())); }
+    /// For the device; std::nullopt: its encoding lacks a character.
+    std::optional<std::string> bytes(std::string_view text) const noexcept;
+    /// The same for a value; a number stays as it is.
+    std::optional<ano::host::AnyValue> wire(ano::host::AnyValue value) const noexcept;
+    /// Why bytes() has nothing, as a clause to follow the text.
+    std::string misfit() const;
+
+    /// Whether a client means by `text` the name with these bytes.
+    bool is(std::string_view bytes, std::string_view text) const;
+    /// Whether `text` is what a file of an older version, which had U+FFFD in it, has in place of `bytes`.
+    static bool is_once_exported(std::string_view bytes, std::string_view text);
+
+private:
+    std::optional<ano::Encoding> given_;
+    bool expects_gbk_ = false;
+    ano::EncodingOfSender learned_;
+};
+
+}    // namespace anogate

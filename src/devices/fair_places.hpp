@@ -1,0 +1,35 @@
+// Which of those who share a number of places may take one more.
+#pragma once
+#include <devices/job.hpp>
+
+#include <cstddef>
+
+namespace anogate {
+
+/// Those who may control have places of their own, half as many are for those who only view. Of either sort, a client may take one as long as
+/// more are free than it has: one alone gets half of them, and whoever has none finds one.
+struct FairPlaces {
+    std::size_t of_control;
+
+    constexpr std::size_t of(const Requester& requester) const noexcept {
+        return requester.controls() ? of_control : of_control / 2;
+    }
+    /// `taken`: by all of the requester's right; `own`: by its client.
+    constexpr bool has_one_for(const Requester& requester, std::size_t taken, std::size_t own) const noexcept {
+        return taken + own < of(requester);
+    }
+};
+
+/// Counts who holds places: `all` are the requesters that do.
+template <class All>
+bool has_place_for(const Requester& requester, const FairPlaces& places, const All& all) {
+    std::size_t taken = 0, own = 0;
+    for (const Requester& one : all) {
+        if (one.controls() != requester.controls()) continue;
+        ++taken;
+        if (one.party == requester.party) ++own;
+    }
+    return places.has_one_for(requester, taken, own);
+}
+
+}    // namespace anogate

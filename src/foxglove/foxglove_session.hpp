@@ -1,0 +1,132 @@
+// The session of one client of the Foxglove WebSocket protocol: its subscriptions, and the messages for it. No I/O.
+//
+// Flow:    FoxgloveSession session{server, encoding};
+//          session.learn(first_frame);                // which channels there are
+//          session.hear(text);                        // a message of the client
+//          if (session.wants_other_frames()) watch(session.take_filter());
+//          session.show(frame);                       // a frame that passed the filter
+//          while (auto message = session.next()) ...  // to be sent, in this order
+#pragma once
+#include <foxglove/foxglove_messages.hpp>
+#include <record/decoded_channels.hpp>
+#include <runtime/found_channels.hpp>
+#include <watch/frame_filter.hpp>
+#include <watch/watch_queue.hpp>
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+
+class FoxgloveSession {
+public:
+    static constexpr std::size_t max_statuses = 32;         // waiting to be sent; of further ones only the number is sent
+    static constexpr std::size_t max_questions = 16;        // without an answer, or whose answer was not sent yet
+    static constexpr std::size_t max_watched = 16384;       // names of parameters
+    static constexpr std::size_t max_watched_name = 256;    // bytes: no parameter has a longer name
+    static constexpr std::size_t part_size = 32 * 1024;     // bytes of channels in a message, unless one alone needs more
+
+    struct Message {
+        std::string data;
+        bool is_text = true;
+        bool is_answer = false;    // to a request of the client
+    };
+
+    FoxgloveSession(const foxglove::ServerInfo& server, DecodedEncoding encoding, DecodingPtr decoding);
+
+    /// A text message of the client.
+    void hear(std::string_view text);
+    /// A binary message of the client: none is allowed.
+    void hear_bytes();
+
+    /// Announces these channels to the client; to be called in the order in which they were found. Their FoundChannels outlive the session.
+    void learn(const FirstFrame& first);
+    /// The link was removed: unadvertises its channels. A later learn() of the same topic makes a new channel.
+    void forget(std::string_view link);
+    /// The frames that follow are decoded with this: unadvertises the channels of flexible messages, as forget() does.
+    void use(DecodingPtr decoding);
+    /// A frame that passed filter(): makes its messages for the subscribed channels.
+    void show(const RecordedFrame& frame);
+    /// Frames that were not shown, since the client reads too slowly.
+    void lose(const LostFrames& lost);
+
+    /// filter() has changed since the last take_filter().
+    bool wants_other_frames() const noexcept { return wants_others_; }
+    /// The frames that may contain the subscribed channels; std::nullopt: nothing is subscribed.
+    std::optional<FrameFilterSettings> filter() const;
+    std::optional<FrameFilterSettings> take_filter() {
+        wants_others_ = false;
+        return filter();
+    }
+
+    /// The next request for parameters. Each must be answered by answer(), in any order.
+    std::optional<foxglove::GetParameters> next_question();
+    void answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values);
+    /// These parameters were read or written: the client is sent those that it watches.
+    void changed(const std::vector<foxglove::Parameter>& values);
+    void warn(std::string_view words) { say(foxglove::Level::warning, words); }
+
+    /// The next message to send; std::nullopt: none waits.
+    std::optional<Message> next();
+
+private:
+    // A channel that was announced to the client, or will be.
+    struct Known {
+        const DecodedChannel* channel;
+        const DecodedSchema* schema;
+        std::set<FrameKind> kinds;    // of the frames with messages for it
+        bool is_standard;             // its messages also contain values from frames of other kinds
+        bool is_gone = false;
+    };
+
+    void hear(const foxglove::Subscribe& said);
+    void hear(const foxglove::Unsubscribe& said);
+    void hear(foxglove::GetParameters&& said);
+    void hear(foxglove::WatchParameters&& said);
+    void hear(foxglove::Wrong&& said);
+    void subscribe(const foxglove::Subscription& wanted);
+    void say(foxglove::Level level, std::string_view words);
+    std::size_t number_of(const DecodedChannel& channel, const DecodedSchema& schema);
+    std::optional<std::size_t> number_of(const DecodedMessage& message);
+    void want(const Known& channel);
+    template <class IsGone>
+    void forget_where(IsGone is_gone);
+    void send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload);
+    void find_wanted();
+    /// nullptr: the channel is the one of whole frames, or was never advertised.
+    const Known* known(std::uint32_t channel) const noexcept;
+    std::optional<Message> next_channels();
+
+    std::string greeting_;    // empty: already sent
+    DecodedEncoding encoding_;
+    DecodedChannels decoded_;
+    std::vector<std::optional<std::size_t>> numbers_;    // position in channels_, by the number in decoded_
+    std::vector<Known> channels_;
+    std::map<std::string_view, std::size_t> by_topic_;     // without removed channels
+    std::set<FrameKind> standard_kinds_;                   // of the standard channels
+    std::set<FrameKind> wanted_;                           // for the subscribed channels
+    std::map<std::uint32_t, std::uint32_t> by_channel_;    // the subscription of each channel
+    std::map<std::uint32_t, std::uint32_t> by_id_;         // the channel of each subscription
+    bool wants_others_ = false;
+    bool raw_is_told_ = false;
+    std::string raw_;                    // buffer for the message of a whole frame; keeps its memory
+    std::size_t told_channels_ = 0;      // number of channels_ that were announced
+    std::vector<std::uint32_t> gone_;    // removed channels that are still to be unadvertised
+    std::deque<Message> messages_;
+    std::deque<std::string> statuses_;
+    std::uint64_t unsaid_ = 0;    // statuses that did not fit
+    std::deque<foxglove::GetParameters> questions_;
+    std::size_t open_questions_ = 0;
+    bool watches_all_ = false;
+    std::set<std::string> watched_;
+    std::map<std::string, std::string> changed_;    // watched parameters with new values, not sent yet
+};
+
+}    // namespace anogate

@@ -1,0 +1,43 @@
+#include <gateway/attitude_watch.hpp>
+
+namespace anogate {
+
+AttitudeWatch::Device* AttitudeWatch::device(std::uint8_t address) noexcept {
+    for (Device& device : devices_) {
+        if (device.address == 0) device.address = address;
+        if (device.address == address) return &device;
+    }
+    return nullptr;
+}
+
+void AttitudeWatch::hear(ano::FrameView frame, TimePoint now) noexcept {
+    Device* const from = frame.source() == 0 ? nullptr : device(frame.source());
+    if (from == nullptr) return;
+    const auto rotation = ano::rotation_of(frame, signs_);
+    if (!rotation) return;
+    const bool is_euler = frame.id() == ano::id_of<"euler">;
+    (is_euler ? from->by_euler : from->by_quaternion) = *rotation;
+    (is_euler ? from->euler_at : from->quaternion_at) = now;
+    if (from->euler_at && from->quaternion_at && now - *from->euler_at <= together && now - *from->quaternion_at <= together)
+        compare(*from, now);
+}
+
+void AttitudeWatch::compare(Device& device, TimePoint now) noexcept {
+    if (ano::degrees_between(device.by_euler, device.by_quaternion) > apart) {
+        device.agree_since.reset();
+        if (!device.apart_since) device.apart_since = now;
+        if (now - *device.apart_since >= patience) device.is_contradictory = true;
+    } else {
+        device.apart_since.reset();
+        if (!device.agree_since) device.agree_since = now;
+        if (now - *device.agree_since >= settled) device.is_contradictory = false;
+    }
+}
+
+std::uint8_t AttitudeWatch::contradictory() const noexcept {
+    for (const Device& device : devices_)
+        if (device.is_contradictory) return device.address;
+    return 0;
+}
+
+}    // namespace anogate

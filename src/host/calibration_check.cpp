@@ -1,0 +1,60 @@
+#include <host/calibration_check.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace ano::host {
+namespace {
+
+// How a device might use a calibration otherwise than AccelerometerCalibration::corrected().
+std::array<AccelerometerCalibration, 2> misuses(const AccelerometerCalibration& right) noexcept {
+    std::array<AccelerometerCalibration, 2> wrong{right, right};
+    for (double& factor : wrong[0].sensitivity) factor = 1 / factor;
+    wrong[1].error = AccelerometerCalibration{}.error;
+    return wrong;
+}
+
+// Whether `wrong` would be noticed on this face. Twice the limit, so that neither noise nor the residual hides it.
+double how_clear(const AccelerometerCalibration& right, const AccelerometerCalibration& wrong, const Vector& raw, Face face) {
+    const Vector as_right = right.corrected(raw), as_wrong = wrong.corrected(raw);
+    const double off = std::hypot(as_wrong[0] - as_right[0], as_wrong[1] - as_right[1], as_wrong[2] - as_right[2]);
+    return off / (2 * AccelerometerCheck::limit(error_on(face, as_right)));
+}
+
+}    // namespace
+
+std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, const SixFaces& faces, Face last) {
+    std::vector<Face> chosen{last};
+    for (const AccelerometerCalibration& wrong : misuses(calibration)) {
+        const auto clear = [&](Face face) { return how_clear(calibration, wrong, faces.mean(face), face); };
+        if (std::any_of(chosen.begin(), chosen.end(), [&](Face face) { return clear(face) > 1; })) continue;
+        Face best = last;
+        for (std::size_t i = 0; i < face_names.size(); ++i)
+            if (clear(static_cast<Face>(i)) > clear(best)) best = static_cast<Face>(i);
+        if (clear(best) > 1) chosen.push_back(best);
+    }
+    return chosen;
+}
+
+void AccelerometerCheck::take(const Vector& acceleration, const Vector& rotation) noexcept {
+    samples_.take(acceleration, rotation);
+    if (samples_.samples(face_) < group) return;
+    error_ = error_on(face_, samples_.mean(face_));
+    noise_ = 3 * samples_.spread(face_) / std::sqrt(static_cast<double>(group));
+    samples_ = {};
+}
+
+void CompassCheck::take(const Vector& field) noexcept {
+    covered_.set(CompassSphere::cell_of(field));
+    const double off = std::hypot(field[0], field[1], field[2]) / strength_ - 1;
+    squares_ += off * off;
+    ++samples_;
+    if (samples_ < group || covered_.count() < cells) return;
+    error_ = std::sqrt(squares_ / static_cast<double>(samples_));
+    covered_.reset();
+    samples_ = 0;
+    squares_ = 0;
+}
+
+}    // namespace ano::host

@@ -1,0 +1,34 @@
+#include <host/restart_watch.hpp>
+
+#include <algorithm>
+
+namespace ano::host {
+namespace {
+
+// Text for people: "1.2 s".
+std::string length_of_gap(Duration time) {
+    const auto tenths = std::chrono::duration_cast<std::chrono::milliseconds>(time).count() / 100;
+    return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " s";
+}
+
+}    // namespace
+
+void RestartWatch::sampled(TimePoint now) {
+    if (!last_) {
+        last_ = now;
+        return;
+    }
+    const Duration interval = now - *last_;
+    last_ = now;
+    if (usual_ && interval > std::max(max_gap, usual_gaps * *usual_)) gap_ = gap_.value_or(interval);
+    usual_ = usual_ ? (7 * *usual_ + interval) / 8 : interval;
+}
+
+std::optional<std::string> RestartWatch::sign(const Device& device) const {
+    if (gap_) return "no samples for " + length_of_gap(*gap_);
+    if (device.announcements() != announcements_) return "it sent its device info unasked";
+    if (device.presence() != presence_) return "its device info has changed";
+    return std::nullopt;
+}
+
+}    // namespace ano::host

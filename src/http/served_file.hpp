@@ -1,0 +1,29 @@
+// Serves a file by HTTP, with ranges. Operations that may block on the disk are done in a thread.
+#pragma once
+#include <http/disk_works.hpp>
+#include <http/request.hpp>
+#include <http/response.hpp>
+#include <sys/unique_fd.hpp>
+
+#include <functional>
+#include <string>
+#include <variant>
+
+namespace anogate {
+
+struct ServedFile {
+    /// Called in a thread. Opens the file, or returns the response to send instead.
+    std::function<std::variant<UniqueFd, http::Response>()> open;
+    std::string type;
+    std::string save_as{};    // the file name for a download; empty: the browser displays the file
+};
+
+/// 200 with a whole regular file, 206 with the requested range, 416 when the range is outside the file. `disk` outlives the response. Of a
+/// file that grows meanwhile, the part that existed at the begin is sent.
+http::Response served(DiskWorks& disk, const http::Request& request, ServedFile file);
+
+/// Opens a regular file in `folder`, no symbolic link; `writable`: for writing too. On failure the UniqueFd is empty and errno is set;
+/// EINVAL: not a regular file.
+UniqueFd open_regular(int folder, const std::string& name, bool writable = false);
+
+}    // namespace anogate

@@ -1,0 +1,112 @@
+// Keeps the latest frames in memory (keep_last), and makes a recording of them.
+#pragma once
+#include <record/recording_writer.hpp>
+#include <record/ring.hpp>
+#include <watch/frame_watch.hpp>
+#include <watch/watched_record.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+/// Records as a watcher of the gateway got them, with the names for their numbers. It is not changed any more: a thread may read it.
+struct FramesPart {
+    WatchQueue::Batch batch;
+    std::shared_ptr<const RecordedNames> names;
+    RecordedLoss lost{};    // before the batch; the names of the frames are in lost_names
+    std::string lost_names{};
+    std::uint64_t frames = 0;
+};
+
+struct KeptFrames {
+    std::vector<FramesPart> parts;
+    RecordingHead head;
+
+    std::uint64_t frames() const noexcept;
+};
+
+/// Makes a recording of them piece by piece.
+class KeptFramesWriting {
+public:
+    KeptFramesWriting(KeptFrames frames, RecordingFormat format, RecordingOptions options = {});
+
+    /// Appends the next piece to `into`. False: there is no more.
+    bool next(std::string& into);
+
+private:
+    KeptFrames frames_;
+    RecordingFormat format_;
+    RecordingOptions options_;
+    std::unique_ptr<RecordingWriter> writer_;    // nullptr: not begun
+    DecodingPtr decoding_;                       // as it was told last
+    std::size_t part_ = 0;
+    std::string_view rest_;    // the unread part of the batch
+    bool in_part_ = false;
+};
+
+/// Keeps the batches of a watcher, without copying frames.
+class FrameMemory final : private Watcher {
+public:
+    static constexpr std::size_t max_bytes = 16 * 1024 * 1024;
+
+    FrameMemory(Gateway& gateway, FrameWatch& watch, const FrameFilterSettings& filter, ano::Duration span);
+    ~FrameMemory();
+    FrameMemory(const FrameMemory&) = delete;
+    FrameMemory& operator=(const FrameMemory&) = delete;
+
+    /// Changes what is kept from now on; what is there stays, as far as it is of the last `span`.
+    void change(const FrameFilterSettings& filter, ano::Duration span);
+    /// Takes the frames that passed until now, so that a change does not apply to them.
+    void catch_up();
+    /// The frames of the last `span`, up to the last that passed.
+    KeptFrames frames();
+    struct Figures {
+        ano::Duration span{}, reach{};
+        std::uint64_t frames = 0, bytes = 0;
+    };
+    Figures figures();
+
+private:
+    void more() override;
+    void renew_names();
+
+    Gateway& gateway_;
+    FrameWatch& watch_;
+    Ring<FramesPart> ring_;
+    WatchQueue::Tables tables_;    // nullptr: not yet
+    std::shared_ptr<const RecordedNames> names_;
+    std::size_t cost_of_names_ = 0;    // to be added to the cost of the next part
+    LostFrames lost_;                  // since the last part
+};
+
+/// `source` is not at home elsewhere, and came by a serial port, CAN or another link that is no network, or by the link that it is pinned
+/// to. In a network anybody can send in the name of a device.
+bool is_known_origin(const Gateway& gateway, const Channel& from, std::uint8_t source);
+
+/// Calls `call` when a device logs a fault: a received frame 0xA0 with the colour red. It counts only from a device that is at home there,
+/// by a serial port, CAN, or another link that is no network; or by the link that its address is pinned to.
+class FaultEar final : private Watcher {
+public:
+    FaultEar(Gateway& gateway, FrameWatch& watch, std::function<void()> call);
+    ~FaultEar();
+    FaultEar(const FaultEar&) = delete;
+    FaultEar& operator=(const FaultEar&) = delete;
+
+    /// Looks at once at what passed until now.
+    void catch_up();
+
+private:
+    void more() override;
+    bool is_at_home(const FrameRecord& record) const;
+
+    Gateway& gateway_;
+    FrameWatch& watch_;
+    std::function<void()> call_;
+};
+
+}    // namespace anogate

@@ -1,0 +1,29 @@
+// A running recording, as Recordings keeps it.
+#pragma once
+#include <recording/recordings.hpp>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace anogate {
+
+struct Recordings::Running {
+    AskedRecording asked;
+    bool is_configured = false;
+    std::uint64_t began_ns = 0;    // since 1970
+    TimePoint began_at{};
+    std::unique_ptr<Recorder> recorder{};
+    std::uint64_t told_files = 0;
+    TimePoint file_began_at{};    // the present file
+    std::string told_error{};     // the last error that was logged, without its numbers
+    bool is_ending = false;
+    std::vector<std::function<void(http::Response)>> begun{}, ended{};    // who waits for the begin, for the end
+};
+
+/// The name of the present file; empty: there is none yet.
+std::string file_name_of(const Recordings::Running& running);
+
+std::chrono::seconds since_1970();
+
+http::Response json_answer(nlohmann::ordered_json json);
+
+}    // namespace anogate

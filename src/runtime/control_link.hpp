@@ -1,0 +1,50 @@
+// The link `control`: frames that programs send through the control interface. Each WebSocket of GET /link is a channel of it.
+#pragma once
+#include <ano/flush.hpp>
+#include <gateway/forwarder.hpp>
+#include <http/response.hpp>
+#include <link/link_context.hpp>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+class LinkSocket;
+
+class ControlLink final : public Link {
+public:
+    ControlLink(LinkId id, LinkSettings settings, const LinkContext& context, Forwarder& forwarder);
+    ~ControlLink() override;
+    /// Its settings, as if it were one of the configured links.
+    static LinkSettings link_settings(const Settings& settings);
+
+    void start() override { context_.host.link_up(*this); }
+    void stop_reading() override { reads_ = false; }
+    void stop() override;
+    void flush(Channel& channel) override;
+    UnassignedTraffic unassigned_traffic() const override;
+
+    /// GET /link?name=N&id=P: makes the program a channel.
+    http::Response join(const http::Request& request, std::uint8_t own_id);
+    /// Closes the connections of programs whose port id now belongs to another link or to the gateway itself.
+    void give_up_ports(std::uint8_t own_id);
+    /// POST /send: forwards one frame that belongs to no connected program. Its source address is not learned.
+    void send(ano::FrameView frame);
+    /// Forwarder::flush_parsers() before `next`, which send() is to get.
+    ano::Flush flush_parsers(ano::FrameView next);
+
+private:
+    friend class LinkSocket;
+    bool is_free(std::uint8_t port_id) const { return forwarder_.router().port(port_id).empty(); }
+
+    LinkContext context_;
+    Forwarder& forwarder_;
+    std::array<LinkSocket*, max_channels> sockets_{};    // by channel
+    std::unique_ptr<Channel> sender_;                    // of the frames of send(); nullptr: nothing was sent yet
+    bool reads_ = true;
+};
+
+}    // namespace anogate

@@ -1,0 +1,365 @@
+#include <config/config.hpp>
+#include <config/link_kind.hpp>
+#include <link/clocks.hpp>
+#include <log/log_line.hpp>
+#include <runtime/conflict_log.hpp>
+#include <runtime/control_link.hpp>
+#include <runtime/forwarder_link.hpp>
+#include <runtime/gateway.hpp>
+
+#include <algorithm>
+#include <random>
+#include <stdexcept>
+
+namespace anogate {
+namespace {
+
+constexpr Duration required_within = std::chrono::seconds{10};
+constexpr Duration stop_look = std::chrono::milliseconds{10};
+constexpr Duration hello_slack = std::chrono::milliseconds{100};
+
+std::uint64_t number_of_its_own() {
+    std::random_device random;
+    return std::uint64_t{random()} << 32 | random();
+}
+
+}    // namespace
+
+Gateway::Gateway(asio::io_context& io, Settings settings)
+    : io_{io},
+      settings_{std::move(settings)},
+      alarms_{io},
+      peer_log_{alarms_},
+      forwarder_{settings_.gateway, number_of_its_own()},
+      beat_{alarms_, [this] { beat(); }},
+      forwarder_due_{alarms_,
+                     [this] {
+                         forwarder_.tick(now());
+                         flush();
+                     }},
+      hello_due_{alarms_,
+                 [this] {
+                     forwarder_.say_hellos(now());
+                     flush();
+                 },
+                 hello_slack},
+      required_check_{alarms_, [this] { check_required(); }},
+      stop_check_{alarms_, [this] { check_stop(); }},
+      change_check_{alarms_, [this] { check_change(); }} {
+    links_.reserve(max_links);
+    LinkSet all;
+    for (const LinkSettings& link : settings_.links) all.insert(add_link(link));
+    if (settings_.tunnel) all.insert(add_tunnel());
+    if (is_control_configured(settings_)) all.insert(add_control());
+    gpio_ = std::make_unique<Gpio>(io_, alarms_, forwarder_.inhibit());
+    gpio_->change(
+        settings_.gpio, [this](const std::string& name) -> Link& { return link_named(name); }, all);
+    forwarder_.set_classes(settings_.classes);
+    pin_routes();
+}
+
+Gateway::~Gateway() = default;
+
+// The links of a group share a number, as long as there are any.
+std::uint8_t Gateway::group_number(const std::string& group) {
+    const auto is_unused = [this](const std::string& name) {
+        return std::none_of(links_.begin(), links_.end(), [&](const LinkState& s) { return s.link->settings().group == name; });
+    };
+    auto place = std::find(groups_.begin(), groups_.end(), group);
+    if (place == groups_.end()) place = std::find_if(groups_.begin() + 1, groups_.end(), is_unused);
+    if (place == groups_.end()) place = groups_.insert(place, group);
+    *place = group;
+    return static_cast<std::uint8_t>(place - groups_.begin());
+}
+
+LinkId Gateway::add_link(const LinkSettings& link) {
+    const LinkId id = forwarder_.add_link(forwarder_link(link, group_number(link.group), settings_.aliases));
+    add(link.kind->make(id, link, {io_, alarms_, *this, batch_, sender_}));
+    if (link.kind->carries == Carries::bytes) streams_.insert(id);
+    return id;
+}
+
+LinkId Gateway::add_tunnel() {
+    const LinkId id = forwarder_.add_link(forwarder_link(TunnelLink::link_settings(settings_), 0, {}));
+    auto tunnel = std::make_unique<TunnelLink>(id, settings_, wrap_targets(), LinkContext{io_, alarms_, *this, batch_, sender_},
+                                               forwarder_);
+    tunnel_ = tunnel.get();
+    add(std::move(tunnel));
+    connect_tunnel();
+    return id;
+}
+
+std::vector<TunnelLink::Target> Gateway::wrap_targets() const {
+    std::vector<TunnelLink::Target> targets;
+    for (const WrapSettings& rule : settings_.tunnel->wrap) {
+        const Link& to = link_named(rule.link);
+        targets.push_back({to.id(), to.settings().effective_max_data_out()});
+    }
+    return targets;
+}
+
+void Gateway::connect_tunnel() {
+    LinkSet carried;
+    for (const std::string& name : settings_.tunnel->links) carried.insert(link_named(name).id());
+    tunnel_->set_targets(wrap_targets());
+    forwarder_.set_tunnel(tunnel_->id(), carried, *tunnel_);
+}
+
+void Gateway::pin_routes() {
+    for (const RouteSettings& route : settings_.routes) forwarder_.pin(route.first, route.last, link_named(route.link).id());
+    if (settings_.gateway.unknown == Unknown::link) forwarder_.set_unknown_link(link_named(settings_.gateway.unknown_link).id());
+}
+
+ControlLink* Gateway::control() {
+    if (!control_ && links_.size() < max_links) {
+        add_control();
+        links_.back().since = now();
+        control_->start();
+    }
+    return control_;
+}
+
+LinkId Gateway::add_control() {
+    LinkSettings settings = ControlLink::link_settings(settings_);
+    const LinkId id = forwarder_.add_link(forwarder_link(settings, 0, {}));
+    auto control = std::make_unique<ControlLink>(id, std::move(settings), LinkContext{io_, alarms_, *this, batch_, sender_},
+                                                 forwarder_);
+    control_ = control.get();
+    add(std::move(control));
+    return id;
+}
+
+void Gateway::add(std::unique_ptr<Link> link) {
+    links_by_id_[index(link->id())] = link.get();
+    links_.emplace_back().link = std::move(link);
+}
+
+LinkState& Gateway::state(const Link& link) {
+    return *std::find_if(links_.begin(), links_.end(), [&](const LinkState& s) { return s.link.get() == &link; });
+}
+
+Link& Gateway::link_named(const std::string& name) const {
+    for (const LinkState& s : links_)
+        if (s.link->name() == name) return *s.link;
+    throw std::logic_error("no link is called " + name);    // impossible with a checked configuration
+}
+
+void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
+    on_required_missing_ = std::move(on_required_missing);
+    started_at_ = turn().now();
+    for (LinkState& s : links_) {
+        s.since = started_at_;
+        s.must_come = s.link->settings().required && s.link->settings().enabled;
+    }
+    gpio_->start();
+    restore_brought();
+    for (LinkState& s : links_) start(s);
+    restore_addresses();
+    stored_ = {};
+    beat();    // opening the links may take long
+    if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.must_come; }))
+        required_check_.set(started_at_ + required_within);
+}
+
+void Gateway::start(LinkState& state) {
+    if (state.link->settings().enabled) return state.link->start();
+    state.error = LinkError{"disabled", "it is disabled (enabled=false)", {}};
+    log_info("{}: disabled", state.link->name());
+}
+
+void Gateway::go_on_from(StoredState stored) { stored_ = std::move(stored); }
+
+std::optional<StoredLink> Gateway::take_stored(const Link& link) {
+    for (StoredState::OfLink& stored : stored_.links)
+        if (stored.name == link.name() && stored.link.wire) return std::move(stored.link);
+    return std::nullopt;
+}
+
+// A different device file under the same name has other peers.
+void Gateway::restore_addresses() {
+    for (const StoredState::OfLink& stored : stored_.links)
+        for (const LinkState& s : links_)
+            if (s.link->name() == stored.name && WireIdentity::of(s.link->storable_wire()) == stored.wire)
+                restore_addresses(*s.link, stored);
+}
+
+void Gateway::restore_addresses(const Link& link, const StoredState::OfLink& stored) {
+    for (const ChannelId id : forwarder_.traffic(link.id()).channels)
+        for (const StoredChannel& was : stored.channels) {
+            if (was.peer != channel(id).peer) continue;
+            for (const StoredAddress& heard : was.addresses) forwarder_.restore(heard.address, channel(id), heard.heard_at);
+            for (const std::uint8_t address : was.first) forwarder_.restore_first(address, channel(id));
+        }
+}
+
+// Independent of the wire: a copy may still come by another link.
+void Gateway::restore_brought() {
+    for (const StoredState::OfLink& stored : stored_.links)
+        for (const LinkState& s : links_)
+            if (s.link->name() == stored.name)
+                for (const DuplicateGuard::Memory& frame : stored.brought) forwarder_.restore(s.link->id(), frame);
+}
+
+void Gateway::check_required() {
+    for (const LinkState& s : links_)
+        if (s.must_come && !s.was_up && s.link->settings().enabled) return on_required_missing_(s.link->name());
+}
+
+void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
+    if (on_stopped_) {
+        if (stop_check_.is_set()) finish_stop();
+        return;
+    }
+    on_stopped_ = std::move(on_stopped);
+    before_stopping_();
+    required_check_.cancel();
+    change_check_.cancel();
+    changing_.reset();
+    beat_.cancel();
+    for (LinkState& s : links_) s.link->stop_reading();
+    turn();
+    unread_since_ = beat_.loop().clocks();
+    forwarder_.stop_asking();    // nobody reads an answer any more
+    flush();
+    stop_by_ = now() + patience;
+    stop_check_.set(now_ + stop_look);    // the kernel's counters show written bytes only a moment later
+}
+
+void Gateway::check_stop() {
+    const bool all_left = std::all_of(links_.begin(), links_.end(), [this](const LinkState& s) { return nothing_waits(s); });
+    if (all_left || now() >= stop_by_) finish_stop();
+    else stop_check_.set(now_ + stop_look);
+}
+
+bool Gateway::nothing_waits(const LinkState& state) const {
+    for (const ChannelId id : forwarder_.traffic(state.link->id()).channels)
+        if (!channel(id).outbox.empty()) return false;
+    return !state.up || state.link->unsent() == 0;
+}
+
+void Gateway::finish_stop() {
+    stop_check_.cancel();
+    peer_log_.finish();
+    beat_.finish();
+    before_closing_();
+    for (LinkState& s : links_) s.link->stop();
+    forwarder_due_.cancel();
+    gpio_->stop();
+    if (on_stopped_) std::exchange(on_stopped_, [] {})();
+}
+
+const LoopWatch& Gateway::turn() {
+    const ClockReading clocks = read_clocks();
+    now_ = clocks.now;
+    if (const Duration slept = beat_.turn(clocks); slept > Duration::zero()) forwarder_.grow_older(slept);
+    return beat_.loop();
+}
+
+void Gateway::beat() {
+    beat_.begin();
+    turn();
+    beat_.end(streams_speak());
+}
+
+bool Gateway::streams_speak() const {
+    for (const ChannelId id : forwarder_.channels())
+        if (streams_.contains(channel(id).link) && now_ - channel(id).arrived_at < LoopBeat::calm_after) return true;
+    return false;
+}
+
+Channel* Gateway::open_channel(Link& link, std::string peer) {
+    const LinkKind& kind = *link.settings().kind;
+    const bool has_many = kind.listens || kind.replays;    // no other channel is closed for a peer of such a link
+    if (!has_many && forwarder_.channels().size() == max_channels) make_channel_free();
+    Channel* const channel = forwarder_.open_channel(link.id(), std::move(peer), now_);
+    if (channel && !channel->peer.empty() && state(link).up) peer_log_.came(link.name(), channel->peer, now_);
+    return channel;
+}
+
+void Gateway::close_channel(Channel& channel) {
+    const Link& link = *links_by_id_[index(channel.link)];
+    if (state(link).up) peer_log_.went(link.name(), channel.peer, now_);
+    if (tells_loss_) tells_loss_(channel.id);
+    forwarder_.close_channel(channel);
+}
+
+void Gateway::receive(Channel& from, ano::FrameView frame) {
+    beat_.heard(streams_.contains(from.link), std::min(from.arrived_at, now_));
+    if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
+    forwarder_.receive(from, frame, now_);
+    if (voice_) voice_->speak();
+}
+
+// Flushing a link may report a failure, which may queue frames: repeated until nothing is left.
+void Gateway::flush() {
+    if (voice_) voice_->speak();
+    while (Channel* const channel = forwarder_.next_to_flush()) {
+        if (gpio_->watches(channel->link)) gpio_->sends(channel->link, now_);
+        links_by_id_[index(channel->link)]->flush(*channel);
+    }
+    while (const auto conflict = forwarder_.take_conflict()) {
+        const std::string what = conflict_text(*this, *conflict);
+        log_warning("{}", what);
+        if (voice_) voice_->conflict_began(what);
+    }
+    while (const auto moved = forwarder_.take_move()) log_warning("{}", move_text(*this, *moved));
+    await_forwarder();
+}
+
+void Gateway::await_forwarder() {
+    if (const auto due = forwarder_.due()) forwarder_due_.set_no_later(*due);
+    else forwarder_due_.cancel();
+    if (const auto due = forwarder_.hello_due()) hello_due_.set_no_later(*due);
+    else hello_due_.cancel();
+}
+
+void Gateway::link_up(Link& link) {
+    LinkState& s = state(link);
+    forwarder_.link_up(link.id(), now_);
+    const bool is_news = !std::exchange(s.up, true);
+    if (link.settings().kind->replays) renew_decoding();
+    if (!is_news) return;
+    s.was_up = true;
+    s.since = now_;
+    s.error = {};
+    gpio_->link_state(link.id(), true);
+    await_forwarder();
+    log_info("{}: up", link.name());
+    if (const LinkError trouble = link.trouble(); !trouble.text.empty()) log_warning("{}: {}", link.name(), trouble.text);
+    if (voice_) voice_->link_changed(s);
+}
+
+void Gateway::lose_channels_of(LinkId link) {
+    if (!tells_loss_) return;
+    for (const ChannelId id : forwarder_.channels())
+        if (channel(id).link == link) tells_loss_(id);
+}
+
+void Gateway::link_down(Link& link, LinkError why) {
+    LinkState& s = state(link);
+    if (s.up) lose_channels_of(link.id());
+    forwarder_.link_down(link.id());
+    const bool is_news = s.up || s.error.text != why.text;
+    if (is_news) log_warning("{}: {}; waiting for it", link.name(), why.text);
+    const bool was_up = s.up;
+    if (was_up) s.since = now_;
+    s.up = false;
+    s.error = std::move(why);
+    if (is_news && voice_) voice_->link_changed(s);
+    if (was_up && recording_) recording_->link_lost(s);
+    gpio_->link_state(link.id(), false);
+}
+
+ChannelSet Gateway::busy_channels() const {
+    ChannelSet busy;
+    for (const ChannelId id : forwarder_.channels())
+        if (channel(id).outbox.is_open() && channel(id).waiting() > 0) busy.insert(id);
+    return busy;
+}
+
+bool Gateway::is_own_port(std::uint16_t port) const {
+    return port != 0 &&
+           std::any_of(links_.begin(), links_.end(), [port](const LinkState& s) { return s.link->local_port() == port; });
+}
+
+}    // namespace anogate

@@ -1,0 +1,412 @@
+#include <ano/address.hpp>
+#include <ano/control.hpp>
+#include <ano/conversation.hpp>
+#include <ano/hex.hpp>
+#include <ano/reading.hpp>
+#include <ano/typed.hpp>
+#include <config/link_kind.hpp>
+#include <config/wire.hpp>
+#include <devices/alarm_limits.hpp>
+#include <devices/calibration_work.hpp>
+#include <devices/scan_work.hpp>
+#include <devices/unit_note.hpp>
+#include <gateway/hints.hpp>
+#include <http/socket_path.hpp>
+#include <log/log_line.hpp>
+#include <managed/managed_parameters.hpp>
+#include <runtime/control_link.hpp>
+#include <runtime/gateway.hpp>
+#include <runtime/gateway_devices.hpp>
+#include <runtime/route_rows.hpp>
+#include <sys/kept_file.hpp>
+#include <sys/state_folder.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+// The number of bytes that the profile's parser has for a text.
+constexpr std::size_t vendor_text = 29;
+
+constexpr std::size_t max_note = 64 * 1024;
+constexpr std::string_view unfinished = ".new";    // keep_file()
+
+// Asking again would have the same result, unlike with a link that is down for a moment.
+ano::Encoding encoding_of(TextEncoding encoding) {
+    return encoding == TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
+}
+
+// A file of keep(), of devices: a note, or alarm limits.
+bool is_kept_name(std::string_view name) { return is_note(name) || address_of_limits_file(name); }
+
+bool is_for_good(ReceiveCause cause) { return cause == &ReceiveCounters::denied_in || cause == &ReceiveCounters::inhibited; }
+bool is_for_good(SendCause cause) { return cause == &SendCounters::denied_out || cause == &SendCounters::too_big; }
+
+}    // namespace
+
+GatewayDevices::GatewayDevices(Gateway& gateway)
+    : gateway_{gateway},
+      alarm_{gateway.alarms(), [this] { service_.run(gateway_.now()); }},
+      errand_{gateway.io()},
+      service_{*this, gateway.settings().control.host},
+      always_{*this} {
+    gateway_.add_observer(always_, {.arrivals = false, .fates = true, .departures = false, .always = true});
+    gateway_.on_scan([this](const std::function<void(const std::string&)>& tell) { return scan(tell); });
+    gateway_.on_loss([this](ChannelId lost) {
+        for (unsigned a = 0; a <= 0xFF; ++a)
+            if (const auto address = static_cast<std::uint8_t>(a); gateway_.forwarder().router().heard_at(address, lost))
+                service_.link_was_down(address);
+    });
+    remember_notes();
+}
+
+GatewayDevices::~GatewayDevices() {
+    gateway_.remove_observer(always_);
+    gateway_.on_scan({});
+    gateway_.on_loss({});
+}
+
+// A frame from where the device is not at home is none of that device: it gets into no log, and neither raises an alarm nor ends one.
+bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView frame) {
+    if (from.id == ourselves) return false;
+    DeviceService& service = of_.service_;
+    const bool is_log = frame.id() == ano::id_of<"log"> || frame.id() == ano::id_of<"log_value">;
+    const bool is_mode = frame.id() == ano::id_of<"mode">;
+    const bool is_watched = service.alarms().watch().wants(frame.source(), frame.id());
+    if ((!is_log && !is_mode && !is_watched) || of_.gateway_.forwarder().router().claims(frame.source(), from.id)) return false;
+    if (is_log) {
+        const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+        const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
+        const bool is_known = is_known_origin(of_.gateway_, from, frame.source());
+        service.hear_log(frame, of_.gateway_.name(from.link), static_cast<std::uint64_t>(ns),
+                         is_known ? DeviceLog::Origin::known : DeviceLog::Origin::anybody);
+    }
+    if (is_mode) service.hear_mode(frame, of_.gateway_.time());
+    if (is_watched)
+        service.hear_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), of_.gateway_.time());
+    return false;
+}
+
+std::string GatewayDevices::scan(const std::function<void(const std::string&)>& tell) {
+    JobOrder order{JobKind::scan, ano::host::Deed::read, std::nullopt, false, "the gateway as a device", anogate::scan};
+    order.result = [this, tell] {
+        for (const DeviceReport& device : service_.devices(gateway_.now()))
+            tell(ano::hex_byte(device.heard.address) + " " +
+                 (device.info ? device.texts.shown(device.info->name) : "of no name") +
+                 (device.heard.link.empty() ? "" : " by " + device.heard.link));
+        return std::string{"[]"};
+    };
+    const auto begun = service_.begin(std::move(order), gateway_.now());
+    const auto* const refused = std::get_if<NotBegun>(&begun);
+    return refused ? refused->error : std::string{};
+}
+
+// Called before the loop runs.
+void GatewayDevices::remember_notes() {
+    const std::string folder = state_folder();
+    std::error_code ec;
+    if (folder.empty()) return;
+    for (const auto& entry : std::filesystem::directory_iterator{folder, ec}) {
+        const std::string name = entry.path().filename().string();
+        if (!name.ends_with(unfinished)) remember_file(folder, name);
+        else if (is_kept_name(name.substr(0, name.size() - unfinished.size())))
+            forget_file(entry.path().string());    // its writing was cut off
+    }
+}
+
+void GatewayDevices::remember_file(const std::string& folder, const std::string& name) {
+    if (!is_kept_name(name)) return;
+    const auto limited = address_of_limits_file(name);
+    const std::string path = folder + "/" + name;
+    std::string fault;
+    auto text = read_kept_file(path, limited ? AlarmLimits::max_text : max_note, fault);
+    if (text && !limited) return remember_note(folder, name, *std::move(text));
+    if (text) fault = service_.remember_limits(*limited, *text);
+    if (text && !fault.empty()) fault = path + ": " + fault;
+    if (fault.empty()) return;
+    if (limited) log_warning("{}; {} has no alarm limits until they are set again", fault, ano::hex_byte(*limited));
+    else log_warning("{}; {}", fault, loss_of_note(name));
+}
+
+// Several gateways of one user have the same folder: each takes its own notes only.
+void GatewayDevices::remember_note(const std::string& folder, const std::string& name, std::string text) {
+    const bool is_of_calibration = sensor_of_note(name).has_value();
+    if (const std::string damage = damage_of_note(name, text); !damage.empty())
+        return log_warning("{}/{} {}", folder, name, damage);
+    const std::string about = describe_note(name, text);
+    const std::string misfit = misfit_of_place(text, unit_place(0, {}), false);
+    if (!misfit.empty())
+        return log_info("{}/{} ({}) is left alone: it is {}{}", folder, name, about, misfit,
+                        is_of_calibration ? ". To write it back: anoctl param import " + folder + "/" + name : "");
+    service_.remember(name, std::move(text));
+    if (is_of_calibration)
+        log_info(
+            "{}/{}: the calibration never ended ({}); the old values are written back as soon as this very device is heard on "
+            "the ground",
+            folder, name, about);
+    else if (is_loader_note(name))
+        log_info("{}/{}: the device was left in its loader ({}), it needs its firmware", folder, name, about);
+}
+
+void GatewayDevices::stop() {
+    service_.stop(gateway_.now());
+    alarm_.cancel();
+    chores_.clear();
+    errand_.stop();
+}
+
+void GatewayDevices::keep(std::string name, std::string text, std::function<void(std::string fault)> done) {
+    const std::string folder = state_folder();
+    const std::string path = folder.empty() ? std::string{} : folder + "/" + name;
+    const auto fault = std::make_shared<std::string>();
+    aside(
+        [path, text = std::move(text), fault] {
+            *fault = text.empty() ? forget_file(path)
+                                  : keep_file(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+        },
+        [fault, done = std::move(done)](const std::string& thrown) { done(thrown.empty() ? *fault : thrown); });
+}
+
+void GatewayDevices::aside(std::function<void()> work, std::function<void(std::string fault)> done) {
+    chores_.push_back({std::move(work), std::move(done)});
+    next_chore();
+}
+
+void GatewayDevices::next_chore() {
+    if (chores_.empty() || errand_.is_running()) return;
+    Chore chore = std::move(chores_.front());
+    chores_.pop_front();
+    const auto done = [this, told = chore.done](std::string fault) {
+        told(std::move(fault));
+        next_chore();
+    };
+    if (errand_.run(std::move(chore.work), done)) return;
+    chore.done(std::string{errand_.why_not()});
+    next_chore();
+}
+
+ano::TimePoint GatewayDevices::now() { return gateway_.now(); }
+
+void GatewayDevices::listen(bool wants) {
+    if (wants) gateway_.add_observer(*this, {.arrivals = false, .fates = true, .departures = false});
+    else gateway_.remove_observer(*this);
+    gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.hear(frame, gateway_.now()); }
+                                          : std::function<void(ano::FrameView)>{});
+    gateway_.on_refusal_to_ourselves(wants ? [this](const std::string& why) {
+        if (sends_) refusal_ = why;
+        else service_.refuse(gateway_.settings().gateway.id, why, gateway_.now());
+    } : std::function<void(const std::string&)>{});
+}
+
+bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
+    gateway_.turn();
+    return gateway_.loop().may_have_waited(came_at);
+}
+
+std::string GatewayDevices::send(ano::FrameView frame) {
+    ControlLink* const link = gateway_.control();
+    if (!link) return "all 64 links are in use: there is no place for the link 'control'";
+    if (frame.destination() == gateway_.settings().gateway.id) {
+        if (!is_device(gateway_.settings().gateway)) return ano::hex_byte(frame.destination()) + " is the gateway itself";
+        if (ano::is_control(frame) && !gateway_.settings().control.manage)
+            return "the control interface may not manage the gateway (control.manage)";
+    }
+    was_taken_ = false;
+    left_by_[frame.destination()].clear();
+    sends_to_ = frame.destination();
+    refusal_.clear();
+    sends_ = true;
+    link->send(frame);
+    sends_ = false;
+    gateway_.flush();
+    return was_taken_ ? std::string{} : std::exchange(refusal_, {});
+}
+
+ano::Flush GatewayDevices::flush_parser(ano::FrameView next) {
+    ControlLink* const link = gateway_.control();
+    return link ? link->flush_parsers(next) : ano::Flush{};
+}
+
+bool GatewayDevices::is_waiting(std::uint8_t address) {
+    for (const ChannelId id : left_by_[address] & gateway_.forwarder().channels())
+        if (gateway_.channel(id).has_waiting(ourselves)) return true;
+    return false;
+}
+
+bool GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
+    if (from.id == ourselves) return false;
+    heard_by_ = from.link;
+    heard_from_ = from.id;
+    if (!gateway_.forwarder().router().claims(frame.source(), from.id)) return service_.hear(frame, gateway_.time());
+    service_.hear_elsewhere(frame, gateway_.name(from.link) + (from.peer.empty() ? "" : " (" + from.peer + ")"));
+    return false;
+}
+
+bool GatewayDevices::came_from(std::uint8_t address) {
+    return gateway_.forwarder().channels().contains(heard_from_) && !gateway_.forwarder().router().claims(address, heard_from_);
+}
+
+// The frame may have another destination by now: an alias.
+void GatewayDevices::offered(const Channel& to, ano::FrameView frame, ChannelId from) {
+    if (from != ourselves) return;
+    if (!sends_) return service_.sent_by_others(frame, gateway_.time());    // a hello, or a frame of POST /send
+    was_taken_ = true;
+    left_by_[sends_to_].insert(to.id);
+}
+
+void GatewayDevices::dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) {
+    if (!sends_ || from.id != ourselves) return;
+    if (cause == &ReceiveCounters::no_route && ano::intent_of(frame) == ano::Intent::acts)
+        refusal_ = unknown_device(frame.destination()).text;
+    if (!is_for_good(cause)) return;
+    refusal_ = cause == &ReceiveCounters::inhibited ? "a GPIO switch that inhibits the link 'control' keeps this off"
+                                                    : "the rules 'control.receive' do not let this pass";
+}
+
+void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
+    if (!sends_ || !is_for_good(cause)) return;
+    const std::string& name = gateway_.name(to);
+    refusal_ = cause == &SendCounters::too_big ? "it has more DATA than the link '" + name + "' carries"
+                                               : "the rules 'send' of the link '" + name + "' do not let this pass";
+}
+
+std::vector<HeardAddress> GatewayDevices::heard(ano::TimePoint now) {
+    std::vector<HeardAddress> all;
+    if (const GatewaySettings& gateway = gateway_.settings().gateway; is_device(gateway))
+        all.push_back({gateway.id, {}, {}, now});
+    for (const RouteRow& row : route_rows(gateway_, now)) {
+        if (row.via != Via::learned || ano::address::is_host(row.address) || row.address == service_.own()) continue;
+        HeardAddress heard{row.address, {}, {}, row.heard_at};
+        for (const ChannelId id : gateway_.forwarder().channels()) {
+            const Channel& channel = gateway_.channel(id);
+            const auto at = gateway_.forwarder().router().heard_at(row.address, id);
+            if (!at || (!heard.link.empty() && *at < *heard.heard_at)) continue;
+            heard.link = gateway_.name(channel.link);
+            heard.peer = channel.peer;
+            heard.heard_at = at;
+        }
+        all.push_back(std::move(heard));
+    }
+    return all;
+}
+
+LinkSet GatewayDevices::links_to(std::uint8_t address, ano::TimePoint now) const {
+    const Router& router = gateway_.forwarder().router();
+    LinkSet links = router.port(address);
+    if (links.empty()) links = router.pinned(address);
+    return links.empty() ? router.learned(address, now).links : links;
+}
+
+// The links of a group lead to the same place.
+UnitPlace GatewayDevices::unit_place(std::uint8_t address, ano::TimePoint now) {
+    const ControlSettings& control = gateway_.settings().control;
+    UnitPlace place;
+    place.gateway = http::control_socket(control.socket, http::this_runner()).value_or("without a control socket");
+    if (address == 0) return place;
+    const LinkSet links = links_to(address, now);
+    for (const LinkState& state : gateway_.links()) {
+        if (!links.contains(state.link->id())) continue;
+        const LinkSettings& link = state.link->settings();
+        if (!link.group.empty()) return {place.gateway, "group " + link.group, "group " + link.group};
+        if (!place.link.empty()) continue;
+        place.link = link.name;
+        place.wire = wire_of(link);
+    }
+    return place;
+}
+
+std::string GatewayDevices::date_text() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    ::gmtime_r(&now, &parts);
+    char text[32];
+    return std::string{text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &parts)};
+}
+
+void GatewayDevices::report(const std::string& text, bool is_warning) {
+    if (is_warning) log_warning("{}", text);
+    else log_info("{}", text);
+}
+
+ano::host::Whereabouts GatewayDevices::whereabouts(std::uint8_t address, ano::TimePoint now) {
+    const Forwarder& forwarder = gateway_.forwarder();
+    const Router& router = forwarder.router();
+    ano::host::Whereabouts where;
+    const LinkSet links = links_to(address, now);
+    where.is_known = !links.empty() || address == gateway_.settings().gateway.id;
+    const auto conflicts = router.conflicts(now);
+    const bool is_pinned = !router.pinned(address).empty();    // then it is known which device is meant
+    where.in_conflict = !is_pinned &&
+                        std::any_of(conflicts.begin(), conflicts.end(), [&](const Conflict& c) { return c.address == address; });
+    std::size_t channels = 0;
+    std::string group;
+    for (const ChannelId id : forwarder.channels()) {
+        const LinkId link = gateway_.channel(id).link;
+        if (!links.contains(link) || !router.heard_at(address, id)) continue;
+        const std::string& of_link = gateway_.settings(link).group;
+        if (!of_link.empty() && of_link == group) continue;
+        group = of_link;
+        ++channels;
+    }
+    where.on_several_channels = channels > 1;
+    return where;
+}
+
+std::vector<std::string> GatewayDevices::links_in_conflict(std::uint8_t address, ano::TimePoint now) {
+    std::vector<std::string> names;
+    for (const Conflict& conflict : gateway_.forwarder().router().conflicts(now)) {
+        if (conflict.address != address) continue;
+        for (const LinkId link : conflict.links) names.emplace_back(gateway_.name(link));
+    }
+    return names;
+}
+
+bool GatewayDevices::is_same_device(std::uint8_t one, std::uint8_t other) {
+    const Router& router = gateway_.forwarder().router();
+    const auto is_behind = [&](std::uint8_t address, std::uint8_t port) {
+        const LinkSet of_port = router.port(port);
+        if (of_port.empty()) return false;
+        const LinkSet leads = router.learned(address, gateway_.time()).links | router.pinned(address) | router.port(address);
+        return !(leads & of_port).empty();
+    };
+    return is_behind(one, other) || is_behind(other, one);
+}
+
+// The same order as in the router: links with this port id come before links that the address is pinned to.
+bool GatewayDevices::may_answer_for(std::uint8_t source, std::uint8_t port) {
+    const Router& router = gateway_.forwarder().router();
+    LinkSet ways = router.port(port);
+    if (ways.empty()) ways = router.pinned(port);
+    const bool speaks_itself = !(router.learned(port, gateway_.time()).links & ways).empty();
+    return source != port && !speaks_itself && ways.contains(heard_by_);
+}
+
+// The manners for the strictest of the links to this address.
+const ano::FlexibleLayouts& GatewayDevices::layouts() const { return gateway_.decoding()->layouts(); }
+
+DeviceManners GatewayDevices::manners(std::uint8_t address) {
+    const Router& router = gateway_.forwarder().router();
+    const LinkSet links = router.learned(address, gateway_.time()).links | router.pinned(address) | router.port(address);
+    DeviceManners manners;
+    for (const LinkState& state : gateway_.links()) {
+        if (!links.contains(state.link->id())) continue;
+        const LinkSettings& link = state.link->settings();
+        if (link.profile == Profile::vendor) manners.text.max_bytes = vendor_text, manners.expects_gbk = true;
+        if (const auto stated = link.stated_type_7()) manners.value_type_7 = stated;
+        if (link.encoding) manners.encoding = encoding_of(*link.encoding);
+        manners.max_data = std::min<std::size_t>(manners.max_data, link.effective_max_data_out());
+    }
+    return manners;
+}
+
+}    // namespace anogate

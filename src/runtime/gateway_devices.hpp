@@ -1,0 +1,98 @@
+// The host engine of the gateway: its frames enter through the link `control`; it receives frames as an observer of the Forwarder.
+#pragma once
+#include <devices/device_net.hpp>
+#include <devices/device_service.hpp>
+#include <gateway/forwarder.hpp>
+#include <sys/alarm.hpp>
+#include <sys/errand.hpp>
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+class Gateway;
+
+/// It costs nothing while no request to a device is under way, except for DeviceService::idle_after behind the last. Its source address
+/// is not learned.
+class GatewayDevices final : public DeviceNet, private Forwarder::Observer {
+public:
+    /// `gateway` outlives it.
+    explicit GatewayDevices(Gateway& gateway);
+    ~GatewayDevices() override;
+
+    DeviceService& service() noexcept { return service_; }
+    /// The gateway ends.
+    void stop();
+
+    ano::TimePoint now() override;
+    std::string send(ano::FrameView frame) override;
+    ano::Flush flush_parser(ano::FrameView next) override;
+    bool is_waiting(std::uint8_t address) override;
+    void listen(bool wants) override;
+    void wake(ano::TimePoint at) override { alarm_.set_no_later(at); }
+    std::vector<HeardAddress> heard(ano::TimePoint now) override;
+    ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) override;
+    std::vector<std::string> links_in_conflict(std::uint8_t address, ano::TimePoint now) override;
+    bool is_same_device(std::uint8_t one, std::uint8_t other) override;
+    bool may_answer_for(std::uint8_t source, std::uint8_t port) override;
+    UnitPlace unit_place(std::uint8_t address, ano::TimePoint now) override;
+    std::string date_text() override;
+    void report(const std::string& text, bool is_warning) override;
+    bool came_from(std::uint8_t address) override;
+    DeviceManners manners(std::uint8_t address) override;
+    const ano::FlexibleLayouts& layouts() const override;
+    bool may_have_waited(ano::TimePoint came_at) override;
+    void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override;
+    void aside(std::function<void()> work, std::function<void(std::string fault)> done) override;
+
+private:
+    void received(const Channel&, ano::FrameView, TimePoint) override {}
+    bool passes(const Channel& from, ano::FrameView frame) override;
+    void offered(const Channel& to, ano::FrameView frame, ChannelId from) override;
+    void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override;
+    void refused(LinkId to, ano::FrameView frame, SendCause cause) override;
+
+    /// Keeps the log lines of devices and judges values that have limits, also while the service does not listen.
+    struct AlwaysListener final : Forwarder::Observer {
+        explicit AlwaysListener(GatewayDevices& of) : of_{of} {}
+        void received(const Channel&, ano::FrameView, TimePoint) override {}
+        bool passes(const Channel& from, ano::FrameView frame) override;
+        void offered(const Channel&, ano::FrameView, ChannelId) override {}
+        void dropped(const Channel&, ano::FrameView, ReceiveCause) override {}
+        void refused(LinkId, ano::FrameView, SendCause) override {}
+
+    private:
+        GatewayDevices& of_;
+    };
+    struct Chore {
+        std::function<void()> work;
+        std::function<void(std::string)> done;
+    };
+    std::string scan(const std::function<void(const std::string&)>& tell);
+    void next_chore();
+    void remember_notes();
+    void remember_file(const std::string& folder, const std::string& name);
+    void remember_note(const std::string& folder, const std::string& name, std::string text);
+    LinkSet links_to(std::uint8_t address, ano::TimePoint now) const;
+
+    Gateway& gateway_;
+    Alarm alarm_;
+    Errand errand_;
+    std::deque<Chore> chores_;    // that wait for errand_
+    bool sends_ = false;
+    LinkId heard_by_{};                   // of the frame that the service is processing
+    ChannelId heard_from_ = ourselves;    // of the same
+    bool was_taken_ = false;
+    std::uint8_t sends_to_ = 0;
+    std::array<ChannelSet, 256> left_by_{};    // by destination: the channels that got the last frame to it
+    std::string refusal_;
+    DeviceService service_;    // its destructor calls this object, so only what needs it comes after it
+    AlwaysListener always_;
+};
+
+}    // namespace anogate

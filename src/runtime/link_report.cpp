@@ -1,0 +1,183 @@
+#include <ano/address.hpp>
+#include <ano_json/text.hpp>
+#include <config/link_kind.hpp>
+#include <runtime/gateway.hpp>
+#include <runtime/link_report.hpp>
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+SharedSource meaning_of(const Conflict& conflict, const SameDevice& same_device) {
+    if (!conflict.links.has_several()) return SharedSource::two_peers;
+    const bool is_one = same_device.met(conflict.address) && !same_device.differ(conflict.address);
+    return is_one ? SharedSource::one_device : SharedSource::two_devices;
+}
+
+// Of several conflicts of the link, the one that a user mends most easily.
+void set_shared(LinkFigures& f, const Gateway& gateway, const std::vector<Conflict>& conflicts, LinkId link) {
+    const auto rank = [](SharedSource one) {
+        return one == SharedSource::two_peers     ? 3
+               : one == SharedSource::one_device  ? 2
+               : one == SharedSource::two_devices ? 1
+                                                  : 0;
+    };
+    for (const Conflict& c : conflicts) {
+        const SharedSource meaning = meaning_of(c, gateway.forwarder().same_device());
+        if (!c.links.contains(link) || rank(meaning) <= rank(f.shared)) continue;
+        f.shared = meaning;
+        f.shared_address = c.address;
+    }
+}
+
+// The link, and all that conflicts join to it: what explains a conflict is said at each of its links.
+LinkSet joined_by(const std::vector<Conflict>& conflicts, LinkId link) {
+    LinkSet all;
+    all.insert(link);
+    for (LinkSet before; before != all;) {
+        before = all;
+        for (const Conflict& c : conflicts)
+            if (!(c.links & all).empty()) all |= c.links;
+    }
+    return all;
+}
+
+// The last of several rings.
+void set_ring(LinkFigures& f, const Gateway& gateway, LinkSet links, TimePoint now) {
+    for (const ChannelId id : gateway.forwarder().channels()) {
+        if (!links.contains(gateway.channel(id).link)) continue;
+        const auto ring = gateway.forwarder().loops().loop(id, now);
+        if (!ring) continue;
+        f.ring_out = gateway.name(ring->out);
+        f.ring_back = gateway.name(ring->back);
+    }
+}
+
+// The device of a frame that was not sent as it was unknown; std::nullopt when it is heard by now.
+std::optional<std::uint8_t> still_unknown(const Gateway& gateway, std::optional<std::uint8_t> address, TimePoint now) {
+    const bool is_known = address && !gateway.forwarder().router().learned(*address, now).links.empty();
+    return is_known ? std::nullopt : address;
+}
+
+// A device on this link whose frames go to another link, since that link has the id of the device as its port id.
+std::uint8_t hidden_device(const Gateway& gateway, LinkId link, TimePoint now) {
+    const Router& router = gateway.forwarder().router();
+    for (std::uint8_t a = 1; a <= ano::address::last_port_id; ++a) {
+        const LinkSet port = router.port(a);
+        if (!port.empty() && !port.contains(link) && router.learned(a, now).links.contains(link)) return a;
+    }
+    return 0;
+}
+
+// The link where `host` was heard last, if all links where it was heard are down; otherwise empty.
+std::string_view link_of_lost(const Gateway& gateway, std::uint8_t host) {
+    std::string_view link;
+    TimePoint last = TimePoint::min();
+    for (const LinkState& state : gateway.links())
+        for (const ChannelId channel : gateway.forwarder().traffic(state.link->id()).channels) {
+            const auto at = gateway.forwarder().router().heard_at(host, channel);
+            if (!at) continue;
+            if (state.up) return {};
+            if (*at >= last) link = state.link->name();
+            last = std::max(last, *at);
+        }
+    return link;
+}
+
+std::string_view link_of_lost_hosts(const Gateway& gateway) {
+    const std::string_view link = link_of_lost(gateway, ano::address::host);
+    return !link.empty() ? link : link_of_lost(gateway, ano::address::ros_bridge);
+}
+
+bool leads_hosts_to(const Settings& settings, const std::string& link) {
+    return std::ranges::any_of(settings.routes, [&](const RouteSettings& route) {
+        return route.link == link && route.first <= ano::address::host && ano::address::host <= route.last;
+    });
+}
+
+// A likely mistake of the user, although the link works: shown as its hint, not as its error.
+bool is_hint(const LinkError& trouble) { return trouble.id == "shared_port" || trouble.id == "other_adapter"; }
+
+Hint hint_of(LinkError trouble) {
+    Hint hint{trouble.id, std::move(trouble.text), {}};
+    for (auto& [name, value] : trouble.arguments) hint.args.emplace_back(name, std::move(value));
+    return hint;
+}
+
+void add_hint(LinkReport& report, const LinkState& state) {
+    LinkError trouble = state.up ? state.link->trouble() : state.error;
+    if (state.up && is_hint(trouble)) {
+        report.hint = hint_of(std::move(trouble));
+    } else {
+        report.error = std::move(trouble);
+        report.hint = find_hint(report.figures);
+    }
+}
+
+}    // namespace
+
+LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint now) {
+    LinkReport report;
+    const LinkTraffic& traffic = gateway.forwarder().traffic(state.link->id());
+    LinkFigures& f = report.figures;
+    f.words = state.link->settings().kind->hints;
+    f.up = state.up;
+    f.to_utf8 = [](std::span<const std::uint8_t> text) {
+        try {
+            return ano::to_utf8(text, ano::Encoding::automatic);
+        } catch (const std::runtime_error&) {    // this system can't convert GBK
+            return std::string{};
+        }
+    };
+    f.is_over = state.link->is_over();
+    f.listens = state.link->settings().kind->listens;
+    f.channels = traffic.channels.size();
+    f.waits_to_hear = !f.listens && hello_interval(state.link->settings()) == Duration{};
+    f.for_hosts = leads_hosts_to(gateway.settings(), state.link->name());
+    f.up_for = now - state.since;
+    f.untaken_for = traffic.untaken.duration(now);
+    f.hosts_link = link_of_lost_hosts(gateway);
+    const std::vector<Conflict> conflicts = gateway.forwarder().router().conflicts(now);
+    set_shared(f, gateway, conflicts, state.link->id());
+    set_ring(f, gateway, joined_by(conflicts, state.link->id()), now);
+    f.not_sent = still_unknown(gateway, traffic.not_sent.lately(now), now);
+    f.answers_for_others = traffic.answers_for_others.lately(now);
+    f.nobody = traffic.nobody.lately(now);
+    f.hidden = hidden_device(gateway, state.link->id(), now);
+    f.contradictory = traffic.attitudes.contradictory();
+    f.attitude = traffic.attitudes.signs();
+    f.received = traffic.gone_received;
+    f.sent = traffic.gone_sent;
+    f.came_stale = traffic.came_stale;
+    const UnassignedTraffic unassigned = state.link->unassigned_traffic();
+    add(f.received, unassigned.received);
+    f.v7_frames = unassigned.v7_frames;
+    if (unassigned.parser) add_skipped(f, *unassigned.parser);
+    f.gateways = unassigned.gateways;
+    f.no_place = unassigned.no_place;
+    for (const ChannelId id : traffic.channels) {
+        const Channel& channel = gateway.channel(id);
+        add(f.received, channel.received());
+        add(f.sent, channel.sent());
+        f.echoes = f.echoes || channel.echo.echoes(now);
+        f.v7_frames += channel.parser.counters().v7_frames;
+        add_skipped(f, channel.parser);
+        f.skipped_since += channel.skipped_since_heard();
+        report.waiting += channel.waiting();
+        if (channel.arrived_at != TimePoint{})
+            f.bytes_ago = std::min(f.bytes_ago.value_or(Duration::max()), now - channel.arrived_at);
+        if (channel.heard_at == TimePoint{}) continue;
+        f.silent_for = std::min(f.silent_for.value_or(Duration::max()), now - channel.heard_at);
+    }
+    add_hint(report, state);
+    return report;
+}
+
+}    // namespace anogate

@@ -1,0 +1,23 @@
+// The figures of a link at one moment, for the status, the metrics and the log.
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/hints.hpp>
+#include <link/link_error.hpp>
+
+#include <cstddef>
+
+namespace anogate {
+
+class Gateway;
+struct LinkState;
+
+/// The counters are sums over its channels, its former channels, and the traffic that belonged to no channel.
+struct LinkReport {
+    LinkFigures figures;    // its strings are those of the gateway: valid as long as the links
+    std::size_t waiting = 0;
+    LinkError error{};    // why the link is down, or what is wrong with it; its text is empty when nothing is
+    Hint hint{};          // its text is empty when there is none
+};
+LinkReport report_of(const Gateway& gateway, const LinkState& state, ano::TimePoint now);
+
+}    // namespace anogate

@@ -1,0 +1,45 @@
+#include <log/log_line.hpp>
+#include <runtime/peer_log.hpp>
+
+#include <new>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr int max_lines = 32;
+constexpr ano::Duration period = std::chrono::seconds{5};
+
+}    // namespace
+
+void PeerLog::came(const std::string& link, const std::string& peer, ano::TimePoint now) {
+    if (may_say(now)) log_info("{}: peer {}", link, peer);
+}
+
+void PeerLog::went(const std::string& link, const std::string& peer, ano::TimePoint now) {
+    if (may_say(now)) log_info("{}: peer {} is gone", link, peer);
+}
+
+void PeerLog::finish() {
+    rest_.cancel();
+    tell_rest();
+}
+
+bool PeerLog::may_say(ano::TimePoint now) {
+    if (now >= ends_at_ && !rest_.is_set()) {
+        ends_at_ = now + period;
+        lines_ = 0;
+    }
+    if (lines_ < max_lines) return ++lines_, true;
+    ++unsaid_;
+    try {
+        if (!rest_.is_set()) rest_.set(ends_at_);
+    } catch (const std::bad_alloc&) {}    // the next one tries again
+    return false;
+}
+
+void PeerLog::tell_rest() {
+    if (unsaid_ > 0) log_info("peers came or went {} times more", std::exchange(unsaid_, 0));
+}
+
+}    // namespace anogate

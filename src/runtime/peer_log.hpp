@@ -1,0 +1,31 @@
+// Logs which peers came and went, in few lines.
+#pragma once
+#include <sys/alarm.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace anogate {
+
+/// A host that sends from many ports is a new peer with each of them, and must not fill the disk with lines. So there are at most 32
+/// lines in five seconds, and one with the number of the others.
+class PeerLog {
+public:
+    explicit PeerLog(AlarmClock& alarms) : rest_{alarms, [this] { tell_rest(); }} {}
+
+    void came(const std::string& link, const std::string& peer, ano::TimePoint now);
+    void went(const std::string& link, const std::string& peer, ano::TimePoint now);
+    /// At the end of the program: logs the rest at once.
+    void finish();
+
+private:
+    bool may_say(ano::TimePoint now);
+    void tell_rest();
+
+    Alarm rest_;
+    ano::TimePoint ends_at_ = ano::TimePoint::min();
+    int lines_ = 0;
+    std::uint64_t unsaid_ = 0;
+};
+
+}    // namespace anogate

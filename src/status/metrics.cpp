@@ -1,0 +1,218 @@
+#include <ano/address.hpp>
+#include <ano_json/answer_json.hpp>
+#include <ano_json/text.hpp>
+#include <config/link_kind.hpp>
+#include <runtime/gateway.hpp>
+#include <runtime/link_report.hpp>
+#include <runtime/route_rows.hpp>
+#include <status/metrics.hpp>
+
+#include <set>
+
+namespace anogate {
+namespace {
+
+using Traffic = MetricsSnapshot::Traffic;
+
+std::string utf8(const std::string& name) {
+    return ano::to_utf8({reinterpret_cast<const std::uint8_t*>(name.data()), name.size()}, ano::Encoding::utf8);
+}
+
+/// `name` as valid UTF-8, changed if it is in `taken`; adds it there.
+std::string made_unique(const std::string& name, std::set<std::string>& taken) {
+    const std::string text = utf8(name);
+    std::string one = text;
+    for (int number = 2; !taken.insert(one).second; ++number) one = text + "-" + std::to_string(number);
+    return one;
+}
+
+void make_labels_unique(MetricsSnapshot& snapshot) {
+    std::set<std::string> links;
+    for (MetricsSnapshot::Link& link : snapshot.links) {
+        link.name = made_unique(link.name, links);
+        std::set<std::string> peers;
+        for (MetricsSnapshot::Channel& channel : link.channels) channel.peer = made_unique(channel.peer, peers);
+    }
+}
+
+/// Calls `visit` for every counter, with its name, its help text and a function that takes its value from a Traffic.
+template <class Visit>
+void each_counter(Visit visit) {
+    for (const auto& row : receive_counters)
+        visit(row.name, row.help, [&row](const Traffic& traffic) { return traffic.received.*row.value; });
+    for (const auto& row : send_counters)
+        visit(row.name, row.help, [&row](const Traffic& traffic) { return traffic.sent.*row.value; });
+}
+
+void write_gateway(MetricsText& text, const MetricsSnapshot& s) {
+    text.family("anogate_build", MetricType::info, "the program that runs");
+    text.sample({{"version", s.version}}, std::uint64_t{1});
+    text.family("anogate_uptime_seconds", MetricType::gauge, "since the gateway started");
+    text.sample({}, s.uptime_s);
+    text.family("anogate_standstills", MetricType::counter,
+                "times that the gateway was not run for a while, frames waited meanwhile");
+    text.sample({}, s.standstills);
+    text.family("anogate_longest_standstill_seconds", MetricType::gauge, "the longest time that the gateway was not run");
+    text.sample({}, s.longest_standstill_s);
+    text.family("anogate_own_frames", MetricType::counter, "frames for the address of the gateway itself");
+    text.sample({}, s.own_frames);
+    text.family("anogate_routes", MetricType::gauge, "addresses that lead somewhere, by the rule that decides");
+    for (const auto& [via, count] : s.routes) text.sample({{"via", via}}, count);
+    text.family("anogate_conflicts", MetricType::gauge, "addresses that several claim");
+    text.sample({}, s.conflicts);
+    text.family("anogate_wrong_tokens", MetricType::counter, "wrong tokens that came to control.http");
+    text.sample({}, s.wrong_tokens);
+    text.family("anogate_guessing_clients", MetricType::counter, "clients of control.http whose wrong tokens were slowed down");
+    text.sample({}, s.guessing_clients);
+    text.family("anogate_alarms", MetricType::gauge, "values of devices that are beyond their alarm limits");
+    text.sample({{"level", "amber"}}, s.amber_alarms);
+    text.sample({{"level", "red"}}, s.red_alarms);
+}
+
+void write_state(MetricsText& text, const MetricsSnapshot& s) {
+    text.family("anogate_link", MetricType::info, "the links of the configuration; id is the port id");
+    for (const auto& link : s.links) text.sample({{"link", link.name}, {"kind", link.kind}, {"id", link.id}}, std::uint64_t{1});
+    text.family("anogate_link_up", MetricType::gauge, "1: the wire is there; 0: it is waited for");
+    for (const auto& link : s.links) text.sample({{"link", link.name}}, std::uint64_t{link.up});
+    text.family("anogate_link_state_seconds", MetricType::gauge, "for how long the link has been up, or has not");
+    for (const auto& link : s.links) text.sample({{"link", link.name}}, link.since_s);
+    text.family("anogate_link_channels", MetricType::gauge, "channels of the link, a listening one has one a peer");
+    for (const auto& link : s.links) text.sample({{"link", link.name}}, std::uint64_t{link.channels.size()});
+    text.family("anogate_link_hint", MetricType::gauge, "1: what the hint of the status says, as hint_id");
+    for (const auto& link : s.links)
+        if (!link.hint_id.empty()) text.sample({{"link", link.name}, {"hint", link.hint_id}}, std::uint64_t{1});
+}
+
+void write_links(MetricsText& text, const MetricsSnapshot& s) {
+    text.family("anogate_link_waiting_frames", MetricType::gauge, "frames that wait to leave");
+    for (const auto& link : s.links) text.sample({{"link", link.name}}, link.traffic.waiting);
+    each_counter([&](std::string_view name, std::string_view help, const auto& count) {
+        text.family("anogate_link_" + std::string{name}, MetricType::counter, help);
+        for (const auto& link : s.links) text.sample({{"link", link.name}}, count(link.traffic));
+    });
+}
+
+void write_channels(MetricsText& text, const MetricsSnapshot& s) {
+    const auto each_channel = [&](auto visit) {
+        for (const auto& link : s.links)
+            for (const auto& channel : link.channels) visit(link, channel);
+    };
+    text.family("anogate_channel_silent_seconds", MetricType::gauge, "since the last good frame");
+    each_channel([&](const auto& link, const auto& channel) {
+        if (channel.silent_s) text.sample({{"link", link.name}, {"peer", channel.peer}}, *channel.silent_s);
+    });
+    text.family("anogate_channel_waiting_frames", MetricType::gauge, "frames that wait to leave");
+    each_channel([&](const auto& link, const auto& channel) {
+        text.sample({{"link", link.name}, {"peer", channel.peer}}, channel.traffic.waiting);
+    });
+    each_counter([&](std::string_view name, std::string_view help, const auto& count) {
+        text.family("anogate_channel_" + std::string{name}, MetricType::counter, help);
+        each_channel([&](const auto& link, const auto& channel) {
+            text.sample({{"link", link.name}, {"peer", channel.peer}}, count(channel.traffic));
+        });
+    });
+}
+
+void write_recording(MetricsText& text, const RecordingFigures& figures) {
+    const auto one = [&text](std::string_view name, MetricType type, std::string_view help, std::uint64_t value) {
+        text.family(name, type, help);
+        text.sample({}, value);
+    };
+    using enum MetricType;
+    one("anogate_recording_running", gauge, "recordings that are under way", figures.running);
+    one("anogate_recording_failing", gauge, "of them, those of which not all is written now; the status says why",
+        figures.failing);
+    one("anogate_recording_frames", counter, "frames that were written into recordings", figures.frames);
+    one("anogate_recording_written_bytes", counter, "bytes that were written into recordings", figures.bytes);
+    one("anogate_recording_not_written", counter, "frames that are missing in recordings: the disk did not take them",
+        figures.not_written);
+    if (figures.free) one("anogate_recording_disk_free_bytes", gauge, "of the disk of the recordings", *figures.free);
+    one("anogate_recording_memory_frames", gauge, "frames that keep_last holds", figures.memory_frames);
+    one("anogate_recording_memory_bytes", gauge, "the memory that they take", figures.memory_bytes);
+    one("anogate_recording_saved", counter, "times that what keep_last held was saved", figures.saved);
+    one("anogate_recording_skipped", counter, "times that it was not: it had been within a minute", figures.skipped);
+}
+
+void write_tunnel(MetricsText& text, const TunnelCounters& counters) {
+    for (const auto& row : tunnel_counters) {
+        std::string_view name = row.name;
+        if (name.starts_with("tunnel_")) name.remove_prefix(std::string_view{"tunnel_"}.size());
+        text.family("anogate_tunnel_" + std::string{name}, MetricType::counter, row.help);
+        text.sample({}, counters.*row.value);
+    }
+}
+
+// Under the usual names of Prometheus clients.
+void write_process(MetricsText& text, const ProcessFigures& process) {
+    text.family("process_cpu_seconds", MetricType::counter, "CPU time, of user and system");
+    text.sample({}, process.cpu_s);
+    text.family("process_resident_memory_bytes", MetricType::gauge, "resident memory");
+    text.sample({}, process.resident_bytes);
+    text.family("process_virtual_memory_bytes", MetricType::gauge, "virtual memory");
+    text.sample({}, process.virtual_bytes);
+    text.family("process_start_time_seconds", MetricType::gauge, "Unix time of the start");
+    text.sample({}, process.started_at_s);
+    if (process.open_fds) {
+        text.family("process_open_fds", MetricType::gauge, "open file descriptors");
+        text.sample({}, *process.open_fds);
+    }
+    text.family("process_max_fds", MetricType::gauge, "file descriptors that may be open");
+    text.sample({}, process.max_fds);
+}
+
+MetricsSnapshot::Link snapshot_of(const Gateway& gateway, const LinkState& state, TimePoint now) {
+    const LinkReport report = report_of(gateway, state, now);
+    const LinkSettings& settings = state.link->settings();
+    MetricsSnapshot::Link link;
+    link.name = state.link->name();
+    link.kind = settings.kind->name;
+    if (settings.id != 0) link.id = std::to_string(settings.id);
+    link.up = state.up;
+    link.since_s = in_seconds(now - state.since);
+    link.hint_id = report.hint.id;
+    link.traffic = {report.figures.received, report.figures.sent, report.waiting};
+    for (const ChannelId id : gateway.forwarder().traffic(state.link->id()).channels) {
+        const Channel& channel = gateway.channel(id);
+        auto& told = link.channels.emplace_back();
+        told.peer = channel.peer;
+        if (channel.heard_at != TimePoint{}) told.silent_s = in_seconds(now - channel.heard_at);
+        told.traffic = {channel.received(), channel.sent(), channel.waiting()};
+    }
+    return link;
+}
+
+}    // namespace
+
+MetricsSnapshot metrics_snapshot(const Gateway& gateway, TimePoint now) {
+    MetricsSnapshot s;
+    s.version = ANOGATE_VERSION;
+    s.uptime_s = in_seconds(now - gateway.started_at());
+    s.standstills = gateway.loop().standstills();
+    s.longest_standstill_s = in_seconds(gateway.loop().longest());
+    s.own_frames = gateway.forwarder().router().own_frames();
+    for (const Via via : {Via::own, Via::port, Via::pinned, Via::learned}) s.routes.emplace_back(text(via), 0);
+    for (const RouteRow& row : route_rows(gateway, now))
+        for (auto& [via, count] : s.routes)
+            if (via == text(row.via)) ++count;
+    s.conflicts = gateway.forwarder().router().conflicts(now).size();
+    for (const LinkState& state : gateway.links()) s.links.push_back(snapshot_of(gateway, state, now));
+    if (const TunnelLink* tunnel = gateway.tunnel()) s.tunnel = tunnel->counters();
+    if (gateway.recording()) s.recording = gateway.recording()->figures();
+    s.process = this_process();
+    return s;
+}
+
+std::string metrics(MetricsSnapshot snapshot, MetricsForm form) {
+    make_labels_unique(snapshot);
+    MetricsText text{form};
+    write_gateway(text, snapshot);
+    write_state(text, snapshot);
+    write_links(text, snapshot);
+    write_channels(text, snapshot);
+    if (snapshot.tunnel) write_tunnel(text, *snapshot.tunnel);
+    if (snapshot.recording) write_recording(text, *snapshot.recording);
+    write_process(text, snapshot.process);
+    return text.take();
+}
+
+}    // namespace anogate

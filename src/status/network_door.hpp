@@ -1,0 +1,37 @@
+// The state of the TCP access to the control interface, for the status.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+/// Where programs and browsers reach the gateway, and which files they need for it; never the token itself.
+struct NetworkDoor {
+    enum class State : std::uint8_t {
+        off,        // not configured
+        waiting,    // until its address or port is available
+        shut,       // until a reload or the next start, because of a fault of its tokens or its certificate
+        up,
+    };
+    State state = State::off;
+    std::string error{};      // why it waits, or is shut
+    std::string address{};    // as it is configured: "0.0.0.0", "::", "fe80::1%wlan0"
+    std::uint16_t port = 0;
+    bool is_encrypted = false;
+    std::string certificate{};    // absolute path; empty: not encrypted
+    bool needs_token = false;
+    std::string token_file{};              // absolute path; empty: no tokens
+    std::vector<std::string> hosts{};      // configured names of this machine
+    std::uint64_t wrong_tokens = 0;        // that came so far
+    std::uint64_t guessing_clients = 0;    // whose wrong tokens were slowed down
+};
+
+constexpr std::string_view text(NetworkDoor::State state) noexcept {
+    constexpr std::string_view words[] = {"off", "waiting", "shut", "up"};
+    return words[static_cast<std::size_t>(state)];
+}
+
+}    // namespace anogate

@@ -1,0 +1,43 @@
+// The state of a gateway as JSON (the shape is part of the interface: README, "Look at it").
+#pragma once
+#include <status/network_door.hpp>
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+class Gateway;
+
+/// GET /status: one JSON text. `door`: the TCP access.
+std::string status_json(Gateway& gateway, const NetworkDoor& door = {});
+/// GET /links, GET /routes: only these arrays of the status.
+std::string links_json(Gateway& gateway);
+std::string routes_json(Gateway& gateway);
+/// GET /messages: the table, with the flexible messages as they are configured.
+std::string messages_json(const Gateway& gateway);
+/// The same in a few lines for the log.
+std::string status_text(Gateway& gateway);
+
+/// The good frames of all links since the start.
+struct FrameCount {
+    std::uint64_t in = 0, out = 0;
+};
+FrameCount frame_count(const Gateway& gateway);
+
+/// Hints, and damage of a recording that is replayed, for the log: each once while its link is up.
+class HintLog {
+public:
+    /// One line for each hint that was not written yet.
+    std::vector<std::string> news(Gateway& gateway);
+    /// The link of this name was replaced or removed.
+    void forget(const std::string& link) { told_.erase(link); }
+
+private:
+    std::map<std::string, std::set<std::string>> told_;    // by link
+};
+
+}    // namespace anogate

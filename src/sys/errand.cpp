@@ -1,0 +1,82 @@
+#include <sys/asio.hpp>
+#include <sys/errand.hpp>
+#include <sys/thread_signals.hpp>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace anogate {
+
+/// Shared with the thread, which may be left behind.
+struct Errand::Shared {
+    std::function<void()> work;
+    std::function<void(std::string)> done;    // used by the loop only
+    std::string fault;
+    UniqueFd event;
+    std::atomic<bool> is_done{false};
+    bool is_stopped = false;    // used by the loop only
+};
+
+Errand::Errand(asio::io_context& io) : io_{io}, said_{io} {}
+
+bool Errand::run(std::function<void()> work, std::function<void(std::string)> done) {
+    auto shared = std::make_shared<Shared>();
+    shared->event = UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
+    UniqueFd event{shared->event ? ::fcntl(shared->event.get(), F_DUPFD_CLOEXEC, 0) : -1};
+    why_not_ = "no file descriptor can be had (ulimit -n)";
+    if (!event) return false;
+    why_not_ = "no thread can be had";
+    shared->work = std::move(work);
+    shared->done = std::move(done);
+    try {
+        begin_thread([shared] {
+            try {
+                shared->work();
+            } catch (const std::exception& e) {
+                shared->fault = e.what();
+            }
+            shared->is_done.store(true, std::memory_order_release);
+            ::eventfd_write(shared->event.get(), 1);
+        }).detach();
+    } catch (const std::system_error&) {
+        return false;
+    }
+    shared_ = std::move(shared);
+    said_.open(std::move(event));
+    said_.read_with([this] { look(); });
+    return true;
+}
+
+// `done` may call run() again, which must not change the function that is being called.
+void Errand::look() {
+    if (!shared_->is_done.load(std::memory_order_acquire)) return;
+    said_.close();
+    asio::post(io_, [this, shared = shared_] {
+        if (shared->is_stopped) return;
+        shared_.reset();
+        const auto done = std::move(shared->done);
+        done(std::move(shared->fault));
+    });
+}
+
+void Errand::stop(ano::TimePoint by) noexcept {
+    said_.close();
+    const auto shared = std::exchange(shared_, nullptr);
+    if (!shared) return;
+    shared->is_stopped = true;
+    shared->done = nullptr;
+    pollfd event{shared->event.get(), POLLIN, 0};
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(by - ano::Clock::now()).count();
+    ::poll(&event, 1, static_cast<int>(std::max<std::int64_t>(left, 0)));
+}
+
+}    // namespace anogate

@@ -1,0 +1,43 @@
+// Runs work that may block (on a disk) in a thread of its own, and continues in the loop with its result.
+#pragma once
+#include <ano/time.hpp>
+#include <sys/descriptor.hpp>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace anogate {
+
+/// One piece of work at a time, each in a thread that ends with it. No mutex: the thread owns its data and hands it back at the end.
+class Errand {
+public:
+    explicit Errand(asio::io_context& io);
+    ~Errand() { stop(); }
+    Errand(const Errand&) = delete;
+    Errand& operator=(const Errand&) = delete;
+
+    /// Calls `work` in the thread, where it must not touch data of others, and then `done` in the loop; `fault` is the message of the
+    /// exception that `work` threw, or empty. False: neither is called; why_not() says why.
+    bool run(std::function<void()> work, std::function<void(std::string fault)> done);
+    /// After run() returned false, what was missing: "no thread can be had".
+    std::string_view why_not() const noexcept { return why_not_; }
+    bool is_running() const noexcept { return shared_ != nullptr; }
+    static constexpr ano::Duration patience_at_the_end = std::chrono::milliseconds{200};
+    /// `done` is not called any more. Waits briefly for the thread, until `by` at most; a thread that still hangs then is left behind.
+    void stop() noexcept { stop(ano::Clock::now() + patience_at_the_end); }
+    void stop(ano::TimePoint by) noexcept;
+
+private:
+    struct Shared;
+    void look();
+
+    asio::io_context& io_;
+    std::string_view why_not_;
+    Descriptor said_;    // an eventfd: the thread says that it is done
+    std::shared_ptr<Shared> shared_;
+};
+
+}    // namespace anogate

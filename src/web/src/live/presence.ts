@@ -1,0 +1,78 @@
+// Whether a device is still heard: by the period of its telemetry. Pure; times are seconds of one clock.
+
+/** Telemetry and flexible messages come by themselves. What a device answers, logs or shows as a picture has no period. */
+export const isTelemetry = (id: number): boolean => (id >= 0x01 && id < 0x60) || (id >= 0xf1 && id <= 0xfa);
+
+const kept = 8; // intervals
+const longest = 5; // seconds: a message that is rarer is no sign of life
+
+/** The longest of the last intervals of one message, so that neither jitter nor a lower rate counts as a loss. */
+class Beat {
+  last = Number.NEGATIVE_INFINITY;
+  private readonly intervals: number[] = [];
+
+  add(now: number): void {
+    const step = now - this.last;
+    this.last = now;
+    if (step > longest) return;
+    this.intervals.push(step);
+    if (this.intervals.length > kept) this.intervals.shift();
+  }
+  period(): number | undefined {
+    return this.intervals.length >= 2 ? Math.max(...this.intervals) : undefined;
+  }
+}
+
+/** With the time that frames are collected and the page needs to draw, the page shows a loss within 1 s and two periods. */
+export const patience = 0.75;
+
+const sameLoss = 1; // seconds between what the gateway and the page know of when it was heard last
+
+export class Presence {
+  heardAt = Number.NEGATIVE_INFINITY;
+  private lostAt: number | undefined; // as others know
+  private readonly beats = new Map<number, Beat>();
+  private readonly recent: number[] = [];
+
+  hear(id: number, now: number): void {
+    this.heardAt = Math.max(this.heardAt, now);
+    this.recent.push(now);
+    if (this.recent.length > 2000) this.recent.splice(0, 1000);
+    if (!isTelemetry(id)) return;
+    let beat = this.beats.get(id);
+    if (!beat) this.beats.set(id, (beat = new Beat()));
+    beat.add(now);
+  }
+
+  /** Others know that it was heard last at that time, and is lost since: here nobody listened, or not for long enough to know. */
+  wasLost(at: number): void {
+    if (this.heardAt > at + sameLoss) return; // it is heard again
+    if (this.heardAt < at - sameLoss) this.heardAt = at;
+    this.lostAt = this.heardAt;
+  }
+
+  /** Of its most frequent message; undefined: it sends nothing by itself, or not long enough to know. */
+  period(): number | undefined {
+    let shortest: number | undefined;
+    for (const beat of this.beats.values()) {
+      const period = beat.period();
+      if (period === undefined || beat.last < this.heardAt - 3 * period - 0.2) continue; // the device stopped sending this message
+      if (shortest === undefined || period < shortest) shortest = period;
+    }
+    return shortest;
+  }
+
+  /** `since`: from when on the page listens. */
+  isLost(now: number, since: number): boolean {
+    if (this.lostAt === this.heardAt) return true;
+    const period = this.period();
+    return period !== undefined && now - Math.max(this.heardAt, since) > patience + period;
+  }
+
+  /** Frames in the last second. */
+  rate(now: number): number {
+    let first = this.recent.length;
+    while (first > 0 && this.recent[first - 1]! > now - 1) --first;
+    return this.recent.length - first;
+  }
+}

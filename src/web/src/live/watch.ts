@@ -1,0 +1,197 @@
+// Watches every device, whichever page is open: whether it is heard, its state, its red log lines, and what the gateway finds in alarm.
+import { ask } from "../api";
+import { alarmFeed } from "./alarm_feed";
+import { remember, remembered } from "../kept";
+import { contact, devices, lostVehicles, seconds, status, table } from "./gateway";
+import { keptLimits } from "./kept_limits";
+import type { Alarm } from "./limits";
+import { watchStream } from "./frames";
+import { Presence } from "./presence";
+import { replayedDevices } from "./replayed";
+import { Store } from "./store";
+import { Reading } from "../protocol/table";
+import type { FrameRecord } from "../protocol/records";
+import { alarmSound } from "../parts/sound";
+
+const hosts: readonly number[] = [0xfe, 0xd2];
+const samples = 20; // a second of each message
+const lookEvery = 50; // milliseconds
+const askRedAfter = 200; // milliseconds
+const soundEvery = 4; // seconds, until somebody silences it
+
+export interface RedLine {
+  device: number;
+  text: string;
+  count: number; // of this device, since they were dismissed here
+}
+
+class Watched {
+  readonly presence = new Presence();
+  flag: number | undefined; // of `mode`: 0 locked, 1 unlocked, 2 airborne
+  dismissedAt: number | undefined; // its loss was dismissed
+}
+
+const all = new Map<number, Watched>();
+let since = Number.POSITIVE_INFINITY; // from when on frames are seen
+
+/** Devices that sent telemetry and are not heard any more. */
+export const lostDevices = new Store<ReadonlySet<number>>(new Set());
+/** Those of them whose loss was not dismissed. */
+export const lostNews = new Store<ReadonlySet<number>>(new Set());
+const keep = (store: Store<ReadonlySet<number>>, now: number[]): void => {
+  if (now.length !== store.get().size || now.some((device) => !store.get().has(device))) store.set(new Set(now));
+};
+export const alarms = new Store<readonly Alarm[]>([]);
+export const redLines = new Store<readonly RedLine[]>([]);
+/** What sounds until it is silenced: "lost 220", "alarm 220 …". */
+const silenced = new Set<string>();
+export const sounding = new Store<readonly string[]>([]);
+
+function watched(device: number): Watched {
+  let one = all.get(device);
+  if (!one) all.set(device, (one = new Watched()));
+  return one;
+}
+
+/** Seconds since the device was heard; undefined: not while this page was open. */
+export function ageOf(device: number, now = seconds()): number | undefined {
+  const at = all.get(device)?.presence.heardAt ?? Number.NEGATIVE_INFINITY;
+  return at === Number.NEGATIVE_INFINITY ? undefined : Math.max(0, now - at);
+}
+/** Of the frames that the page sees, which are at most `samples` of each message. */
+export const seenRateOf = (device: number): number | undefined => all.get(device)?.presence.rate(seconds());
+/** The last state of a vehicle, and when it was heard. */
+export function lastStateOf(device: number): { flag: number; at: number } | undefined {
+  const one = all.get(device);
+  return one?.flag === undefined ? undefined : { flag: one.flag, at: one.presence.heardAt };
+}
+export const flagOf = (device: number): number | undefined => all.get(device)?.flag;
+
+function take(record: FrameRecord, at: number): void {
+  if (hosts.includes(record.from)) return;
+  const one = watched(record.from);
+  one.presence.hear(record.id, at);
+  const name = table.get()?.name(record.id);
+  const isMode = name === "mode", isLog = name === "log";
+  if (!isMode && !isLog) return;
+  const reading = table.get()?.read(record.id, record.from, record.data);
+  if (!(reading instanceof Reading)) return;
+  if (isMode) {
+    const flag = reading.get("sflag");
+    if (typeof flag === "number") one.flag = flag;
+  }
+  if (isLog && reading.get("color") === 1) void askForRed(record.from);
+}
+
+/** By device: how many red lines the gateway counted, and how many of them were dismissed in this browser. */
+const counted = new Map<number, number>();
+const dismissedOf = (device: number): number => Number(remembered(`red.${device}`)) || 0;
+const asking = new Set<number>();
+
+/** The gateway has every line and their number: the frames here are samples. */
+async function askForRed(device: number): Promise<void> {
+  if (asking.has(device)) return;
+  asking.add(device);
+  await new Promise((done) => setTimeout(done, askRedAfter)); // lines come in groups
+  asking.delete(device);
+  const answer = await ask<{ red?: number; lines?: { color?: number; counts?: boolean; text: string }[] }>(`/devices/${device}/log`, { timeout: 5000 });
+  if (!answer.ok || typeof answer.value.red !== "number") return;
+  const { red, lines = [] } = answer.value;
+  counted.set(device, red);
+  if (red < dismissedOf(device)) remember(`red.${device}`, "0"); // the gateway was restarted
+  const count = red - dismissedOf(device), last = lines.filter((line) => line.color === 1 && line.counts !== false).pop();
+  const others = redLines.get().filter((line) => line.device !== device);
+  redLines.set(count > 0 ? [{ device, text: (last?.text ?? "").slice(0, 200), count }, ...others].slice(0, 8) : others);
+}
+
+export function dismissRed(device: number): void {
+  remember(`red.${device}`, String(counted.get(device) ?? 0));
+  redLines.update((lines) => lines.filter((line) => line.device !== device));
+}
+
+function lookForRed(): void {
+  for (const device of devices.get())
+    if ((device.red_lines ?? 0) !== (counted.get(Number(device.address)) ?? 0)) void askForRed(Number(device.address));
+}
+
+/** The device was switched off: its loss is no news, also on the next visit. It counts again once it is heard. */
+export function dismissLost(device: number): void {
+  const one = all.get(device);
+  if (one) {
+    one.dismissedAt = one.presence.heardAt;
+    remember(`lost.${device}`, String(Date.now() / 1000 - (seconds() - one.presence.heardAt)));
+  }
+  look();
+}
+
+const sameVisit = 5; // seconds between what two visits know of when a device was heard last
+
+/** The gateway knows the vehicles that were lost before this page was opened. One that was locked was switched off: that is no news. */
+function takeLost(): void {
+  for (const { address, age, sflag } of lostVehicles.get()) {
+    const device = Number(address), one = watched(device), isNew = one.presence.heardAt === Number.NEGATIVE_INFINITY;
+    one.presence.wasLost(seconds() - age);
+    one.flag ??= sflag;
+    const dismissed = Number(remembered(`lost.${device}`)) || 0;
+    if (isNew && (sflag === 0 || Date.now() / 1000 - age - dismissed < sameVisit)) one.dismissedAt = one.presence.heardAt;
+  }
+}
+
+/** A value that is older is shown with its age, and can be dismissed: its device was switched off. */
+export const oldAfter = 10; // seconds
+const alarmKey = ({ device, limit }: Alarm): string => `alarm.${device} ${limit.key}`;
+/** In seconds since 1970, since it is kept for the next visit; rounded up, since the ages of one value differ a little. */
+const heardTime = (alarm: Alarm): number => Date.now() / 1000 - (seconds() - alarm.heardAt);
+const isDismissed = (alarm: Alarm): boolean => heardTime(alarm) <= (Number(remembered(alarmKey(alarm))) || 0);
+
+/** Until the value comes again. */
+export function dismissAlarm(alarm: Alarm): void {
+  remember(alarmKey(alarm), String(heardTime(alarm) + 2));
+  look();
+}
+
+export function silence(): void {
+  for (const key of sounding.get()) silenced.add(key);
+  look();
+}
+
+let soundedAt = Number.NEGATIVE_INFINITY;
+
+function look(): void {
+  const now = seconds();
+  if (document.hidden || contact.get() !== "live") return;
+  const replayed = replayedDevices(status.get());
+  const silent = [...all].filter(([device, one]) => !replayed.has(device) && one.presence.isLost(now, since)).map(([device]) => device);
+  const lost = silent.filter((device) => all.get(device)!.presence.heardAt !== all.get(device)!.dismissedAt);
+  keep(lostDevices, silent);
+  keep(lostNews, lost);
+  const found = alarmFeed.alarms.get().filter((one) => !isDismissed(one));
+  const words = (list: readonly Alarm[]): string => list.map((one) => `${one.device} ${one.limit.key} ${one.level} ${one.value} ${one.heardAt}`).join();
+  if (words(found) !== words(alarms.get())) alarms.set(found);
+  sound(now, [...lost.map((device) => `lost ${device}`), ...found.map((one) => `${one.level} ${one.device} ${one.limit.key}`)]);
+}
+
+function sound(now: number, keys: string[]): void {
+  for (const key of [...silenced]) if (!keys.includes(key)) silenced.delete(key);
+  const loud = keys.filter((key) => !silenced.has(key));
+  const news = loud.some((key) => !sounding.get().includes(key));
+  if (loud.join() !== sounding.get().join()) sounding.set(loud);
+  if (loud.length === 0 || (!news && now - soundedAt < soundEvery)) return;
+  soundedAt = now;
+  alarmSound(loud.every((key) => key.startsWith("amber")) ? "amber" : "red");
+}
+
+const followAlarms = (): void => alarmFeed.use(devices.get().some((one) => (one.limits ?? 0) !== 0) || [...keptLimits.get().values()].some((one) => one.limits.length > 0));
+
+/** Begins with the first status: before, it is not known whether the gateway asks for a token. */
+export function beginWatch(): void {
+  const stop = status.subscribe(() => {
+    stop();
+    devices.subscribe(followAlarms);
+    keptLimits.subscribe(followAlarms);
+    watchStream.use({ wish: { samples, batch: 60 }, take, began: () => { since = seconds(); } });
+    setInterval(look, lookEvery);
+    devices.subscribe(lookForRed);
+    lostVehicles.subscribe(takeLost);
+  });
+}

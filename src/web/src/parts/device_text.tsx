@@ -1,0 +1,14 @@
+// Texts that a device chose: isolated, so that they neither reorder nor hide what is beside them.
+import type { ComponentChildren } from "preact";
+import { nameOf } from "../addresses";
+import { filledWith, type Key } from "../i18n";
+import { hexByte } from "../protocol/table";
+import { visible } from "../visible";
+
+export const DeviceText = ({ text }: { text: string | undefined }) => <bdi>{visible(text ?? "")}</bdi>;
+
+/** The name of a device, else its address. */
+export const DeviceName = ({ device }: { device: number }) => <bdi>{nameOf(device) || hexByte(device)}</bdi>;
+
+/** t() with texts of devices as values: each isolated. */
+export const tx = (key: Key, args: Record<string, unknown>): ComponentChildren => filledWith(key, args, (value) => <bdi>{visible(value)}</bdi>);

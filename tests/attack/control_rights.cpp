@@ -1,0 +1,213 @@
+// Who may only view, or of whom there are many, delays and refuses no command, and takes nobody's place.
+#include <support/child.hpp>
+#include <support/pty_device.hpp>
+#include <support/sanitized.hpp>
+#include <support/token_door.hpp>
+#include <sys/unique_fd.hpp>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace control_rights_tests {
+namespace {
+
+using namespace support;
+
+/// A client that sends, and reads only what it must not leave unread.
+class Crowd {
+public:
+    void add(int fd, const std::string& request) {
+        if (fd < 0) return;
+        ::fcntl(fd, F_SETFL, O_NONBLOCK);
+        ::send(fd, request.data(), request.size(), MSG_NOSIGNAL);
+        all_.emplace_back(fd);
+    }
+    /// Those who were answered, or sent away.
+    std::size_t answered() const {
+        return static_cast<std::size_t>(std::count_if(all_.begin(), all_.end(), [](const anogate::UniqueFd& fd) {
+            pollfd look{fd.get(), POLLIN, 0};
+            return ::poll(&look, 1, 0) == 1;
+        }));
+    }
+    std::size_t size() const { return all_.size(); }
+
+private:
+    std::vector<anogate::UniqueFd> all_;
+};
+
+const std::string upgrade =
+    "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
+    "dGhlIHNhbXBsZSBub25jZQ==\r\n";
+
+class ControlRights : public TokenDoor {
+protected:
+    ControlRights() : TokenDoor{R"("sim:fc")"} {}
+
+    /// Codes of 20 calls of a command by the network, and 20 by the socket, which are not "200".
+    std::vector<std::string> refused_commands() {
+        std::vector<std::string> refused;
+        for (int i = 0; i < 20; ++i)
+            for (const bool at_socket : {false, true}) {
+                const std::string line = "POST /devices/0xDC/commands/" + command, json = "Content-Type: application/json\r\n";
+                const std::string code = at_socket ? code_at_socket(line, json, "{}")
+                                                   : this->code(line, bearer(control_token), "{}");
+                if (code != "200") refused.push_back(code);
+            }
+        return refused;
+    }
+    std::string command = "LAND";
+};
+
+// The device that they read answers nothing, so that each of them waits.
+TEST_F(ControlRights, viewers_that_read_parameters_refuse_no_command) {
+    Crowd viewers;
+    for (int i = 0; i < 22; ++i) {
+        std::string many;
+        for (int n = 0; n < 30; ++n)
+            many += "GET /devices/0x3" + std::to_string(n % 10) + "/parameters/" + std::to_string(i) +
+                    " HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\n" + bearer(view_token) + "\r\n";
+        viewers.add(connect_tcp(port), many);
+    }
+    const auto jobs = [&] {
+        return nlohmann::json::parse(body_of(http(socket, "GET /jobs HTTP/1.0\r\n\r\n"))).at("jobs").size();
+    };
+    ASSERT_TRUE(wait_until([&] { return jobs() >= 4; }));
+    EXPECT_EQ(refused_commands(), std::vector<std::string>{}) << command;
+}
+
+TEST_F(ControlRights, thirty_two_web_sockets_of_one_user_leave_room_for_status_reload_and_commands) {
+    Crowd sockets;
+    for (int i = 0; i < 50; ++i) {
+        sockets.add(connect_unix(socket), "GET /frames HTTP/1.1\r\nHost: x\r\n" + upgrade + "\r\n");
+        sockets.add(connect_tcp(port),
+                    "GET /frames HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\n" + bearer(view_token) + upgrade + "\r\n");
+    }
+    ASSERT_TRUE(wait_until([&] { return sockets.answered() == sockets.size(); }, std::chrono::minutes{1}));
+    for (int i = 0; i < 20; ++i) {
+        EXPECT_EQ(code_at_socket("GET /status"), "200");
+        EXPECT_EQ(code_at_socket("POST /reload"), "200");
+    }
+    Crowd lines;
+    for (int i = 0; i < 50; ++i) lines.add(connect_unix(socket), "GET /frames HTTP/1.1\r\nHost: x\r\n\r\n");
+    ASSERT_TRUE(wait_until([&] { return lines.answered() == lines.size(); }, std::chrono::minutes{1}));
+    Crowd readers;    // some wait for the device, before those who ask next
+    for (int i = 0; i < 50; ++i)
+        readers.add(connect_unix(socket), "GET /devices/0x33/parameters/" + std::to_string(i) + " HTTP/1.1\r\nHost: x\r\n\r\n");
+    for (int i = 0; i < 20; ++i) {
+        EXPECT_EQ(code_at_socket("GET /status"), "200");
+        EXPECT_EQ(code_at_socket("POST /reload"), "200");
+    }
+    EXPECT_EQ(code("GET /status", bearer(control_token)), "200");
+}
+
+/// Somebody who connects with 70 requests at once, again and again, and does not read the answers. `connect` makes the n-th connection.
+class Bursts {
+public:
+    Bursts(std::function<int(int n)> connect, std::string request)
+        : child_{[connect = std::move(connect), request = std::move(request)]() -> int {
+              for (int n = 0;;) {
+                  Crowd crowd;
+                  for (int i = 0; i < 70; ++i) crowd.add(connect(n++), request);
+                  ::usleep(20'000);
+              }
+          }} {}
+
+private:
+    Child child_;
+};
+
+TEST_F(ControlRights, bursts_of_whole_requests_from_thousands_of_addresses_refuse_no_command) {
+    if (sanitized) GTEST_SKIP() << "with a sanitizer the gateway is ten times slower than those who flood it";
+    std::string many;
+    for (int i = 0; i < 10; ++i)
+        many += "GET /nothing HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\n" + bearer(view_token) + "\r\n";
+    const auto from = [this](int n) {
+        return connect_tcp(port, "127.77." + std::to_string(n / 250 % 20) + "." + std::to_string(n % 250 + 1));
+    };
+    const Bursts first{from, many}, second{from, many};
+    EXPECT_EQ(refused_commands(), std::vector<std::string>{});
+}
+
+TEST_F(ControlRights, bursts_of_one_users_requests_at_the_socket_refuse_neither_status_nor_reload_nor_commands) {
+    for (const std::string line : {"GET /metrics", "GET /status"}) {
+        const auto at_socket = [this](int) { return connect_unix(socket); };
+        const std::string asks = line + " HTTP/1.1\r\nHost: x\r\n\r\n";
+        const Bursts first{at_socket, asks}, second{at_socket, asks};
+        EXPECT_EQ(refused_commands(), std::vector<std::string>{}) << line;
+        for (int i = 0; i < 20; ++i) {
+            EXPECT_EQ(code_at_socket("GET /status"), "200") << line;
+            EXPECT_EQ(code_at_socket("POST /reload"), "200") << line;
+        }
+    }
+}
+
+TEST_F(ControlRights, who_takes_one_users_places_for_good_leaves_room_for_status_and_reload) {
+    Crowd readers;    // more than the sockets hold, and nothing is read
+    std::string many;
+    for (int i = 0; i < 50; ++i) many += "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n";
+    for (int i = 0; i < 60; ++i) readers.add(connect_unix(socket), many);
+    for (int i = 0; i < 5; ++i) {
+        EXPECT_EQ(code_at_socket("GET /status"), "200");
+        EXPECT_EQ(code_at_socket("POST /reload"), "200");
+    }
+}
+
+// With so few that links have left nothing of what is kept for them.
+TEST(FewDescriptors, leave_some_for_status_and_reload) {
+    constexpr int ports = 6;
+    TempDir dir;
+    std::vector<std::string> arguments{"udp-listen:127.0.0.1:0"};
+    for (int i = 0; i < ports; ++i) arguments.push_back("pty:" + (dir / ("port" + std::to_string(i))));
+    Daemon daemon{ANOGATED, dir / "control.sock", arguments, {}, [] {
+                      const rlimit few{48, 48};
+                      ::setrlimit(RLIMIT_NOFILE, &few);
+                  }};
+    const std::string socket = dir / "control.sock";
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    const auto at_socket = [&](int) { return connect_unix(socket); };
+    const Bursts sockets{at_socket, "GET /frames HTTP/1.1\r\nHost: x\r\n" + upgrade + "\r\n"},
+        streams{at_socket, "GET /frames HTTP/1.1\r\nHost: x\r\n\r\n"}, halves{at_socket, "GET /sta"};
+    for (int i = 0; i < 20; ++i) {
+        EXPECT_TRUE(http(socket, "GET /status HTTP/1.0\r\n\r\n").starts_with("HTTP/1.0 200")) << i;
+        const std::string reload = http(socket, "POST /reload HTTP/1.0\r\nContent-Length: 0\r\n\r\n");
+        EXPECT_TRUE(reload.starts_with("HTTP/1.0 200")) << i << ": " << reload;
+    }
+}
+
+// The links' ports come when all clients are there.
+TEST(FewDescriptors, go_to_links_first) {
+    constexpr int ports = 8;
+    TempDir dir;
+    std::vector<std::string> arguments;
+    for (int i = 0; i < ports; ++i) arguments.push_back("serial:" + (dir / ("port" + std::to_string(i))) + ",baud=115200");
+    Daemon daemon{ANOGATED, dir / "control.sock", arguments, {}, [] {
+                      const rlimit few{48, 48};
+                      ::setrlimit(RLIMIT_NOFILE, &few);
+                  }};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    Crowd sockets;
+    for (int i = 0; i < 100; ++i)
+        sockets.add(connect_unix(dir / "control.sock"), "GET /frames HTTP/1.1\r\nHost: x\r\n" + upgrade + "\r\n");
+    std::vector<std::unique_ptr<PtyDevice>> devices;
+    for (int i = 0; i < ports; ++i) devices.push_back(std::make_unique<PtyDevice>(dir / ("port" + std::to_string(i))));
+    EXPECT_TRUE(daemon.until([](const nlohmann::json& status) {
+        if (!status.is_object()) return false;
+        return std::all_of(status.at("links").begin(), status.at("links").end(),
+                           [](const auto& link) { return link.at("state") == "up"; });
+    })) << daemon.status()["links"];
+    // The last words to those who were refused take descriptors for a second at most.
+    const auto status = [&] { return http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n").starts_with("HTTP/1.0 200"); };
+    ASSERT_TRUE(wait_until(status));
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(status()) << i;
+}
+
+}    // namespace
+}    // namespace control_rights_tests

@@ -1,0 +1,181 @@
+// Files that are something else than they should be, damaged or left half written.
+#include <http/certificate.hpp>
+#include <support/process.hpp>
+#include <support/small_disk.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace attack_files_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+namespace fs = std::filesystem;
+
+constexpr auto soon = 20s;    // a start takes a moment; what hangs never ends
+
+class Files : public testing::Test {
+protected:
+    std::string config() { return dir / "anogate.json"; }
+    std::vector<std::string> environment() { return {"STATE_DIRECTORY=" + (dir / "state")}; }
+    std::string kept_file(const std::string& what) {
+        std::error_code ec;
+        const std::string absolute = fs::weakly_canonical(fs::absolute(config(), ec), ec).string();
+        return dir / ("state/" + what + "-" + std::to_string(std::hash<std::string>{}(absolute)));
+    }
+
+    TempDir dir;
+    std::string written = dir.write("anogate.json", R"({"links": ["udp-listen:127.0.0.1:0,name=ground"]})");
+};
+
+TEST_F(Files, that_are_pipes_hang_neither_check_nor_start_nor_reload) {
+    Daemon running{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
+    ASSERT_TRUE(running.until_answers()) << running.output();
+    fs::create_directory(dir / "conf.d");
+    ASSERT_EQ(::mkfifo((dir / "conf.d/pipe.json").c_str(), 0600), 0);
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"--check", "--config", config()}, {"--config", config()}}) {
+        Process program{ANOGATED, arguments, environment()};
+        EXPECT_EQ(program.wait(soon), 78) << program.output();
+        EXPECT_NE(program.output().find("pipe.json: is no ordinary file"), std::string::npos) << program.output();
+    }
+    const std::string answer = http(dir / "control.sock", "POST /reload HTTP/1.0\r\n\r\n");
+    EXPECT_NE(answer.find("is no ordinary file"), std::string::npos) << answer;
+    EXPECT_TRUE(running.until_answers());
+    Process pipe{ANOGATED, {"--check", "--config", dir / "conf.d/pipe.json"}, environment()};
+    EXPECT_EQ(pipe.wait(soon), 78) << pipe.output();
+}
+
+TEST_F(Files, of_an_earlier_run_that_are_damaged_are_told_and_prevent_no_start) {
+    fs::create_directory(dir / "state");
+    for (const std::string& bytes :
+         {std::string(1'000'000, '\x81'), std::string(1'000'000, '\x7F'), std::string{"nonsense"}, std::string{}}) {
+        std::ofstream{kept_file("unconfirmed"), std::ios::binary} << bytes;
+        std::ofstream{dir / "state/flexible.json", std::ios::binary} << bytes;
+        Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
+        EXPECT_TRUE(daemon.until_answers()) << daemon.output();
+        EXPECT_NE(daemon.output().find("unconfirmed-"), std::string::npos) << daemon.output();
+        EXPECT_NE(daemon.output().find("is damaged"), std::string::npos) << daemon.output();
+        EXPECT_NE(daemon.output().find("flexible.json"), std::string::npos) << daemon.output();
+    }
+}
+
+TEST_F(Files, a_damaged_note_of_a_flash_is_reported_and_in_nobodys_way) {
+    fs::create_directory(dir / "state");
+    const std::string sound = R"({"device": {"address": "0xDE", "name": "FC"}})";
+    std::ofstream{dir / "state/firmware-0xDC.json"} << "{\"device\": {";
+    std::ofstream{dir / "state/firmware-0xDD-12ab34cd.json"} << std::string(100'000, '[');
+    std::ofstream{dir / "state/firmware-0xDE.json"} << sound;
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    const std::string said = daemon.output();
+    EXPECT_NE(said.find("state/firmware-0xDC.json is damaged and ignored: the device 0xDC may be in its loader"),
+              std::string::npos)
+        << said;
+    EXPECT_NE(said.find("state/firmware-0xDD-12ab34cd.json"), std::string::npos) << said;
+    EXPECT_NE(said.find("FC (0xDE)) is left alone: it is of an older version"), std::string::npos) << said;
+}
+
+// What is kept of a device: alarm limits, and each kind of note.
+constexpr const char* of_devices[] = {"limits-0xDC.json", "firmware-0xDC-12ab34cd.json", "type7-0xDC-12ab34cd.json",
+                                      "calibration-0xDC-12ab34cd-compass.json", "calibration-0xDC-12ab34cd-accelerometer.json"};
+
+TEST_F(Files, of_devices_that_are_no_files_are_told_and_prevent_no_start) {
+    using Make = void (*)(const std::string& path);
+    const Make kinds[] = {[](const std::string& path) { ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0); },
+                          [](const std::string& path) { fs::create_directory(path); },
+                          [](const std::string& path) { fs::create_symlink(path, path); },
+                          [](const std::string& path) { fs::create_symlink("/dev/zero", path); }};
+    for (const Make make : kinds) {
+        fs::remove_all(dir / "state");
+        fs::create_directory(dir / "state");
+        for (const char* name : of_devices) make(dir / ("state/" + std::string{name}));
+        Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
+        ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+        for (const char* name : of_devices)
+            EXPECT_NE(daemon.output().find("state/" + std::string{name} + ": "), std::string::npos) << name << daemon.output();
+    }
+}
+
+TEST_F(Files, that_were_left_half_written_are_removed) {
+    fs::create_directory(dir / "state");
+    const std::string config_with_http = dir.write(
+        "anogate.json", R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "token_file": ")" +
+                            (dir / "state/token") + "\"}}");
+    std::vector<std::string> left{dir / "state/token.2147483646", kept_file("unconfirmed") + ".new",
+                                  dir / "state/flexible.json.new", dir / "state/firmware-0xDC.json.new"};
+    for (const char* name : of_devices) left.push_back(dir / ("state/" + std::string{name} + ".new"));
+    for (const std::string& file : left) std::ofstream{file} << "half";
+    std::ofstream{dir / "state/token.old"} << "a copy of the user's";
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config_with_http}, environment()};
+    ASSERT_TRUE(daemon.until_says("http://127.0.0.1:")) << daemon.output();
+    ASSERT_TRUE(daemon.until_answers());
+    for (const std::string& file : left) EXPECT_FALSE(fs::exists(file)) << file;
+    EXPECT_TRUE(fs::exists(dir / "state/token.old"));
+    EXPECT_TRUE(fs::exists(dir / "state/token"));
+}
+
+TEST_F(Files, that_a_full_disk_does_not_take_say_so) {
+    fs::create_directory(dir / "state");
+    const SmallDisk disk{dir / "state", "64k"};
+    if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
+    std::ofstream{dir / "state/full"} << std::string(60 * 1024, 'x') << std::flush;
+    for (int i = 0; i < 16; ++i) std::ofstream{dir / ("state/more" + std::to_string(i))} << std::string(4096, 'x') << std::flush;
+    const std::string config_with_http = dir.write("anogate.json",
+                                                   R"({"gateway": {"id": 200}, "links": ["udp-listen:127.0.0.1:0"], )"
+                                                   R"("control": {"http": "127.0.0.1:0", "token_file": ")" +
+                                                       (dir / "state/token") + "\"}}");
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config_with_http}, environment()};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("No space left on device")) << daemon.output();
+    EXPECT_FALSE(fs::exists(dir / "state/token"));
+    const std::string layout = R"([{"id": "0xF1", "fields": [{"name": "a", "type": "u8"}]}])";
+    const std::string put = http(dir / "control.sock",
+                                 "PUT /flexible HTTP/1.0\r\nContent-Type: application/json\r\nContent-Length: " +
+                                     std::to_string(layout.size()) + "\r\n\r\n" + layout);
+    EXPECT_NE(put.find("No space left on device"), std::string::npos) << put;
+    const std::string save = R"({"action": "save"})";
+    const std::string saved = http(dir / "control.sock",
+                                   "POST /devices/0xC8/actions HTTP/1.0\r\nContent-Type: application/json\r\nContent-Length: " +
+                                       std::to_string(save.size()) + "\r\n\r\n" + save);
+    EXPECT_NE(saved.find("the parameters are not saved: "), std::string::npos) << saved;
+    EXPECT_NE(saved.find("No space left on device"), std::string::npos) << saved;
+    EXPECT_NE(saved.find("\"refused\""), std::string::npos) << "not a silence: " << saved;
+}
+
+TEST_F(Files, with_a_key_that_others_may_read_encrypt_nothing) {
+    const auto made = anogate::http::make_certificate({{"localhost"}, {"127.0.0.1"}}, dir / "cert.pem", dir / "key.pem");
+    ASSERT_TRUE(made) << made.error();
+    fs::permissions(dir / "key.pem", fs::perms{0644});
+    const std::string with_tls = dir.write(
+        "anogate.json", R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "tls": {"certificate": ")" +
+                            (dir / "cert.pem") + R"(", "key": ")" + (dir / "key.pem") + "\"}}}");
+    const std::string words = "key.pem: everybody on this computer may read it; chmod o= ";
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", with_tls}, environment()};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("control.http stays shut: control.tls: ")) << daemon.output();
+    EXPECT_NE(daemon.output().find(words), std::string::npos) << daemon.output();
+    Process check{ANOGATED, {"--check", "--config", with_tls}, environment()};
+    check.wait(soon);
+    EXPECT_NE(check.output().find(words), std::string::npos) << check.output();
+    fs::permissions(dir / "key.pem", fs::perms{0640});
+    const auto reload = [&] { return http(dir / "control.sock", "POST /reload HTTP/1.0\r\n\r\n"); };
+    EXPECT_EQ(reload().find("http_error"), std::string::npos);
+    EXPECT_EQ(daemon.status().at("http").at("state"), "up") << daemon.output();
+    fs::permissions(dir / "key.pem", fs::perms{0644});
+    EXPECT_NE(reload().find(words), std::string::npos) << "it is in use no more";
+    EXPECT_EQ(daemon.status().at("http").at("state"), "shut");
+    fs::permissions(dir / "key.pem", fs::perms{0640});
+    Process checked{ANOGATED, {"--check", "--config", with_tls}, environment()};
+    checked.wait(soon);
+    EXPECT_EQ(checked.output().find("stays shut"), std::string::npos) << checked.output();
+}
+
+}    // namespace
+}    // namespace attack_files_tests

@@ -1,0 +1,188 @@
+// Who answers in the name of a device that is at home elsewhere. tests/README.md has the figures.
+#include <support/asked.hpp>
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_device.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace forged_answers_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using nlohmann::json;
+
+/// Sends its frames every few milliseconds, as long as it lives.
+class Forger {
+public:
+    Forger(std::uint16_t port, std::vector<Bytes> frames) : port_{port}, frames_{std::move(frames)} {
+        thread_ = std::thread{[this] {
+            while (!stops_) {
+                for (const Bytes& one : frames_) peer_.send(port_, one);
+                std::this_thread::sleep_for(3ms);
+            }
+        }};
+    }
+    ~Forger() {
+        stops_ = true;
+        thread_.join();
+    }
+    Forger(const Forger&) = delete;
+    Forger& operator=(const Forger&) = delete;
+
+private:
+    std::uint16_t port_;
+    std::vector<Bytes> frames_;
+    UdpPeer peer_;
+    std::atomic<bool> stops_ = false;
+    std::thread thread_;
+};
+
+/// A flight controller at a serial port, whose address is pinned there or not. PAR_0 is 0.
+class ForgedAnswers : public testing::TestWithParam<bool> {
+protected:
+    void SetUp() override {
+        device.fake.make_parameters(10);
+        device.fake.instead = [this, answers = device.fake.instead](ano::FrameView asked) -> std::optional<std::vector<Bytes>> {
+            if (ignores_writes && asked.id() == write[3]) return std::vector<Bytes>{};
+            if (asked.id() == write[3] && logs_an_error.exchange(false)) return std::vector<Bytes>{red_line};
+            return answers(asked);
+        };
+        device.start();
+        std::vector<std::string> words{"serial:" + (dir / "fc") + ",baud=115200,name=fc", "udp-listen:127.0.0.1:0,name=net"};
+        if (GetParam()) words.insert(words.end(), {"--route", "0xDC=fc"});
+        daemon.emplace(ANOGATED, socket, words, std::vector<std::string>{"STATE_DIRECTORY=" + (dir / "state")});
+        ASSERT_TRUE(daemon->until_answers());
+        ASSERT_EQ(asked(socket, "GET", "/devices/0xDC/parameters").status, 200u);
+    }
+    json conflict() const {
+        const json all = daemon->status().at("conflicts");
+        return all.size() == 1 ? all.at(0) : json{};
+    }
+
+    static inline const Bytes write = frame(0xFE, 0xDC, 0xE1, {0, 0, 5});
+    static inline const Bytes red_line = frame(0xDC, 0xFF, 0xA0, {1, 'r', 'e', 'a', 'l'});
+    std::atomic<bool> ignores_writes = false;
+    std::atomic<bool> logs_an_error = false;    // in the place of the next answer to a write
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    VendorDevice device{dir / "fc"};
+    std::optional<Daemon> daemon;
+};
+
+constexpr const char* as_lines = "application/x-ndjson";
+
+TEST_P(ForgedAnswers, of_a_value_is_not_believed_and_the_job_reports_it) {
+    const Forger forger{daemon->port("net"), {frame(0xDC, 0xFE, 0xE1, {0, 0, 99})}};
+    ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
+    for (int i = 0; i < 10; ++i) {
+        const auto answer = asked(socket, "GET", "/devices/0xDC/parameters/PAR_0");
+        ASSERT_EQ(answer.status, 200u) << answer.body;
+        EXPECT_EQ(json::parse(answer.body).at("value"), 0) << answer.body;
+    }
+    EXPECT_TRUE(wait_until([&] {    // a job may be over before one comes
+        const std::string lines = asked(socket, "GET", "/devices/0xDC/parameters", {}, as_lines).body;
+        return lines.find("answers in the name of 0xDC came by net (127.0.0.1:") != std::string::npos;
+    }));
+    EXPECT_GE(conflict().at("count"), 1);
+    EXPECT_EQ(conflict().at("claimed_by").at("link"), "net");
+}
+
+// In the name of the device, and in that of a port, by which some devices acknowledge.
+TEST_P(ForgedAnswers, to_a_write_is_not_believed) {
+    ignores_writes = true;
+    const auto check = [](std::uint8_t source) {
+        return frame(source, 0xFE, 0x00, {write[3], write[write.size() - 2], write.back()});
+    };
+    const Forger forger{daemon->port("net"), {check(0xDC), check(1), frame(0xDC, 0xFE, 0xE1, {0, 0, 5})}};
+    const auto answer = asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
+    EXPECT_GE(answer.status, 400u) << answer.body;
+    EXPECT_NE(answer.body.find("answers in the name of 0xDC came by net"), std::string::npos) << answer.body;
+}
+
+TEST_P(ForgedAnswers, that_the_device_is_another_one_is_not_believed) {
+    const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0xE3, {0xDC, 100, 0, 9, 9, 0, 0, 0x20, 3, 'b', 'a', 'd'})}};
+    ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
+    EXPECT_EQ(asked(socket, "GET", "/devices/0xDC/parameters").status, 200u);
+    EXPECT_EQ(asked(socket, "GET", "/devices").body.find("bad"), std::string::npos);
+}
+
+TEST_P(ForgedAnswers, raise_no_alarm) {
+    const std::string body = R"({"limits": [{"field": "power.voltage", "side": "below", "red": 13.6}]})";
+    ASSERT_EQ(asked(socket, "PUT", "/devices/0xDC/limits", body).status, 200u);
+    const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0x0D, {0x28, 0x05, 0, 0})}};    // 13.2 V
+    ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 100; }));
+    EXPECT_EQ(asked(socket, "GET", "/alarms").body, "{\"alarms\":[]}\n");
+}
+
+TEST_P(ForgedAnswers, get_into_no_log_of_the_device_and_count_as_no_error) {
+    const Bytes forged = frame(0xDC, 0xFE, 0xA0, {1, 'f', 'o', 'r', 'g', 'e', 'd'});
+    const Forger forger{daemon->port("net"), {forged, frame(0xDC, 0xFF, 0x06, {0, 2, 0, 0, 0})}};
+    ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 100; }));
+    const json log = json::parse(asked(socket, "GET", "/devices/0xDC/log").body);
+    EXPECT_EQ(log.at("red"), 0);
+    EXPECT_EQ(log.at("lines"), json::array());
+    EXPECT_EQ(asked(socket, "GET", "/devices").body.find("red_lines"), std::string::npos);
+}
+
+// Under an address of his own, he is at home in the network: his lines can be read, and make no alarm.
+TEST_P(ForgedAnswers, under_other_addresses_displace_no_line_of_a_device_and_count_as_no_error) {
+    logs_an_error = true;
+    asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
+    ASSERT_TRUE(wait_until([&] { return json::parse(asked(socket, "GET", "/devices/0xDC/log").body).at("red") == 1; }));
+    std::vector<Bytes> forged;
+    for (unsigned a = 0x20; a < 0x60; ++a)
+        for (int i = 0; i < 4; ++i)
+            forged.push_back(frame(static_cast<std::uint8_t>(a), 0xFE, 0xA0, {1, 'f', 'o', 'r', 'g', 'e', 'd'}));
+    const Forger forger{daemon->port("net"), std::move(forged)};
+    ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 6000; }));
+    const json devices = json::parse(asked(socket, "GET", "/devices").body).at("devices");
+    for (const json& one : devices) EXPECT_EQ(one.value("red_lines", 0), one.at("address") == "0xDC" ? 1 : 0) << one;
+    const json all = json::parse(asked(socket, "GET", "/devices/0xFF/log").body).at("lines");
+    EXPECT_EQ(std::count_if(all.begin(), all.end(), [](const json& line) { return line.at("text") == "real"; }), 1);
+    EXPECT_EQ(all.back().value("counts", true), false);
+}
+
+// The hints must not contradict the configuration.
+TEST_P(ForgedAnswers, are_told_as_what_they_are) {
+    const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0x03, Bytes(7, 1))}};
+    ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
+    EXPECT_EQ(conflict().at("home"), json{"fc"});
+    EXPECT_EQ(conflict().at("pinned"), GetParam());
+    ASSERT_TRUE(daemon->until_says("claimed by net ("));
+    if (GetParam()) {
+        EXPECT_TRUE(daemon->until_says("0xDC is pinned to fc, and is claimed by net (127.0.0.1:"));
+        EXPECT_EQ(daemon->output().find("--route"), std::string::npos) << daemon->output();
+    } else {
+        EXPECT_TRUE(daemon->until_says("pin it: --route 0xDC=LINK"));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(At, ForgedAnswers, testing::Values(true, false),
+                         [](const auto& pinned) { return pinned.param ? "a_pinned_address" : "a_learned_address"; });
+
+// What is for the ground only, such as an upgrade, a calibration and the return to default values, needs a device without doubt.
+class ForgedClaims : public ForgedAnswers {};
+TEST_P(ForgedClaims, of_a_pinned_address_block_nothing) {
+    const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0x03, Bytes(7, 1)), frame(0xDC, 0xFF, 0x06, {0, 2, 0, 0, 0})}};
+    ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
+    const auto answer = asked(socket, "POST", "/devices/0xDC/actions", R"({"action": "restore_defaults"})");
+    EXPECT_EQ(answer.body.find("several devices"), std::string::npos) << answer.body;
+    EXPECT_NE(answer.status, 409u) << answer.body;
+    const auto written = asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
+    EXPECT_EQ(written.status, 200u) << written.body;
+}
+INSTANTIATE_TEST_SUITE_P(At, ForgedClaims, testing::Values(true), [](const auto&) { return "a_pinned_address"; });
+
+}    // namespace
+}    // namespace forged_answers_tests

@@ -1,0 +1,167 @@
+// Who holds the places of peers, and who gets one later. tests/README.md has the figures.
+#include <link/udp_settings.hpp>
+#include <support/namespaces.hpp>
+#include <support/running_gateway.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace peer_places_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+Bytes command(std::uint8_t n) { return frame(0xFE, 0xDC, 0xC0, {16, 1, n}); }
+std::size_t commands_in(const Bytes& bytes) {
+    std::size_t count = 0;
+    for (const Bytes& one : split(bytes).frames) count += one[3] == 0xC0 ? 1u : 0u;
+    return count;
+}
+
+class Strangers : public testing::Test {
+protected:
+    void SetUp() override {
+        ANOGATE_NEEDS_NAMESPACES();
+        here = std::make_unique<Namespace>();
+        there = std::make_unique<Namespace>();
+        here->join(*there, "eth0", "10.0.0.1/24", "10.0.0.2/24");
+        for (int i = 10; i < 60; ++i) there->ip("address add 10.0.0." + std::to_string(i) + "/24 dev eth0");
+    }
+    void start(anogate::LinkSettings ground = udp_listen("ground", "0.0.0.0:0")) {
+        const Inside inside{*here};
+        daemon = std::make_unique<RunningGateway>(settings_of({std::move(ground), udp_listen("air")}));
+        fc = std::make_unique<UdpPeer>();
+        fc->send(daemon->port("air"), frame(0xDC, 0xFE, 0xF1, Bytes(10, 1)));
+        ASSERT_TRUE(until([&] { return daemon->count("air", "frames_in") == 1; }));
+        fc->forget();
+    }
+    void TearDown() override {
+        if (!daemon) return;
+        const Inside inside{*here};
+        daemon.reset();
+    }
+    bool until(const std::function<bool()>& holds) {
+        return wait_until(holds, patience, [&] {
+            const Inside inside{*here};
+            daemon->io().restart();
+            daemon->io().poll();
+            daemon->io().run_one_for(200us);
+        });
+    }
+    anogate::Endpoint to() const { return {anogate::IpAddress::v4(10, 0, 0, 1), daemon->port("ground")}; }
+    UdpPeer& stranger(int address) {
+        const Inside inside{*there};
+        peers.push_back(std::make_unique<UdpPeer>("10.0.0." + std::to_string(address) + ":0"));
+        return *peers.back();
+    }
+    std::size_t places() { return daemon->link("ground").at("channels").size(); }
+    /// How many of seven commands of somebody who came late are carried out.
+    std::size_t seven_commands(UdpPeer& pilot) {
+        for (std::uint8_t n = 0; n < 7; ++n) {
+            pilot.send(to(), command(n));
+            const auto before = daemon->count("ground", "bytes_in");
+            until([&] { return daemon->count("ground", "bytes_in") > before || commands_in(fc->heard()) > n; });
+        }
+        return commands_in(fc->heard());
+    }
+
+    std::unique_ptr<Namespace> here, there;
+    std::unique_ptr<RunningGateway> daemon;
+    std::unique_ptr<UdpPeer> fc;
+    std::vector<std::unique_ptr<UdpPeer>> peers;
+};
+
+TEST_F(Strangers, that_only_listen_leave_places_for_an_operator) {
+    start();
+    for (int i = 0; i < 16; ++i) stranger(10 + i).send(to(), vendor::who_are_you);
+    ASSERT_TRUE(until([&] { return places() + daemon->count("ground", "denied_in") == 16; }));
+    EXPECT_EQ(places(), 12u);
+    EXPECT_EQ(seven_commands(stranger(40)), 7u);
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+TEST_F(Strangers, that_send_what_nobody_asked_for_leave_places_for_an_operator) {
+    start();
+    for (int round = 0; round < 3; ++round)
+        for (int i = 0; i < 16; ++i) {
+            if (round == 0) stranger(10 + i);
+            peers[static_cast<std::size_t>(i)]->send(
+                to(), frame(static_cast<std::uint8_t>(30 + i), 0xFE, 0xF1, Bytes(10, static_cast<std::uint8_t>(round))));
+        }
+    ASSERT_TRUE(until([&] { return daemon->count("ground", "frames_in") + daemon->count("ground", "denied_in") == 48; }));
+    EXPECT_EQ(seven_commands(stranger(40)), 7u);
+}
+
+TEST_F(Strangers, that_command_leave_a_place_for_a_trusted_network) {
+    auto link = udp_listen("ground", "0.0.0.0:0");
+    link.as<anogate::UdpListenSettings>().trusted = {*anogate::Network::parse("10.0.0.40/32")};
+    start(link);
+    for (int i = 0; i < 16; ++i) stranger(10 + i).send(to(), frame(0xFE, 0xDC, 0xC0, {16, 9, 0}));
+    ASSERT_TRUE(until([&] { return places() + daemon->count("ground", "denied_in") == 16; }));
+    EXPECT_EQ(places(), 14u);
+    fc->forget();
+    EXPECT_EQ(seven_commands(stranger(40)), 7u);
+}
+
+TEST_F(Strangers, whose_one_datagram_is_forged_get_no_minute_of_telemetry) {
+    start();
+    stranger(10).send(to(), frame(0x40, 0xFE, 0xF1, Bytes(10, 1)) + frame(0x40, 0xFE, 0xF1, Bytes(10, 2)));
+    ASSERT_TRUE(until([&] { return places() == 1; }));
+    const auto began = std::chrono::steady_clock::now();
+    ASSERT_TRUE(wait_until([&] { return places() == 0; }, 15s,
+                           [&] {
+                               const Inside inside{*here};
+                               daemon->io().restart();
+                               daemon->io().run_one_for(100ms);
+                           }));
+    EXPECT_GE(std::chrono::steady_clock::now() - began, 9s);
+}
+
+TEST_F(Strangers, that_listen_are_shown_so_and_end_when_their_port_is_closed) {
+    start();
+    stranger(10).send(to(), vendor::who_are_you);
+    ASSERT_TRUE(until([&] { return places() == 1; }));
+    EXPECT_TRUE(daemon->link("ground").at("channels").at(0).contains("listening_since_s"));
+    {
+        const Inside inside{*there};
+        peers.clear();
+    }
+    fc->send(daemon->port("air"), frame(0xDC, 0xFE, 0xF1, Bytes(10, 2)));
+    ASSERT_TRUE(until([&] { return places() == 0; })) << "ICMP said that nothing listens there";
+    stranger(10).send(to(), vendor::who_are_you);
+    ASSERT_TRUE(until([&] { return places() == 1; }));
+    peers.back()->send(to(), vendor::who_are_you);
+    EXPECT_TRUE(until([&] { return !daemon->link("ground").at("channels").at(0).contains("listening_since_s"); }));
+}
+
+TEST(LocalPeers, one_that_came_once_does_not_drive_out_one_that_came_again) {
+    auto link = udp_listen("ground");
+    link.as<anogate::UdpListenSettings>().max_peers = 2;
+    RunningGateway daemon{link};
+    UdpPeer first, second;
+    const auto say = [&](UdpPeer& peer) { peer.send(daemon.port("ground"), vendor::who_are_you); };
+    say(first);
+    say(second);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 2; }));
+    daemon.run_for(1s);
+    say(first);
+    say(second);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 4; }));
+    std::vector<std::unique_ptr<UdpPeer>> strangers;
+    for (int i = 0; i < 20; ++i) {
+        strangers.push_back(std::make_unique<UdpPeer>());
+        say(*strangers.back());
+    }
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "denied_in") == 20; }));
+    std::vector<std::string> there;
+    const auto ground = daemon.link("ground");
+    for (const auto& channel : ground.at("channels")) there.push_back(channel.at("peer"));
+    EXPECT_EQ(there, (std::vector{first.local().text(), second.local().text()}));
+}
+
+}    // namespace
+}    // namespace peer_places_tests

@@ -1,0 +1,33 @@
+// The files of an earlier run: read or refused, whatever they contain.
+#include <control/flexible_control.hpp>
+#include <devices/notes.hpp>
+#include <managed/managed_parameters.hpp>
+#include <runtime/kept_config.hpp>
+#include <runtime/stored_state.hpp>
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+namespace {
+
+using namespace anogate;
+
+void must_hold(bool law) {
+    if (!law) std::abort();
+}
+
+}    // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const std::string_view bytes{reinterpret_cast<const char*>(data), size};
+    const auto kept = parse_kept_config(bytes);
+    must_hold(!kept || !bytes.empty());
+    parse_stored_state(bytes, {});
+    WrittenValues::parse(bytes);
+    KeptFlexible::parse(bytes);
+    for (const char* name : {"firmware-0xDC-1a2b3c4d.json", "type7-0xDC-1a2b3c4d.json", "calibration-0xDC-1a2b3c4d-compass.json"})
+        damage_of_note(name, std::string{bytes});
+    return 0;
+}

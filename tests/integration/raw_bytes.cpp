@@ -1,0 +1,244 @@
+// The raw bytes of links: GET /links/L/raw, `anoctl terminal`, and pauses between frames.
+#include <link/raw_port.hpp>
+#include <link/serial_settings.hpp>
+#include <support/control_door.hpp>
+#include <support/process.hpp>
+#include <support/pty_device.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace raw_bytes_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using anogate::http::Field;
+using nlohmann::json;
+
+Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
+
+// What passed in one direction, without the times.
+Bytes passed(const Ear& ear, char direction) {
+    Bytes all;
+    for (const std::string& message : ear.messages())
+        if (message.at(0) == direction) all.insert(all.end(), message.begin() + 9, message.end());
+    return all;
+}
+
+const Bytes telemetry = frame(0xDC, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 7});
+const Bytes command = frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
+
+class RawBytes : public testing::Test {
+protected:
+    RawBytes() { EXPECT_TRUE(door.gateway.until_up("fc")); }
+    bool until(const std::function<bool()>& holds) { return door.gateway.until(holds); }
+    bool until_begins(Ear& ear) {
+        return until([&] { return !ear.texts().empty(); });
+    }
+    void send_command() { station.send(door.gateway.port("ground"), command); }
+    std::uint64_t count(const std::string& counter) { return door.gateway.count("fc", counter); }
+
+    const TempDir dir;
+    PtyDevice device{dir / "fc"};
+    UdpPeer station;
+    ControlDoor door{{"serial:" + (dir / "fc") + ",pace=off,encoding=gbk", "udp-listen:127.0.0.1:0,name=ground"}};
+};
+
+TEST_F(RawBytes, pass_both_ways_beside_frames_that_are_forwarded_as_ever) {
+    Ear raw{door, "/links/fc/raw"};
+    ASSERT_TRUE(until_begins(raw));
+    EXPECT_EQ(json::parse(raw.texts().at(0)),
+              (json{{"link", "fc"}, {"kind", "serial"}, {"encoding", "gbk"}, {"exclusive", false}, {"may_send", true}}));
+    device.write(bytes_of("boot\r\n"));
+    device.write(telemetry);
+    EXPECT_TRUE(until([&] { return passed(raw, '<') == bytes_of("boot\r\n") + telemetry; }));
+    EXPECT_TRUE(until([&] { return count("frames_in") == 1; }));
+    raw.say(bytes_of("AT\r\n"));
+    EXPECT_TRUE(until([&] { return device.heard() == bytes_of("AT\r\n"); }));
+    send_command();
+    EXPECT_TRUE(until([&] { return device.heard() == bytes_of("AT\r\n") + command; }));
+    EXPECT_TRUE(until([&] { return passed(raw, '>') == bytes_of("AT\r\n") + command; }));
+    const std::string first = raw.messages().at(0);
+    std::uint64_t ns = 0;
+    for (std::size_t i = 8; i > 0; --i) ns = ns << 8 | static_cast<std::uint8_t>(first[i]);
+    EXPECT_GT(ns, 1'600'000'000'000'000'000u);
+}
+
+TEST_F(RawBytes, in_exclusive_use_no_frame_is_forwarded_until_the_client_is_gone) {
+    {
+        Ear raw{door, "/links/fc/raw?exclusive"};
+        ASSERT_TRUE(until_begins(raw));
+        send_command();
+        EXPECT_TRUE(until([&] { return count("denied_out") == 1; }));
+        raw.say(bytes_of("AT\r\n"));
+        EXPECT_TRUE(until([&] { return device.heard() == bytes_of("AT\r\n"); }));
+        device.write(telemetry);
+        EXPECT_TRUE(until([&] { return count("frames_in") == 1; })) << "what comes is forwarded";
+        EXPECT_EQ(door.ask("GET", "/links/fc/raw?exclusive").status, 426u) << "no WebSocket";
+        Ear second{door, "/links/fc/raw?exclusive"};
+        EXPECT_TRUE(until([&] { return second.ended.has_value(); }));
+        EXPECT_EQ(second.ended->answer.status, 409u);
+        Ear looks{door, "/links/fc/raw"};
+        EXPECT_TRUE(until_begins(looks)) << "others may look";
+    }    // its connection ends without a word
+    EXPECT_TRUE(until([&] {
+        send_command();
+        return device.heard().size() > 4;
+    }));
+    EXPECT_TRUE(door.gateway.counters_add_up());
+}
+
+TEST_F(RawBytes, are_told_to_be_impossible_for_other_kinds) {
+    for (const auto& [link, status] : {std::pair{"ground", 409u}, {"nobody", 404u}}) {
+        Ear raw{door, std::string{"/links/"} + link + "/raw"};
+        EXPECT_TRUE(until([&] { return raw.ended.has_value(); }));
+        EXPECT_EQ(raw.ended->answer.status, status) << link;
+        if (status == 409u) {
+            EXPECT_NE(raw.ended->answer.body.find("only those of serial, pty and udp links"), std::string::npos);
+        }
+    }
+}
+
+TEST_F(RawBytes, who_does_not_send_to_a_link_that_is_down_is_told_so) {
+    Ear raw{door, "/links/fc/raw"};
+    ASSERT_TRUE(until_begins(raw));
+    device.unplug();
+    ASSERT_TRUE(door.gateway.until_waiting("fc"));
+    raw.say(bytes_of("AT\r\n"));
+    EXPECT_TRUE(until([&] { return raw.texts().size() == 2; }));
+    EXPECT_NE(raw.texts().at(1).find("not sent: the link is down"), std::string::npos);
+    raw.say("AT", anogate::http::WebSocket::Kind::text);
+    EXPECT_TRUE(until([&] { return raw.texts().size() == 3; }));
+    device.plug();
+    ASSERT_TRUE(door.gateway.until_up("fc"));
+    device.write(bytes_of("again\n"));
+    EXPECT_TRUE(until([&] { return passed(raw, '<') == bytes_of("again\n"); }));
+}
+
+// A client that reads nothing: traffic goes on, what it misses is bounded, and told when it reads again.
+TEST(RawBytesOfASlowClient, are_left_out_and_counted_while_frames_pass) {
+    const TempDir dir;
+    PtyDevice device{dir / "fc"};
+    UdpPeer station;
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED, socket, {"serial:" + (dir / "fc"), station.link("ground")}};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    const auto never_ending_input = [] {
+        int ends[2];
+        if (::pipe(ends) == 0) ::dup2(ends[0], STDIN_FILENO);
+    };
+    Process terminal{ANOCTL, {"terminal", "fc", "--hex", "--control", socket}, {}, never_ending_input};
+    ASSERT_TRUE(terminal.until_says("lines are sent"));
+    terminal.signal(SIGSTOP);
+    Bytes many;
+    while (many.size() < 4000) many = many + telemetry;
+    std::uint64_t sent = 0;
+    while (sent < 4'000'000) {
+        const std::size_t n = device.write(many);
+        sent += n;
+        if (n < many.size()) {
+            station.heard();
+            std::this_thread::sleep_for(1ms);
+        }
+    }
+    EXPECT_TRUE(daemon.until([&](const json&) { return daemon.count("fc", "bytes_in") == sent; })) << "all is read";
+    terminal.signal(SIGCONT);
+    device.write(bytes_of("end of it\n"));
+    EXPECT_TRUE(terminal.until_says("not shown: this terminal reads too slowly"));
+    terminal.signal(SIGINT);
+    EXPECT_EQ(terminal.wait(), 0);
+}
+
+TEST(Terminal, ends_with_its_input_when_all_is_sent) {
+    const TempDir dir;
+    PtyDevice device{dir / "fc"};
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED, socket, {"serial:" + (dir / "fc")}};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    Shell terminal{"printf 'AT\\nAT+1\\n' | " ANOCTL " terminal fc --end lf --control " + socket};
+    EXPECT_EQ(terminal.wait(), 0) << terminal.output();
+    EXPECT_TRUE(wait_until([&] { return device.heard() == bytes_of("AT\nAT+1\n"); }));
+}
+
+TEST(Terminal, shows_lines_harmless_sends_lines_and_gives_the_link_back_when_it_is_killed) {
+    const TempDir dir;
+    PtyDevice device{dir / "radio"};
+    UdpPeer station;
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED, socket, {"serial:" + (dir / "radio") + ",encoding=gbk", "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("radio"));
+    Shell terminal{"(echo AT+飞; sleep 100) | exec " ANOCTL " terminal radio --exclusive --end cr --control " + socket};
+    ASSERT_TRUE(terminal.until_says("frames are not forwarded to it")) << terminal.output();
+    EXPECT_TRUE(wait_until([&] { return device.heard() == bytes_of("AT+\xB7\xC9\r"); }));
+    EXPECT_TRUE(terminal.until_says(" > AT+飞\n")) << terminal.output();
+    device.write(bytes_of("OK \x1b[2J\xC6\xF4\r\n"));
+    EXPECT_TRUE(terminal.until_says(" < OK \\x1B[2J启\n")) << terminal.output();
+    station.send(daemon.port("ground"), command);
+    EXPECT_TRUE(daemon.until([&](const json&) { return daemon.count("radio", "denied_out") == 1; }));
+    terminal.end();
+    EXPECT_TRUE(wait_until([&] {
+        station.send(daemon.port("ground"), command);
+        return device.heard().size() > 6;
+    })) << "its client was killed";
+    Process unknown{ANOCTL, {"terminal", "ground", "--control", socket}};
+    EXPECT_EQ(unknown.wait(), 1);
+    EXPECT_NE(unknown.output().find("only those of serial, pty and udp links"), std::string::npos) << unknown.output();
+}
+
+// When each frame was written, as the link itself tells it: a device that is read late proves nothing.
+class Times final : public anogate::RawTap {
+public:
+    void received(std::span<const std::uint8_t>) override {}
+    void sent(std::span<const std::uint8_t> bytes) override {
+        at.push_back(anogate::Clock::now());
+        sizes.push_back(bytes.size());
+    }
+    std::vector<anogate::TimePoint> at;
+    std::vector<std::size_t> sizes;
+};
+
+TEST(Gap, frames_leave_one_by_one_with_a_pause_behind_each_on_serial_pty_and_udp) {
+    const TempDir dir;
+    PtyDevice device{dir / "fc"};
+    UdpPeer station, peer;
+    RunningGateway gateway{settings_of_texts(
+        {"serial:" + (dir / "fc") + ",baud=115200,gap=15ms", "pty:" + (dir / "app") + ",gap=15ms",
+         "udp:127.0.0.1:" + std::to_string(peer.port()) + ",name=radio,gap=15ms", "udp-listen:127.0.0.1:0,name=ground"})};
+    int app = -1;
+    EXPECT_TRUE(gateway.until([&] {
+        if (app < 0) app = ::open((dir / "app").c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+        return app >= 0;
+    }));
+    ASSERT_TRUE(gateway.until_up("fc") && gateway.until_up("app") && gateway.until_up("radio"));
+    std::vector<Times> times(3);
+    for (std::size_t i = 0; i < times.size(); ++i) gateway.gateway().links().at(i).link->raw_port()->set_tap(&times[i]);
+    Bytes commands;
+    for (std::uint8_t n = 0; n < 10; ++n) commands = commands + frame(0xFE, 0xDC, 0xC0, {n, 2, 3});
+    station.send(gateway.port("ground"), commands);
+    EXPECT_TRUE(gateway.until(
+        [&] { return std::all_of(times.begin(), times.end(), [](const Times& of) { return of.at.size() == 10; }); }));
+    for (const Times& of : times)
+        for (std::size_t i = 0; i < of.at.size(); ++i) {
+            EXPECT_EQ(of.sizes[i], 11u);
+            if (i > 0) {
+                EXPECT_GE(of.at[i] - of.at[i - 1], 15ms);
+            }
+        }
+    EXPECT_GE(times[0].at.back() - times[0].at.front(), 9 * (15ms + 11 * 86us)) << "from the end of each frame on the line";
+    EXPECT_EQ(device.heard(), commands);
+    EXPECT_TRUE(gateway.until([&] { return peer.heard() == commands; }));
+    for (const auto& state : gateway.gateway().links())
+        if (auto* port = state.link->raw_port()) port->set_tap(nullptr);
+    ::close(app);
+}
+
+}    // namespace
+}    // namespace raw_bytes_tests

@@ -1,0 +1,192 @@
+// Devices with the vendor's parser, which one flipped bit of LEN makes deaf: whatever is asked of them takes at most a second longer.
+#include <host/commands.hpp>
+#include <host/firmware.hpp>
+#include <host/parameter_write.hpp>
+#include <host/parameters.hpp>
+#include <host/waypoints.hpp>
+#include <world/vendor_parser.hpp>
+
+#include <support/fake_loader.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace deaf_device_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace ano::host;
+using support::Bytes;
+using support::FakeDevice;
+using support::LineFaults;
+using support::Simulation;
+
+// A question for the parameter count with a damaged LEN: 187 more bytes are waited for.
+const Bytes bad_header{0xAB, 0xFE, 0xDC, 0xE0, 190, 0x00, 1, 0, 0, 0x6E, 0x60};
+
+struct Deaf {
+    explicit Deaf(unsigned baud) : line{.delay = 1ms, .baud = baud} {
+        fake.make_parameters(20);
+        fake.commands.push_back({{1, 2, 3}, {}, "go", ""});
+        fake.instead = [this](ano::FrameView frame) { return loader.take(fake, frame); };
+        simulation.parse = [this](const Bytes& bytes) {
+            std::vector<Bytes> frames;
+            parser.feed(bytes, [&](ano::FrameView frame) { frames.emplace_back(frame.bytes().begin(), frame.bytes().end()); });
+            return frames;
+        };
+        simulation.be_uart();
+    }
+
+    LineFaults line;
+    FakeDevice fake;
+    support::FakeLoader loader;
+    ano::world::VendorParser parser{};
+    Device device{0xDC};
+    Simulation simulation{device, fake, line};
+};
+
+using Begin = std::function<std::unique_ptr<Task>(Deaf&)>;
+
+struct Operation {
+    std::string name;
+    Begin begin;
+};
+
+template <class T, class... Arguments>
+Begin begin(Arguments... arguments) {
+    return [=](Deaf& deaf) {
+        auto task = std::make_unique<T>(deaf.device, arguments...);
+        task->start(deaf.simulation.now);
+        return task;
+    };
+}
+
+std::vector<Operation> operations() {
+    FirmwareImage image;
+    static const Bytes bytes(1000, 7);
+    image.bytes = bytes;
+    image.crc = ano::crc16_of(bytes);
+    return {{"list",
+             [](Deaf& deaf) {
+                 auto task = std::make_unique<Parameters>(deaf.device);
+                 task->read_all(deaf.simulation.now);
+                 return task;
+             }},
+            {"call", begin<CommandCall>(CommandInfo{0, {1, 2, 3}, {}, false, "go", ""}, std::vector<AnyValue>{})},
+            {"save", begin<ParameterAction>(Action::save)},
+            {"set", begin<ParameterWrite>(ParameterInfo{.id = 1, .type = ano::Type::i8, .name = "PAR_1", .info = {}},
+                                          AnyValue{std::int64_t{5}})},
+            {"waypoint", begin<WaypointsPut>(std::vector<Waypoint>(2))},
+            {"flash", begin<Firmware>(image)}};
+}
+
+struct Count final : Task {
+    using Task::Task;
+    void start(ano::TimePoint now) { ask(question::parameter_count(0), now); }
+    void ended(const Ended&, ano::TimePoint now) override { finish({}, now); }
+};
+
+// The device was asked before, one question at a time.
+void know_count(Deaf& deaf) {
+    for (int i = 0; i < 5; ++i) {
+        Count count{deaf.device};
+        count.start(deaf.simulation.now);
+        deaf.simulation.run(count);
+    }
+    ASSERT_TRUE(deaf.device.parameter_count());
+}
+
+// How long the operation takes; std::nullopt: it fails.
+std::optional<ano::Duration> time_of(Deaf& deaf, const Operation& operation, bool disturbed, ano::Duration after = 1500ms) {
+    deaf.simulation.pass(after);
+    if (disturbed) deaf.simulation.disturb(bad_header);
+    const auto task = operation.begin(deaf);
+    const ano::Duration took = deaf.simulation.run(*task);
+    if (!task->end() || task->end()->ending != Ending::done) return std::nullopt;
+    return took;
+}
+
+TEST(DeafDevice, an_operation_takes_at_most_a_second_longer_after_a_damaged_header) {
+    for (const unsigned baud : {9600u, 57600u, 115200u, 500000u})
+        for (const Operation& operation : operations()) {
+            SCOPED_TRACE(operation.name + " at " + std::to_string(baud));
+            Deaf clean{baud}, disturbed{baud};
+            know_count(clean);
+            know_count(disturbed);
+            const auto without = time_of(clean, operation, false), with = time_of(disturbed, operation, true);
+            ASSERT_TRUE(without);
+            ASSERT_TRUE(with);
+            RecordProperty(operation.name + "_" + std::to_string(baud) + "_ms",
+                           std::to_string((*with - *without) / std::chrono::milliseconds{1}));
+            EXPECT_LE(*with - *without, 1s);
+            EXPECT_GT(disturbed.simulation.zeros_there, 0u);
+        }
+}
+
+// A list fills the line, so that its answers take long, and may have had the flush of this second.
+TEST(DeafDevice, an_operation_right_after_a_list_takes_at_most_a_second_longer_too) {
+    for (const unsigned baud : {9600u, 19200u, 57600u, 115200u})
+        for (const Operation& operation : operations()) {
+            SCOPED_TRACE(operation.name + " at " + std::to_string(baud));
+            Deaf clean{baud}, disturbed{baud};
+            for (Deaf* const deaf : {&clean, &disturbed}) {
+                know_count(*deaf);
+                ASSERT_TRUE(time_of(*deaf, operations().front(), deaf == &disturbed));
+            }
+            const auto without = time_of(clean, operation, false, 0s), with = time_of(disturbed, operation, true, 0s);
+            ASSERT_TRUE(without);
+            ASSERT_TRUE(with);
+            RecordProperty(operation.name + "_" + std::to_string(baud) + "_ms",
+                           std::to_string((*with - *without) / std::chrono::milliseconds{1}));
+            EXPECT_LE(*with - *without, 1s);
+        }
+}
+
+// The header comes at any time since the flush.
+TEST(DeafDevice, a_call_at_any_time_after_a_flush_is_heard) {
+    for (const unsigned baud : {9600u, 57600u})
+        for (ano::Duration after{}; after <= 1100ms; after += 50ms) {
+            SCOPED_TRACE(std::to_string(after / 1ms) + " ms at " + std::to_string(baud));
+            Deaf deaf{baud};
+            know_count(deaf);
+            ASSERT_TRUE(time_of(deaf, operations().front(), true));
+            const auto took = time_of(deaf, operations()[1], true, after);
+            ASSERT_TRUE(took);
+            EXPECT_LE(*took, 1s + 50ms) << "and 50 ms without";
+        }
+}
+
+TEST(DeafDevice, all_operations_of_a_session_succeed_with_such_a_header_before_each) {
+    Deaf deaf{115200};
+    know_count(deaf);
+    for (const Operation& operation : operations()) EXPECT_TRUE(time_of(deaf, operation, true)) << operation.name;
+    std::size_t calls = 0;
+    for (const Bytes& frame : deaf.fake.heard) calls += frame[3] == 0xC0;
+    EXPECT_EQ(calls, 1u);
+}
+
+TEST(DeafDevice, one_that_was_never_asked_is_read) {
+    Deaf deaf{115200};
+    deaf.simulation.disturb(bad_header);
+    const auto task = operations().front().begin(deaf);
+    EXPECT_LE(deaf.simulation.run(*task), 2s);
+    ASSERT_TRUE(task->end());
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+}
+
+TEST(DeafDevice, where_nothing_is_lost_no_zero_byte_is_sent) {
+    Deaf deaf{0};
+    know_count(deaf);
+    const auto task = operations().front().begin(deaf);
+    deaf.simulation.run(*task);
+    EXPECT_EQ(deaf.simulation.zeros_there, 0u);
+}
+
+}    // namespace
+}    // namespace deaf_device_tests

@@ -1,0 +1,179 @@
+// A device with an accelerometer, as real ones are: what it sends is corrected by its calibration, which a restart takes from flash.
+#pragma once
+#include <host/calibration.hpp>
+#include <support/fake_device.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace support {
+
+/// The device, the host with its task, and a person who turns the device, in simulated time: a step is 20 ms, a sample each.
+class CalibrationBench {
+public:
+    using Calibration = ano::host::Calibration;
+    using Values = std::array<float, 15>;
+    static constexpr Values raw{0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static constexpr Duration step = 20ms;
+
+    FakeDevice fake;
+    ano::host::Device device{0xDC};
+    ano::host::DescriptionCache cache;
+    Calibration task{device, ano::host::Sensor::accelerometer, &cache};
+    TimePoint now = TimePoint{} + 1h;
+    Values flash{-30, 20, 10, 0.97f, 1.02f, 1, 1, 0.01f, 0, 0, 1, 0, 0, 0, 1};    // of an earlier calibration, of another sensor
+    Duration uses_after{};                                                        // the time from storing to using it
+    Values (*as_it_uses)(Values) = [](Values values) { return values; };          // by another formula than ours
+    bool uses_nothing = false;                                                    // it stores what it never uses
+    bool shows_the_clear = true;                                                  // in its parameters
+    bool is_dead = false;
+    bool holds_still = true;    // the person
+    std::vector<std::uint16_t> actions;
+    std::function<void()> each_step;    // optional
+
+    CalibrationBench() {
+        for (const std::string& name : ano::host::calibration_names(ano::host::Sensor::accelerometer))
+            fake.parameters.push_back({8, name, "", Bytes(4)});
+        load(flash);
+        used_ = flash;
+        fake.instead = [this](ano::FrameView frame) -> std::optional<std::vector<Bytes>> {
+            if (frame.id() == 0xE0 && frame.data()[0] == 0x10) act(ano::load<std::uint16_t>(frame.data().data() + 1));
+            return std::nullopt;
+        };
+    }
+
+    /// It is an older one, whose values are i32 with this scale.
+    void make_scaled(std::int32_t mul) {
+        fake.scaled = true;
+        for (auto& parameter : fake.parameters) parameter.mul = mul;
+        load(flash);
+    }
+    /// It has its old calibration again, and sends nothing for `time`.
+    void restart(Duration time) {
+        load(flash);
+        used_ = flash;
+        uses_at_.reset();
+        silent_until_ = now + time;
+    }
+    void announce(std::uint16_t version = 100) {
+        const std::string name = "fake";
+        hear(frame(0xDC, 0xFF, 0xE3,
+                   Bytes{0xDC, 100, 0, static_cast<std::uint8_t>(version), 0, 0, 0, 0x20, 3} + Bytes(name.begin(), name.end())));
+    }
+    /// Until it ends, or the time is over.
+    void run(Duration limit = 10min) {
+        if (!begun_) task.start(now);
+        begun_ = true;
+        for (const TimePoint end = now + limit; !task.end() && now < end;) take_step();
+    }
+    /// Until the task is in this step, with so many faces measured.
+    bool run_to(Calibration::Step where, std::size_t faces = 0, Duration limit = 2min) {
+        if (!begun_) task.start(now);
+        begun_ = true;
+        for (const TimePoint end = now + limit; !task.end() && now < end; take_step())
+            if (task.step() == where && task.faces().faces_done() >= faces) return true;
+        return false;
+    }
+    /// cm/s², the largest error of a face, with what the device has stored.
+    double worst_face() const {
+        double worst = 0;
+        for (std::size_t face = 0; face < 6; ++face)
+            worst = std::max(
+                worst, ano::host::error_on(static_cast<ano::host::Face>(face),
+                                           ano::host::AccelerometerCalibration::of(as_it_uses(flash)).corrected(felt(face))));
+        return worst;
+    }
+
+private:
+    void act(std::uint16_t action) {
+        actions.push_back(action);
+        if (action == 0x20) {
+            used_ = raw;
+            if (shows_the_clear) load(raw);
+        }
+        if (action != 0x21) return;
+        flash = stored();
+        uses_at_ = now + uses_after;
+    }
+    void load(const Values& values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            auto& parameter = fake.parameters[i];
+            if (fake.scaled)
+                ano::store(parameter.value.data(), static_cast<std::int32_t>(std::lround(double{values[i]} * parameter.mul)));
+            else ano::store(parameter.value.data(), values[i]);
+        }
+    }
+    Values stored() const {
+        Values values{};
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const auto& parameter = fake.parameters[i];
+            const double scaled = ano::load<std::int32_t>(parameter.value.data());
+            values[i] = fake.scaled ? static_cast<float>(scaled / parameter.mul) : ano::load<float>(parameter.value.data());
+        }
+        return values;
+    }
+    // What its sensor measures.
+    static ano::host::Vector felt(std::size_t face) {
+        ano::host::Vector v{25, -15, 5};
+        v[face / 2] += (face % 2 == 0 ? 1 : -1) * ano::host::SixFaces::gravity * (1.02 - 0.01 * static_cast<double>(face / 2));
+        return v;
+    }
+    void take_step() {
+        now += step;
+        ++steps_;
+        if (task.step() == Calibration::Step::keep) task.kept(now);
+        if (uses_at_ && now >= *uses_at_ && !uses_nothing) used_ = flash;
+        const bool is_silent = is_dead || (silent_until_ && now < *silent_until_);
+        for (int n = 0; n < 2; ++n)
+            if (const auto asked = device.next_frame(now); asked && !is_silent)
+                for (const Bytes& answer : fake.take(*asked)) hear(answer);
+        turn();
+        if (!is_silent) send_sample();
+        if (each_step) each_step();
+        task.look(now);
+    }
+    // The next face when one is enough; in the second after that it is moving.
+    void turn() {
+        if (task.step() == Calibration::Step::verify && moving_ == 0 &&
+            face_ != static_cast<std::size_t>(*task.face_to_verify())) {
+            face_ = static_cast<std::size_t>(*task.face_to_verify());
+            moving_ = 25;
+        }
+        if (task.step() != Calibration::Step::turn || moving_ > 0) {
+            moving_ -= moving_ > 0;
+            return;
+        }
+        if (!task.faces().is_enough(static_cast<ano::host::Face>(face_))) return;
+        for (face_ = 0; face_ < 5 && task.faces().is_enough(static_cast<ano::host::Face>(face_));) ++face_;
+        moving_ = 25;
+    }
+    void send_sample() {
+        const auto v = ano::host::AccelerometerCalibration::of(as_it_uses(used_)).corrected(felt(face_));
+        const bool moves = moving_ > 0 || !holds_still;
+        const double shakes = moves ? (steps_ % 2 == 0 ? 200 : -200) : static_cast<double>(steps_ % 3) - 1;
+        ano::Draft<"inertial"> m;
+        (void)m.set<"acc_x">(std::round(v[0] + shakes));
+        (void)m.set<"acc_y">(std::round(v[1] - shakes));
+        (void)m.set<"acc_z">(std::round(v[2] + shakes));
+        std::array<std::uint8_t, 64> bytes{};
+        const std::size_t size = m.encode(bytes, 0xDC, 0xFF);
+        hear({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+    }
+    void hear(const Bytes& bytes) {
+        device.take(ano::FrameView{bytes}, now);
+        task.hear(ano::FrameView{bytes}, now);
+    }
+
+    Values used_{};
+    std::optional<TimePoint> uses_at_, silent_until_;
+    std::size_t face_ = 0, steps_ = 0;
+    int moving_ = 0;
+    bool begun_ = false;
+};
+
+}    // namespace support

@@ -1,0 +1,26 @@
+#include <anoctl/device/refused_lengths.hpp>
+
+#include <gtest/gtest.h>
+
+namespace refused_lengths_tests {
+namespace {
+
+using anoctl::refused_lengths;
+
+TEST(RefusedLengths, names_the_link_and_what_to_set) {
+    const ano::Json before = ano::Json::parse(
+        R"({"links": [{"name": "cam", "bad_length": 3, "too_big": 1}, {"name": "ground", "too_big": 0}]})");
+    EXPECT_TRUE(refused_lengths(before, before).empty());
+    const ano::Json now = ano::Json::parse(
+        R"({"links": [{"name": "cam", "bad_length": 5, "too_big": 1}, {"name": "ground", "too_big": 4}]})");
+    const auto sentences = refused_lengths(before, now);
+    ASSERT_EQ(sentences.size(), 2u);
+    EXPECT_EQ(sentences[0],
+              "the link 'cam' refused 2 headers for LEN (bad_length): if pictures are missing, set max_data=20000 on it");
+    EXPECT_NE(sentences[1].find("4 frames did not fit the link 'ground' (too_big): set max_data_out=20000"), std::string::npos);
+    EXPECT_TRUE(refused_lengths({}, {}).empty()) << "no gateway answers";
+    EXPECT_TRUE(refused_lengths(now, before).empty()) << "it was started again";
+}
+
+}    // namespace
+}    // namespace refused_lengths_tests

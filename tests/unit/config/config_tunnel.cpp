@@ -1,0 +1,101 @@
+// What a configuration says of the tunnel.
+#include <config/check_network.hpp>
+#include <gateway/tunnel_policy.hpp>
+#include <unit/config/faults.hpp>
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace anogate::config_tunnel_tests {
+namespace {
+
+TEST(Config, a_tunnel_has_its_defaults_and_is_none_without_the_key) {
+    EXPECT_FALSE(settings_of("{}").tunnel);
+    EXPECT_EQ(settings_of(R"({"tunnel": {}})").tunnel, TunnelSettings{});
+    const TunnelSettings t;
+    EXPECT_EQ(t.address, 0xE6);
+    EXPECT_EQ(t.port, 12333);
+    EXPECT_TRUE(t.bind.is_any() && !t.ip && t.deliver == Deliver::frames);
+}
+
+TEST(Config, a_tunnel_is_read_as_it_is_written) {
+    const TunnelSettings t = *settings_of(R"({"links": ["serial:/dev/fc"], "tunnel": {"links": ["fc"], "address": "0xE7",
+        "bind": "192.168.0.5", "port": 5, "ip": "203.0.113.9", "deliver": "tunnel", "allow": ["192.168.0.0/24", "127.0.0.0/8"],
+        "wrap": [{"from": "192.168.0.0/24", "link": "fc", "as": "ip_tunnel_short", "source": 7, "to": "0xDC"}]}})")
+                                  .tunnel;
+    TunnelSettings expected;
+    expected.links = {"fc"};
+    expected.address = 0xE7;
+    expected.bind = *IpAddress::parse("192.168.0.5");
+    expected.port = 5;
+    expected.ip = IpAddress::parse("203.0.113.9");
+    expected.deliver = Deliver::tunnel;
+    expected.allow = {*Network::parse("192.168.0.0/24"), *Network::parse("127.0.0.0/8")};
+    expected.wrap = {{*Network::parse("192.168.0.0/24"), "fc", 0xB2, 7, 0xDC}};
+    EXPECT_EQ(t, expected);
+}
+
+// For links whose peers are in the network, and for others.
+TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_said) {
+    const auto faults = [](const std::string& link, const std::string& allow, const std::string& more = {}) {
+        return faults_in("{\"links\": [\"" + link +
+                         ",name=g\", \"sim:fc\"], \"tunnel\": {\"links\": [\"fc\", \"g\"], \"port\": 1, \"allow\": [" + allow +
+                         "]" + more + "}}");
+    };
+    const std::string open = "udp-listen:0.0.0.0:12333";
+    EXPECT_EQ(
+        faults(open, R"("10.0.0.0/8", "127.0.0.0/8")"),
+        "/tunnel/allow: 'allow' lists 127.0.0.0/8, which is this computer, and 'links' names 'g': its peers in the network would "
+        "reach local programs by tunnel frames; take one of them away, or say \"relay\": true if they shall\n");
+    for (const char* link : {"udp-listen:192.168.1.5:12333", "udp-listen:[::]:12333", "udp:192.168.1.20:6670"})
+        EXPECT_NE(faults(link, R"("127.0.0.1/32")"), "") << link;
+    EXPECT_EQ(faults(open, R"("127.0.0.0/8")", R"(, "relay": true)"), "");
+    EXPECT_NE(faults(open, R"("127.0.0.0/8")", R"(, "relay": false)"), "");
+    EXPECT_EQ(faults(open, R"("10.0.0.0/8")"), "");
+    for (const char* link : {"serial:/dev/ttyUSB0", "pty:/run/x", "can:can0", "udp-listen:127.0.0.1:12333", "udp:127.0.0.1:6670"})
+        EXPECT_EQ(faults(link, R"("127.0.0.0/8")"), "") << link << " has no peers in the network";
+    EXPECT_EQ(
+        faults_in(
+            R"({"links": ["udp-listen:0.0.0.0:1,name=g", "sim:fc"], "tunnel": {"links": ["fc"], "allow": ["127.0.0.0/8"]}})"),
+        "")
+        << "its tunnel frames are not carried";
+}
+
+TEST(Config, a_check_knows_the_addresses_of_this_computer_too) {
+    const auto faults = [](const std::string& allow, const std::string& relay = "false") {
+        Draft draft = parse_config(R"({"links": ["udp-listen:0.0.0.0:1,name=g"], "tunnel": {"links": ["g"], "allow": [")" +
+                                   allow + R"("], "relay": )" + relay + "}}");
+        EXPECT_TRUE(draft.errors.empty());
+        check_relay(draft, {*Network::parse("127.0.0.1/8"), *Network::parse("192.168.1.5/24")});
+        return draft.errors.size();
+    };
+    EXPECT_EQ(faults("192.168.1.5/32"), 1u);
+    EXPECT_EQ(faults("192.168.1.5/32", "true"), 0u);
+    EXPECT_EQ(faults("192.168.1.0/24"), 0u) << "an own address counts only when it is listed by itself";
+    EXPECT_EQ(faults("192.168.1.6/32"), 0u);
+}
+
+TEST(Config, faults_of_a_tunnel_name_their_place) {
+    EXPECT_EQ(
+        faults_in(R"({"links": ["serial:/dev/fc", "udp-listen:0.0.0.0:12333,name=g"], "tunnel": {"links": ["fd"], "bind": "::",
+        "ip": "0.0.0.0", "delivers": "x", "allow": ["::1/128"], "wrap": [{"from": "fc", "as": "ip", "link": "tunnel"}, 5]}})"),
+        "/tunnel/allow: 'allow' must be any, or networks such as 192.168.0.0/24, not '::1/128'\n"
+        "/tunnel/bind: 'bind' must be an IPv4 address such as 192.168.0.5, not '::'\n"
+        "/tunnel/delivers: unknown key 'delivers' (did you mean 'deliver'?)\n"
+        "/tunnel/ip: 'ip' must be an IPv4 address such as 192.168.0.5 or auto, not '0.0.0.0'\n"
+        "/tunnel/wrap/0/as: 'as' must be one of ip_tunnel, ip_tunnel_short, not 'ip'\n"
+        "/tunnel/wrap/0/from: 'from' must be an IPv4 network such as 192.168.0.0/24, not 'fc'\n"
+        "/tunnel/wrap/1: must be an object {...} of from, link, as, source, to, not 5\n"
+        "/tunnel/links/0: there is no link 'fd' (did you mean 'fc'?); give one of fc, g\n"
+        "/tunnel/wrap/0/link: there is no link 'tunnel'; give one of fc, g\n"
+        "/tunnel/port: local port 12333 is used by 'g' (/links/1: LINK 'udp-listen:0.0.0.0:12333,name=g') already\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc,name=tunnel"], "tunnel": 5})"),
+              "/tunnel: must be an object {...}, not 5\n/links/0: LINK 'sim:fc,name=tunnel': 'name' can't be 'tunnel', the word "
+              "is taken\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {}, "routes": [{"address": 5, "link": "tunnel"}]})"), "");
+}
+
+}    // namespace
+}    // namespace anogate::config_tunnel_tests

@@ -1,0 +1,511 @@
+#include <gtest/gtest.h>
+#include <gateway/can_settings.hpp>
+#include <link/pty_settings.hpp>
+#include <link/replay_settings.hpp>
+#include <link/serial_settings.hpp>
+#include <link/sim_settings.hpp>
+#include <link/udp_settings.hpp>
+
+#include <unit/config/faults.hpp>
+
+namespace anogate::read_link_tests {
+namespace {
+
+using testing::Test;
+
+LinkSettings link_of(std::string_view text) {
+    Draft draft{link_kinds()};
+    read_link(text, "", draft);
+    validate(draft);
+    EXPECT_EQ(lines(draft.errors), "");
+    return draft.settings.links.at(0);
+}
+
+LinkSettings of_kind(std::string_view name) {
+    LinkSettings link;
+    link.kind = find_link_kind(name);
+    link.of_kind = link.kind->settings();
+    return link;
+}
+
+/// One LINK text with one fault: the words behind "LINK '...': ".
+std::string fault_of(const std::string& link) {
+    const std::string text = faults_of({link});
+    const std::string start = "LINK '" + link + "': ";
+    EXPECT_EQ(text.rfind(start, 0), 0u) << text;
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+    return text.substr(std::min(text.size(), start.size()), text.size() - start.size() - 1);
+}
+
+TEST(LinkText, of_great_length_is_told_in_short_lines) {
+    std::string text = "sim:fc";
+    while (text.size() < 1 << 16) text += ",k=v";
+    Draft draft{link_kinds()};
+    read_link(text, "", draft);
+    std::size_t told = 0;
+    for (const ConfigError& error : draft.errors) told += error.where.size();
+    EXPECT_LT(told, std::size_t{1} << 24);
+}
+
+TEST(LinkText, a_port_that_can_be_none_is_told_with_what_was_meant) {
+    EXPECT_EQ(fault_of("serial:ttyUSB0"), "'device' 'ttyUSB0' is not the path of a port (did you mean '/dev/ttyUSB0'?)");
+    EXPECT_EQ(fault_of("serial:dev/ttyS0,baud=9600"),
+              "'device' 'dev/ttyS0' is not the path of a port (did you mean '/dev/ttyS0'?)");
+    EXPECT_EQ(
+        fault_of("serial:usb-FTDI_x-if00-port0"),
+        "'device' 'usb-FTDI_x-if00-port0' is not the path of a port (did you mean '/dev/serial/by-id/usb-FTDI_x-if00-port0'?)");
+    EXPECT_EQ(fault_of("serial:COM3"), "'device' 'COM3' is not the path of a port, such as /dev/ttyUSB0");
+    EXPECT_EQ(fault_of("serial:/dev/x:500000"),
+              "'device' '/dev/x:500000' ends with a number (did you mean '/dev/x' with baud=500000?)");
+    EXPECT_EQ(fault_of("serial:ttyUSB0:500000"),
+              "'device' 'ttyUSB0:500000' is not the path of a port (did you mean '/dev/ttyUSB0:500000'?)");
+    for (const std::string device : {"/dev/ttyUSB*", "/dev/ttyUSB?", "/dev/ttyUSB[01]"})
+        EXPECT_EQ(fault_of("serial:" + device),
+                  "'device' '" + device +
+                      "' is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name");
+    EXPECT_EQ(fault_of("can:can*"), "'interface' 'can*' is a pattern, and a link is one interface, such as can0");
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial", "device": "ttyAMA0"}]})"),
+              "/links/0/device: 'device' 'ttyAMA0' is not the path of a port (did you mean '/dev/ttyAMA0'?)\n");
+    for (const std::string device : {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0",
+                                     "/dev/serial/by-path/platform-x-usb-0:1:1.0", "./here", "a/b", "/dev/ttyUSB0"})
+        EXPECT_EQ(link_of("serial:" + device).as<SerialSettings>().device, device);
+}
+
+TEST(LinkText, a_full_width_separator_is_named) {
+    EXPECT_EQ(fault_of("serial:/dev/ttyUSB0，baud=500000"), "full-width '，': write ','");
+    EXPECT_EQ(fault_of("serial：/dev/ttyUSB0"), "full-width '：': write ':'");
+    EXPECT_EQ(fault_of("serial:/dev/ttyUSB0,baud＝500000"), "full-width '＝': write '='");
+}
+
+TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
+    const std::string told =
+        " is not a key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
+    EXPECT_EQ(fault_of("can:can0,bitrate=500000"), "'bitrate'" + told);
+    EXPECT_EQ(fault_of("can:can0,baud=500000"), "'baud'" + told);
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "can", "interface": "can0", "dbitrate": 2000000}]})"),
+              "/links/0/dbitrate: 'dbitrate'" + told + "\n");
+    EXPECT_EQ(fault_of("can0,bitrate=500000"), "no kind (did you mean 'can:can0,bitrate=500000'?)");
+    EXPECT_EQ(fault_of("ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
+}
+
+TEST(LinkText, serial) {
+    const LinkSettings link = link_of(
+        "serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,pace=off,dtr=off,rts");
+    LinkSettings expected = of_kind("serial");
+    expected.name = "ttyUSB0";
+    expected.of_kind = SerialSettings{"/dev/ttyUSB0", 123456,    Parity::even, 2,   FlowControl::hardware,
+                                      false,          Pace::off, false,        true};
+    EXPECT_EQ(link, expected);
+}
+
+TEST(LinkText, traffic) {
+    const LinkSettings link = link_of(
+        "udp:10.0.0.1:5,group=air,rate=5000,latency=50ms,pack=no,mtu=500,age.telemetry=300ms,"
+        "receive.deny=firmware+0xB0,send.allow_destinations=30-40,limit.0x01=50,limit.euler=0.5");
+    EXPECT_EQ(link.group, "air");
+    EXPECT_EQ(link.rate, 5000u);
+    EXPECT_EQ(link.latency, std::chrono::milliseconds{50});
+    EXPECT_FALSE(link.pack);
+    EXPECT_EQ(link.mtu, 500);
+    EXPECT_EQ(link.age.telemetry, std::chrono::milliseconds{300});
+    EXPECT_EQ(link.rules.receive.deny, (std::vector<ByteRange>{{0xF0, 0xF0}, {0xB0, 0xB0}}));
+    EXPECT_EQ(link.rules.send.allow_destinations, (std::vector<ByteRange>{{30, 40}}));
+    EXPECT_EQ(link.rules.limit, (std::vector<LimitRule>{{1, 50}, {3, 0.5}}));
+}
+
+TEST(LinkText, faults_of_traffic) {
+    EXPECT_NE(fault_of("sim:fc,limit=5").find("write limit.0x01=50"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not of 'telemetry', which is several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not of '0x01-0x0F', which is several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.elur=5").find("not of 'elur' (did you mean 'euler'?)"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.0x01=50,limit.0x01=20").find("0x01 has a limit already"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,receive.denny=0x01").find("(did you mean 'receive.deny'?)"), std::string::npos);
+    EXPECT_NE(fault_of("serial:/dev/x,pack=no").find("'pack' is not a key of serial, but of udp, udp-listen"), std::string::npos);
+}
+
+TEST(LinkText, serial_has_defaults) {
+    LinkSettings expected = of_kind("serial");
+    expected.name = "ttyUSB0";
+    expected.as<SerialSettings>().device = "/dev/ttyUSB0";
+    EXPECT_EQ(link_of("serial:/dev/ttyUSB0"), expected);
+}
+
+TEST(LinkText, keys_of_every_link) {
+    const LinkSettings link = link_of(
+        "sim:fc,hz=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
+    LinkSettings expected = of_kind("sim");
+    expected.name = "飞控";
+    expected.id = 5;
+    expected.max_data = 65535;
+    expected.queue = 70000;
+    expected.flood = false;
+    expected.broadcast = false;
+    expected.required = true;
+    expected.as<SimSettings>().hz = 100;
+    EXPECT_EQ(link, expected);
+}
+
+TEST(LinkText, hello_is_a_switch_or_an_interval) {
+    using namespace std::chrono_literals;
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x")), 0s);
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x,hello")), 2s);
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x,hello=on")), 2s);
+    EXPECT_EQ(hello_interval(link_of("udp:127.0.0.1:5,hello=10s")), 10s);
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x,profile=vendor,hello=off")), 0s);
+    EXPECT_EQ(fault_of("serial:/dev/x,hello=900ms"),
+              "'hello' must be off, on, or a duration such as 5s, from 1s to 24h, not '900ms'");
+}
+
+TEST(LinkText, a_profile_gives_defaults_and_no_more) {
+    using namespace std::chrono_literals;
+    const LinkSettings vendor = link_of("serial:/dev/x,profile=vendor");
+    EXPECT_EQ(vendor.max_data, 4096) << "of what comes in";
+    EXPECT_EQ(vendor.effective_max_data_out(), 198);
+    EXPECT_EQ(hello_interval(vendor), 2s);
+    EXPECT_EQ(vendor.meaning_of_type_7(), ValueType7::u64);
+    EXPECT_EQ(vendor.text_encoding(), TextEncoding::gbk);
+    const LinkSettings said = link_of("serial:/dev/x,profile=vendor,max_data_out=298,hello=5s,value_type_7=f32,encoding=utf8");
+    EXPECT_EQ(said.effective_max_data_out(), 298);
+    EXPECT_EQ(hello_interval(said), 5s);
+    EXPECT_EQ(said.meaning_of_type_7(), ValueType7::f32);
+    EXPECT_EQ(said.text_encoding(), TextEncoding::utf8);
+    const LinkSettings none = link_of("serial:/dev/x,max_data=1000");
+    EXPECT_EQ(none.effective_max_data_out(), 1000);
+    EXPECT_EQ(none.meaning_of_type_7(), ValueType7::f32);
+    EXPECT_EQ(none.text_encoding(), TextEncoding::utf8);
+    EXPECT_EQ(hello_interval(link_of("udp-listen:0.0.0.0:5,profile=vendor")), 0s) << "it has nobody to speak to";
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x,profile=vendor,broadcast=no")), 0s);
+}
+
+TEST(LinkText, the_queue_holds_what_may_leave) {
+    EXPECT_EQ(link_of("sim:fc,max_data=65535,max_data_out=100").queue, 32768u);
+    EXPECT_EQ(link_of("sim:fc,max_data_out=65535").queue, 2u * 65543);
+    EXPECT_EQ(link_of("sim:fc,profile=vendor,queue=206").queue, 206u);
+    EXPECT_EQ(fault_of("sim:fc,profile=vendor,queue=205"),
+              "'queue' must be at least max_data_out + 8, here 206, to hold one frame, not 205");
+}
+
+TEST(LinkText, udp_listen) {
+    const LinkSettings link = link_of("udp-listen:[::]:12333,peer_timeout=90s,max_peers=3,allow=192.168.0.0/16+::1");
+    EXPECT_EQ(link.as<UdpListenSettings>().local.text(), "[::]:12333");
+    EXPECT_EQ(link.as<UdpListenSettings>().peer_timeout, std::chrono::seconds{90});
+    EXPECT_EQ(link.as<UdpListenSettings>().max_peers, 3);
+    EXPECT_FALSE(link.as<UdpListenSettings>().allow_any);
+    ASSERT_EQ(link.as<UdpListenSettings>().allow.size(), 2u);
+    EXPECT_EQ(link.as<UdpListenSettings>().allow[1].text(), "::1/128");
+    EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,allow=any").as<UdpListenSettings>().allow_any);
+    EXPECT_FALSE(link.as<UdpListenSettings>().max_per_address);
+    EXPECT_EQ(link_of("udp-listen:0.0.0.0:0,max_per_address=5").as<UdpListenSettings>().max_per_address, 5);
+    EXPECT_TRUE(link.as<UdpListenSettings>().trusted.empty());
+    const auto trusting = link_of("udp-listen:0.0.0.0:0,trusted=10.8.0.0/16+fd00::/8").as<UdpListenSettings>();
+    ASSERT_EQ(trusting.trusted.size(), 2u);
+    EXPECT_EQ(trusting.trusted[1].text(), "fd00::/8");
+    EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,trusted=any").as<UdpListenSettings>().trusted_any);
+}
+
+TEST(LinkText, udp) {
+    const LinkSettings link = link_of("udp:[::1]:12333,bind=[::]:0");
+    EXPECT_EQ(link.as<UdpSettings>().peer.text(), "[::1]:12333");
+    ASSERT_TRUE(link.as<UdpSettings>().bind);
+    EXPECT_EQ(link.as<UdpSettings>().bind->text(), "[::]:0");
+    EXPECT_FALSE(link_of("udp:255.255.255.255:6670").as<UdpSettings>().bind);
+}
+
+TEST(LinkText, can) {
+    const LinkSettings link = link_of("can:can0,fd,brs=no,extended,base=0x40000");
+    LinkSettings expected = of_kind("can");
+    expected.name = "can0";
+    expected.of_kind = CanSettings{"can0", CanFraming::stream, true, false, true, 0x40000, {}, {}};
+    EXPECT_EQ(link, expected);
+    const CanSettings isotp = link_of("can:can0,framing=isotp,tx=0x7E0,rx=2024").as<CanSettings>();
+    EXPECT_EQ(isotp.framing, CanFraming::isotp);
+    EXPECT_EQ(isotp.tx, 0x7E0u);
+    EXPECT_EQ(isotp.rx, 0x7E8u);
+    EXPECT_FALSE(isotp.base);
+    EXPECT_EQ(fault_of("can:can0,base=0x601"), "base is a multiple of 0x100 up to 0x700 (11-bit ids), not 0x601");
+    EXPECT_EQ(fault_of("can:can0,base=600"),
+              "base is a multiple of 0x100 up to 0x700 (11-bit ids), not 600 (did you mean 0x600?)");
+    EXPECT_EQ(fault_of("can:can0,base=0x20000000"),
+              "'base' must be a CAN id such as 0x600, at most 0x1FFFFFFF, not '0x20000000'");
+    EXPECT_EQ(fault_of("can:can0,framing=isotp,tx=1"), "framing=isotp needs tx and rx, the two CAN ids");
+}
+
+TEST(LinkText, pty) { EXPECT_EQ(link_of("pty:/run/anogate/app").as<PtySettings>().path, "/run/anogate/app"); }
+
+TEST(LinkText, links_without_a_name_get_one_of_their_own) {
+    Draft draft{link_kinds()};
+    for (const char* text : {"serial:/dev/ttyUSB0", "serial:/dev/serial/ttyUSB0", "pty:/run/app", "udp-listen:0.0.0.0:12333",
+                             "udp:1.2.3.4:6670", "sim:fc", "sim:fc", "sim:fc,name=fc-2", "pty:/tmp/control", "pty:/tmp/"})
+        read_link(text, "", draft);
+    validate(draft);
+    EXPECT_EQ(lines(draft.errors), "");
+    std::vector<std::string> names;
+    for (const LinkSettings& link : draft.settings.links) names.push_back(link.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"ttyUSB0", "ttyUSB0-2", "app", "udp-listen-12333", "udp-6670", "fc", "fc-3",
+                                               "fc-2", "control-2", "pty"}));
+    EXPECT_EQ(link_of("pty:/tmp/" + std::string(60, 'x')).name, std::string(60, 'x'));
+    EXPECT_EQ(link_of("pty:/tmp/" + std::string(61, 'x')).name, "pty") << "with a number behind it, it would be too long";
+}
+
+TEST(LinkText, the_queue_holds_two_of_the_largest_frames_unless_told) {
+    EXPECT_EQ(link_of("sim:fc,max_data=16376").queue, 32768u);
+    EXPECT_EQ(link_of("sim:fc,max_data=65535").queue, 2u * 65543);
+    EXPECT_EQ(link_of("sim:fc,max_data=65535,queue=65543").queue, 65543u);
+}
+
+TEST(LinkText, a_mistyped_key_is_named_with_the_nearest) {
+    EXPECT_EQ(fault_of("serial:/dev/x,bauds=9"), "unknown key 'bauds' (did you mean 'baud'?)");
+    EXPECT_EQ(fault_of("serial:/dev/x,encryption"), "unknown key 'encryption'");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:5,baud=9"), "'baud' is not a key of udp, but of serial");
+    EXPECT_EQ(fault_of("serial:/dev/x,baud=9,baud=9"), "'baud' is given twice");
+    EXPECT_EQ(fault_of("serial:/dev/x,device=/dev/y"), "'device' is given twice");
+    EXPECT_EQ(fault_of("serial:/dev/x,kind=udp"), "unknown key 'kind'");
+    EXPECT_EQ(fault_of("serial:/dev/x,"), "a comma with no key behind it");
+    EXPECT_EQ(fault_of("serial:/dev/x,baud"), "'baud' needs a value: baud=NUMBER");
+}
+
+TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
+    EXPECT_EQ(fault_of("serial:/dev/x,baud=fast"), "'baud' must be a whole number from 1 to 4294967295, not 'fast'");
+    EXPECT_EQ(fault_of("sim:fc,max_data=65536"), "'max_data' must be a whole number from 0 to 65535, not '65536'");
+    EXPECT_EQ(fault_of("sim:fc,queue=4103"), "'queue' must be at least max_data_out + 8, here 4104, to hold one frame, not 4103");
+    EXPECT_EQ(fault_of("sim:fc,id=21"), "'id' must be an address from 1 to 20 (or in hex such as 0x05), not '21'");
+    EXPECT_EQ(fault_of("sim:fc,flood=maybe"), "'flood' must be true or false, not 'maybe'");
+    EXPECT_EQ(fault_of("serial:/dev/x,parity=evn"), "'parity' must be one of none, even, odd, not 'evn' (did you mean 'even'?)");
+    EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,peer_timeout=30"),
+              "'peer_timeout' must be a duration such as 30s or 2m, from 1s to 24h, not '30'");
+    EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/33"),
+              "'allow' must be any, or networks such as 192.168.0.0/24, not '10.0.0.0/33'");
+    EXPECT_EQ(fault_of("sim:fc,name="), "'name' must be text of 1 to 64 bytes, not ''");
+    EXPECT_EQ(fault_of("sim:fc,name=flood"), "'name' can't be 'flood', the word is taken");
+    EXPECT_EQ(fault_of("sim:plane"), "'device' must be one of fc, imu, flow, radio, car, not 'plane'");
+}
+
+TEST(LinkText, any_network_stands_alone) {
+    EXPECT_TRUE(fault_of("udp-listen:0.0.0.0:1,allow=any+10.0.0.0/8").starts_with("'allow' must be any, or networks"));
+}
+
+TEST(LinkText, a_text_is_no_longer_than_it_may_be) {
+    EXPECT_EQ(link_of("sim:fc,name=" + std::string(64, 'x')).name.size(), 64u);
+    EXPECT_TRUE(fault_of("sim:fc,name=" + std::string(65, 'x')).starts_with("'name' must be text of 1 to 64 bytes"));
+    EXPECT_TRUE(fault_of("sim:fc,name=").starts_with("'name' must be text of 1 to 64 bytes"));
+}
+
+TEST(LinkText, an_address_or_id_without_0x_is_known) {
+    const auto ends = [](const std::string& link, const std::string& end) {
+        EXPECT_TRUE(fault_of(link).ends_with(end)) << fault_of(link);
+    };
+    ends("sim:fc,id=0C", "not '0C' (did you mean '0x0C'?)");
+    ends("sim:fc,present_as=FE", "not 'FE' (did you mean '0xFE'?)");
+    ends("sim:fc,limit.B0=50", "not of 'B0' (did you mean '0xB0'?)");
+    ends("sim:fc,send.deny=0xF0+B0", "not 'B0' (did you mean '0xB0'?)");
+    ends("sim:fc,send.deny=B0-B2", "not 'B0-B2' (did you mean '0xB0-0xB2'?)");
+    ends("sim:fc,send.deny=30-4F", "not '30-4F' (did you mean '0x30-0x4F'?)");
+    ends("sim:fc,receive.allow_sources=FE", "not 'FE' (did you mean '0xFE'?)");
+    ends("can:can0,framing=isotp,tx=7E0,rx=0x7E8", "not '7E0' (did you mean '0x7E0'?)");
+}
+
+TEST(LinkText, a_number_with_a_unit_is_known) {
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=500k").ends_with("not '500k' (did you mean '500000'?)"));
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=115200bps").ends_with("not '115200bps' (did you mean '115200'?)"));
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=115200bauds").ends_with("not '115200bauds'")) << "what is meant is a guess";
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=115,200").find("not '115") == std::string::npos)
+        << "two keys: that is another fault";
+    EXPECT_TRUE(fault_of("sim:fc,queue=64KiB").ends_with("not '64KiB' (did you mean '65536'?)"));
+    EXPECT_TRUE(fault_of("sim:fc,hz=50Hz").ends_with("not '50Hz' (did you mean '50'?)"));
+    EXPECT_TRUE(fault_of("serial:/dev/x,rate=5kB").ends_with("not '5kB' (did you mean '5000'?)"));
+    EXPECT_TRUE(fault_of("sim:fc,hz=5k").ends_with("not '5k'")) << "not in its range either";
+    EXPECT_TRUE(fault_of("sim:fc,queue=99999999999999999999k").ends_with("k'"));
+}
+
+TEST(LinkText, a_key_that_stands_apart_is_known) {
+    EXPECT_EQ(fault_of("baud=500000"),
+              "'baud' is a key: write it behind the LINK that it is for, with a comma and no space: KIND:ADDRESS,baud=500000");
+    EXPECT_EQ(fault_of("bind=0.0.0.0:6669").substr(0, 15), "'bind' is a key");
+    EXPECT_EQ(fault_of("limit.0x01=5").substr(0, 21), "'limit.0x01' is a key");
+}
+
+TEST(LinkText, several_values_behind_commas_are_known) {
+    EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/8,192.168.0.0/16"),
+              "unknown key '192.168.0.0/16': several values of 'allow' are joined by +: allow=10.0.0.0/8+192.168.0.0/16");
+    EXPECT_EQ(fault_of("sim:fc,send.deny=0xB0,0xB1"),
+              "unknown key '0xB1': several values of 'send.deny' are joined by +: send.deny=0xB0+0xB1");
+    EXPECT_NE(faults_of({"sim:fc,send.deny=0xB0,0xB1,0xB2"}).find("send.deny=0xB0+0xB1+0xB2"), std::string::npos);
+    EXPECT_EQ(fault_of("sim:fc,send.deny=firmware,floood"), "unknown key 'floood' (did you mean 'flood'?)");
+}
+
+TEST(LinkText, a_limit_of_nothing_is_a_filter) {
+    EXPECT_TRUE(fault_of("sim:fc,limit.euler=0").ends_with("not '0'; to let none pass: send.deny=euler"))
+        << fault_of("sim:fc,limit.euler=0");
+}
+
+TEST(LinkText, every_fault_is_told_not_only_the_first) {
+    const std::string faults = faults_of({"serial:/dev/x,bauds=9,id=99,flow=soft", "sim:fc,hz=0"});
+    EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 4) << faults;
+}
+
+TEST(LinkText, a_baud_rate_alone_is_known_for_one) {
+    EXPECT_EQ(fault_of("serial:/dev/x,115200"), "unknown key '115200' (did you mean 'baud=115200'?)");
+    EXPECT_EQ(fault_of("sim:fc,100"), "unknown key '100'");
+}
+
+TEST(LinkText, a_port_alone_lacks_its_address) {
+    for (const char* port : {"12333", ":12333", "*:12333"})
+        EXPECT_EQ(fault_of(std::string{"udp-listen:"} + port),
+                  "'" + std::string{port} + "' has no IP address: write 0.0.0.0:12333 for every interface");
+    EXPECT_EQ(fault_of("udp:6670"), "'6670' has no IP address: write IP:6670");
+    EXPECT_EQ(fault_of("udp:10.0.0.1:6670,bind=6669"), "'6669' has no IP address: write 0.0.0.0:6669 for every interface");
+    EXPECT_EQ(fault_of("udp:65536").rfind("'address' must be an IP address and a port", 0), 0u);
+}
+
+TEST(LinkText, addresses_are_not_host_names) {
+    EXPECT_EQ(fault_of("udp:localhost:1"), "'localhost:1': host names are not looked up, give an IP address such as 127.0.0.1:1");
+    EXPECT_EQ(fault_of("udp:gw.example.org"),
+              "'gw.example.org': host names are not looked up, give an IP address such as 127.0.0.1:PORT");
+    EXPECT_EQ(fault_of("udp:1.2.3.4"), "'1.2.3.4' has no port: write 1.2.3.4:PORT");
+    EXPECT_EQ(fault_of("udp:::1"), "'::1' has no port: write [::1]:PORT");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:70000"),
+              "'address' must be an IP address and a port such as 127.0.0.1:12333 or [::1]:12333, not '1.2.3.4:70000': a port is "
+              "at most 65535");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:0"), "'1.2.3.4:0' has port 0: a fixed peer needs its port, 1 to 65535");
+    EXPECT_EQ(fault_of("udp:0.0.0.0:5"), "'0.0.0.0:5' is nobody's address; to wait for peers there, use udp-listen:0.0.0.0:5");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:5,bind=[::]:5"), "'bind' [::]:5 and the peer 1.2.3.4:5 are not both IPv4 or both IPv6");
+}
+
+TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
+    EXPECT_EQ(fault_of("udp:[fe80::1%no such]:5"), "'[fe80::1%no such]:5': 'no such' is not the name of a network interface");
+    EXPECT_EQ(fault_of("udp:[fe80::1%]:5"), "'[fe80::1%]:5': '' is not the name of a network interface");
+    EXPECT_EQ(faults_of({"udp:[fe80::1%wlan9]:5"}), "") << "it may come yet";
+    EXPECT_EQ(faults_of({"udp-listen:[fe80::1%wlan8]:5", "udp-listen:[fe80::1%wlan9]:5"}), "");
+    EXPECT_EQ(fault_of("udp:[2001:db8::7%lo]:5"),
+              "'[2001:db8::7%lo]:5': only a link-local address (fe80::...) takes an interface");
+    EXPECT_EQ(fault_of("udp:[fe80::1]:5"), "'[fe80::1]:5' is the same on every interface; say which: [fe80::1%eth0]:5");
+    EXPECT_EQ(faults_of({"udp:[fe80::1%lo]:5", "udp:[fe80::2]:5,bind=[fe80::1%lo]:0"}), "");
+}
+
+TEST(LinkText, an_interface_is_of_udp_and_not_another_than_that_of_an_address) {
+    EXPECT_EQ(faults_of({"udp:1.2.3.4:5,interface=wg0", "udp-listen:1.2.3.4:5,interface=wg0"}), "");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:5,interface="), "'interface' must be text of 1 to 15 bytes, not ''");
+    EXPECT_EQ(fault_of("serial:/dev/x,interface=wg0"), "'interface' is not a key of serial, but of udp-listen, udp, can");
+    EXPECT_EQ(
+        faults_of({"udp:[fe80::1]:5,interface=wg0", "udp:[fe80::1%wg0]:5,interface=wg0", "udp:[fe80::1%3]:5,interface=wg0"}), "");
+    for (const char* link : {"udp:[fe80::1%wg1]:5,interface=wg0", "udp:[fe80::2]:5,bind=[fe80::1%wg1]:5,interface=wg0",
+                             "udp-listen:[fe80::1%wg1]:5,interface=wg0"})
+        EXPECT_EQ(fault_of(link), "'interface' 'wg0' is not that of [fe80::1%wg1]:5: take one of them away");
+}
+
+TEST(LinkText, one_port_is_had_by_one_link_of_each_interface) {
+    const auto collide = [](const std::string& a, const std::string& b) {
+        const std::string faults = faults_of({a.c_str(), b.c_str()});
+        EXPECT_TRUE(faults.empty() || faults.find("local port 5 is used by") != std::string::npos) << faults;
+        return !faults.empty();
+    };
+    for (const char* other : {"udp-listen:0.0.0.0:5", "udp-listen:10.0.0.1:5", "udp:10.0.0.2:6,bind=0.0.0.0:5"}) {
+        const std::string link = std::string{other} + ",name=other";
+        EXPECT_FALSE(collide("udp-listen:0.0.0.0:5,interface=wg0", link + ",interface=wg1")) << link;
+        EXPECT_TRUE(collide("udp-listen:0.0.0.0:5,interface=wg0", link + ",interface=wg0")) << link;
+        EXPECT_TRUE(collide("udp-listen:0.0.0.0:5,interface=wg0", link)) << link;
+        EXPECT_TRUE(collide(link, "udp-listen:0.0.0.0:5,interface=wg0")) << link;
+        EXPECT_TRUE(collide(link, "udp-listen:[::]:5")) << link;
+        EXPECT_TRUE(collide("udp-listen:[::]:5", link)) << link;
+        EXPECT_FALSE(collide(link, "udp-listen:[::1]:5")) << link;
+    }
+}
+
+TEST(LinkText, what_is_no_link_says_what_a_link_is) {
+    EXPECT_EQ(fault_of("/dev/ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
+    EXPECT_EQ(fault_of("1.2.3.4:5"), "no kind (did you mean 'udp:1.2.3.4:5' or 'udp-listen:...'?)");
+    EXPECT_EQ(fault_of("help"), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
+    EXPECT_EQ(fault_of(""), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
+    EXPECT_EQ(fault_of("sim"), "no address, for example sim:fc");
+    EXPECT_EQ(fault_of("udp-listen,name=x"), "no address, for example udp-listen:0.0.0.0:12333");
+    EXPECT_EQ(fault_of("serail:/dev/x"),
+              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, can, pty, sim, replay");
+    EXPECT_EQ(fault_of("serial:"), "the address is missing, for example serial:/dev/ttyUSB0");
+    EXPECT_EQ(fault_of("serial:,baud=9"), "the address is missing, for example serial:/dev/ttyUSB0");
+    EXPECT_EQ(fault_of("serial:/dev/\xFF"), "not text in UTF-8");
+}
+
+TEST(LinkText, two_links_cannot_be_the_same) {
+    EXPECT_EQ(faults_of({"serial:/dev/x", "serial:/dev/x,name=y"}),
+              "LINK 'serial:/dev/x,name=y': 'device' '/dev/x' is used by 'x' (LINK 'serial:/dev/x') already\n");
+    EXPECT_EQ(faults_of({"pty:/tmp/a", "pty:/tmp/a"}),
+              "LINK 'pty:/tmp/a': 'path' '/tmp/a' is made by 'a' (LINK 'pty:/tmp/a') already\n");
+    EXPECT_EQ(faults_of({"sim:fc,name=a", "sim:fc,name=a"}),
+              "LINK 'sim:fc,name=a': 'name' 'a' is the name of LINK 'sim:fc,name=a' too\n");
+    EXPECT_EQ(faults_of({"sim:fc,id=3", "pty:/x,id=3"}),
+              "LINK 'pty:/x,id=3': 'id' 3 is the port id of 'fc' (LINK 'sim:fc,id=3') too\n");
+}
+
+TEST(LinkText, two_links_cannot_have_the_same_local_port) {
+    const auto collide = [](std::string_view a, std::string_view b) { return !faults_of({a, b}).empty(); };
+    EXPECT_TRUE(collide("udp-listen:0.0.0.0:1", "udp-listen:0.0.0.0:1"));
+    EXPECT_TRUE(collide("udp-listen:0.0.0.0:1", "udp-listen:127.0.0.1:1"));
+    EXPECT_TRUE(collide("udp-listen:127.0.0.1:1", "udp:1.2.3.4:5,bind=0.0.0.0:1"));
+    EXPECT_FALSE(collide("udp-listen:127.0.0.1:1", "udp-listen:127.0.0.2:1"));
+    EXPECT_FALSE(collide("udp-listen:0.0.0.0:1", "udp-listen:0.0.0.0:2"));
+    EXPECT_FALSE(collide("udp-listen:0.0.0.0:0", "udp-listen:0.0.0.0:0"));
+    EXPECT_FALSE(collide("udp:1.2.3.4:5", "udp:1.2.3.5:5"));
+    EXPECT_FALSE(collide("udp:1.2.3.4:5", "udp-listen:0.0.0.0:5"));
+}
+
+TEST(LinkText, at_most_64_links) {
+    Draft draft{link_kinds()};
+    for (int i = 0; i < 64; ++i) read_link("sim:fc", "", draft);
+    validate(draft);
+    EXPECT_EQ(lines(draft.errors), "");
+    EXPECT_EQ(draft.settings.links.back().name, "fc-64");
+    read_link("sim:fc", "", draft);
+    validate(draft);
+    EXPECT_EQ(lines(draft.errors), "anogated: LINK 'sim:fc': 65 links, at most 64 are possible\n");
+
+    Draft with_tunnel{link_kinds()};
+    read_config(R"({"tunnel": {"links": ["fc"]}})", "", with_tunnel);
+    for (int i = 0; i < 64; ++i) read_link("sim:fc", "", with_tunnel);
+    validate(with_tunnel);
+    EXPECT_EQ(lines(with_tunnel.errors), "anogated: LINK 'sim:fc': 64 links, at most 63 are possible\n");
+}
+
+TEST(RouteText, with_one_fault_brings_no_other) {
+    Draft draft{link_kinds()};
+    read_link("sim:fc", "", draft);
+    read_route("999=nobody", "--route", draft);
+    validate(draft);
+    EXPECT_EQ(draft.errors.size(), 1u) << lines(draft.errors);
+}
+
+TEST(LinkText, of_a_recording) {
+    const LinkSettings link = link_of("replay:/a/flight.pcapng,rate=0.5,loop,from=30s,to=2m,links=fc+radio,commands=yes");
+    EXPECT_EQ(link.name, "flight");
+    const auto& replay = link.as<ReplaySettings>();
+    EXPECT_EQ(replay.file, "/a/flight.pcapng");
+    EXPECT_EQ(replay.rate, 500u);
+    EXPECT_TRUE(replay.loop);
+    EXPECT_EQ(replay.from, std::chrono::seconds{30});
+    EXPECT_EQ(replay.to, std::chrono::minutes{2});
+    EXPECT_EQ(replay.links, (std::vector<std::string>{"fc", "radio"}));
+    EXPECT_TRUE(replay.commands);
+    EXPECT_EQ(link_of("replay:a").as<ReplaySettings>().rate, 1000u);
+    EXPECT_EQ(link_of("replay:a,rate=0").as<ReplaySettings>().rate, 0u);
+}
+
+TEST(LinkText, of_a_recording_has_faults_that_are_told) {
+    const std::string rate = "'rate' must be a number from 0 to 1000 such as 2 or 0.5, in thousandths at the finest, not ";
+    EXPECT_EQ(fault_of("replay:a,rate=0.0001"), rate + "'0.0001'");
+    EXPECT_EQ(fault_of("replay:a,rate=1000.5"), rate + "'1000.5'");
+    EXPECT_EQ(fault_of("replay:a,rate=-1"), rate + "'-1'");
+    EXPECT_EQ(fault_of("replay:a,from=2m,to=30s"), "'to' must be later than 'from': nothing is between them");
+    EXPECT_NE(fault_of("replay:a,broadcast=no").find("'broadcast' is not a key of replay, but of serial"), std::string::npos);
+}
+
+TEST(LinkText, hostile_bytes_make_one_line) {
+    EXPECT_EQ(lines({{"LINK 'a\nb'", "c\x1B[2J"}}), "anogated: LINK 'a\\x0ab': c\\x1b[2J\n");
+    EXPECT_EQ(lines({{"",
+                      "\xC2\x9B"
+                      "31m \xC2\xA0 \xC3\x9B"}}),
+              "anogated: \\xc2\\x9b31m \xC2\xA0 \xC3\x9B\n");
+    const std::string faults = faults_of({std::string(1 << 20, ',')});
+    EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 1);
+}
+
+}    // namespace
+}    // namespace anogate::read_link_tests

@@ -1,0 +1,105 @@
+// Places and turns at devices: first by right, then by client.
+#include <support/simulated_net.hpp>
+
+#include <gtest/gtest.h>
+
+namespace rights_tests {
+namespace {
+
+using namespace support;
+using anogate::http::Access;
+using Asked = std::shared_ptr<std::optional<SimulatedNet::Answer>>;
+
+struct Parties {
+    SimulatedNet net;
+    FakeDevice& fake = net.add();
+
+    Parties() {
+        fake.make_parameters(300);
+        fake.commands = {{{1, 0, 1}, {3}, "TAKE_OFF", "height"}, {{1, 0, 2}, {}, "LAND", ""}};
+    }
+    Asked as(Access access, const std::string& peer, const std::string& method, const std::string& target) {
+        net.access = access;
+        net.peer = peer;
+        return net.asked(method, target);
+    }
+    /// Each reads something else, so that they do not share a job.
+    std::vector<Asked> viewers(int count) {
+        std::vector<Asked> all;
+        for (int i = 0; i < count; ++i) {
+            std::string names = "?name=PAR_" + std::to_string(i);
+            for (int p = 0; p < 290; ++p) names += "&name=PAR_" + std::to_string(p);
+            all.push_back(as(Access::view, "10.0.0." + std::to_string(i), "GET", "/devices/0xDC/parameters" + names));
+        }
+        return all;
+    }
+    Duration time_of_land() {
+        const TimePoint begin = net.time;
+        const Asked land = as(Access::control, "10.0.1.1", "POST", "/devices/0xDC/commands/LAND");
+        EXPECT_TRUE(net.until([&] { return land->has_value(); }));
+        EXPECT_EQ((*land)->status, 200u) << (*land)->json;
+        return net.time - begin;
+    }
+};
+struct Rights : testing::Test, Parties {};
+
+TEST_F(Rights, twenty_two_viewers_that_read_refuse_no_command) {
+    const auto reading = viewers(22);
+    for (int i = 0; i < 20; ++i) time_of_land();
+    EXPECT_GT(std::count_if(reading.begin(), reading.end(), [](const auto& one) { return !one->has_value(); }), 0);
+}
+
+// Its first call reads the descriptions of commands, by questions as those of the viewers.
+TEST_F(Rights, eight_viewers_that_read_delay_no_command) {
+    Parties alone;
+    const Duration without = alone.time_of_land();
+    const auto reading = viewers(8);
+    net.pass(300ms);
+    ASSERT_FALSE(reading.back()->has_value());
+    EXPECT_LE(time_of_land(), without + without / 4) << "of those on their way before, the last answer is waited for";
+}
+
+TEST_F(Rights, viewers_go_on_behind_it) {
+    const auto reading = viewers(4);
+    net.pass(100ms);
+    time_of_land();
+    ASSERT_TRUE(
+        net.until([&] { return std::all_of(reading.begin(), reading.end(), [](const auto& r) { return r->has_value(); }); }));
+    for (const auto& one : reading) EXPECT_EQ((*one)->status, 200u) << (*one)->json;
+}
+
+// A question that was lost is the same as one of the command's: it is sent again, or the command would wait for it for ever.
+TEST_F(Rights, a_lost_question_of_a_viewer_holds_nobody_up) {
+    fake.deaf = true;
+    const Asked reads = as(Access::view, "10.0.0.1", "GET", "/devices/0xDC/commands");
+    net.pass(20ms);
+    const Asked land = as(Access::control, "10.0.1.1", "POST", "/devices/0xDC/commands/LAND");
+    net.pass(20ms);
+    fake.deaf = false;
+    ASSERT_TRUE(net.until([&] { return land->has_value(); }, 10s));
+    EXPECT_EQ((*land)->status, 200u) << (*land)->json;
+    EXPECT_TRUE(net.until([&] { return reads->has_value(); }, 10s));
+}
+
+TEST_F(Rights, one_viewer_leaves_places_to_the_others) {
+    fake.deaf = true;
+    std::vector<Asked> greedy;
+    for (int i = 0; i < 100; ++i)
+        greedy.push_back(as(Access::view, "10.0.0.1", "GET", "/devices/0xDC/parameters/PAR_" + std::to_string(i)));
+    EXPECT_TRUE(greedy.back()->has_value()) << "refused";
+    const Asked other = as(Access::view, "10.0.0.2", "GET", "/devices/0xDC/parameters/PAR_0");
+    EXPECT_FALSE(other->has_value());
+}
+
+TEST_F(Rights, viewers_that_leave_their_jobs_behind_leave_places_too) {
+    fake.deaf = true;
+    for (int i = 0; i < 100; ++i) {
+        as(Access::view, "10.0.0." + std::to_string(i), "GET", "/devices/0xDC/parameters/PAR_" + std::to_string(i));
+        net.leave();
+    }
+    const Asked own = as(Access::control, "10.0.1.1", "GET", "/devices/0xDC/parameters/PAR_0");
+    EXPECT_FALSE(own->has_value());
+}
+
+}    // namespace
+}    // namespace rights_tests

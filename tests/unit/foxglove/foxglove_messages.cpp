@@ -1,0 +1,93 @@
+#include <foxglove/foxglove_messages.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace anogate::foxglove::foxglove_messages_tests {
+namespace {
+
+using nlohmann::json;
+using namespace std::string_literals;
+
+std::string wrong(std::string_view text) {
+    const Said said = read(text);
+    const auto* const words = std::get_if<Wrong>(&said);
+    return words ? words->words : "nothing is wrong";
+}
+
+TEST(FoxgloveMessages, what_a_client_says_is_read) {
+    const Said subscribed = read(
+        R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":4294967295,"channelId":5}]})");
+    const auto& two = std::get<Subscribe>(subscribed).subscriptions;
+    ASSERT_EQ(two.size(), 2u);
+    EXPECT_EQ(two[0].channel, 3u);
+    EXPECT_EQ(two[1].id, 4294967295u);
+    EXPECT_EQ(std::get<Unsubscribe>(read(R"({"op":"unsubscribe","subscriptionIds":[7,8]})")).ids,
+              (std::vector<std::uint32_t>{7, 8}));
+    const Said asked = read(R"({"op":"getParameters","parameterNames":["fc/220/A"],"id":"q"})");
+    EXPECT_EQ(std::get<GetParameters>(asked).names, (std::vector<std::string>{"fc/220/A"}));
+    EXPECT_EQ(std::get<GetParameters>(asked).id, "q");
+    EXPECT_EQ(std::get<GetParameters>(read(R"({"op":"getParameters","parameterNames":[]})")).id, std::nullopt);
+    EXPECT_FALSE(std::get<WatchParameters>(read(R"({"op":"subscribeParameterUpdates","parameterNames":["a"]})")).ends);
+    EXPECT_TRUE(std::get<WatchParameters>(read(R"({"op":"unsubscribeParameterUpdates"})")).ends);
+}
+
+TEST(FoxgloveMessages, what_is_no_message_is_said_in_words) {
+    for (const std::string text : {"", "{", "\xff", "[1,2"})
+        EXPECT_TRUE(wrong(text).starts_with("the message is no JSON: ")) << text;
+    EXPECT_TRUE(wrong(std::string(65000, '[')).ends_with("nested deeper than 32 levels"));
+    for (const std::string text : {"[]", "3", "{}", R"({"op":3})", "null"})
+        EXPECT_EQ(wrong(text), "a message is an object with an 'op'") << text;
+    EXPECT_EQ(wrong(R"({"op":"fly"})"), "there is no 'op' 'fly' here");
+    EXPECT_LT(wrong(R"({"op":")" + std::string(60000, 'x') + R"("})").size(), 400u);
+    EXPECT_EQ(wrong(R"({"op":"subscribe"})"), "'subscribe' needs a list 'subscriptions'");
+    const std::string bad = "a subscription has 'id' and 'channelId', whole numbers of at most 32 bits";
+    for (const std::string one : {"3", "{}", R"({"id":1})", R"({"id":-1,"channelId":1})", R"({"id":1.5,"channelId":1})",
+                                  R"({"id":4294967296,"channelId":1})", R"({"id":"1","channelId":1})"})
+        EXPECT_EQ(wrong(R"({"op":"subscribe","subscriptions":[)" + one + "]}"), bad) << one;
+    EXPECT_EQ(wrong(R"({"op":"unsubscribe","subscriptionIds":[null]})"),
+              "'subscriptionIds' are whole numbers of at most 32 bits");
+    EXPECT_EQ(wrong(R"({"op":"getParameters","parameterNames":[1]})"), "'parameterNames' is a list of texts");
+    EXPECT_EQ(wrong(R"({"op":"getParameters","id":7})"), "the 'id' of a question is a text of at most 256 bytes");
+    EXPECT_EQ(wrong(R"({"op":"getParameters","id":")" + std::string(257, 'x') + R"("})"),
+              "the 'id' of a question is a text of at most 256 bytes");
+}
+
+TEST(FoxgloveMessages, nothing_is_written) {
+    for (const std::string op : {"setParameters", "advertise", "unadvertise"})
+        EXPECT_EQ(wrong(R"({"op":")" + op + R"(","parameters":[{"name":"fc/220/A","value":1}]})"),
+                  "'" + op + "' is refused: this interface shows, and writes nothing");
+    const json info = json::parse(server_info({"anogate", "17"}));
+    EXPECT_EQ(info.at("op"), "serverInfo");
+    EXPECT_EQ(info.at("capabilities"), (json{"parameters", "parametersSubscribe"}));
+    EXPECT_EQ(info.at("sessionId"), "17");
+}
+
+TEST(FoxgloveMessages, bytes_of_a_channel_have_the_subscription_and_the_time_before_them) {
+    EXPECT_EQ(message_data(0x01020304, 0x1122334455667788, "ab"), "\x01\x04\x03\x02\x01\x88\x77\x66\x55\x44\x33\x22\x11"s + "ab");
+    EXPECT_EQ(message_data(0, 0, "").size(), 13u);
+}
+
+TEST(FoxgloveMessages, values_of_parameters_say_when_they_are_no_whole_numbers) {
+    const Parameter all[] = {{"fc/220/A", "5.0"}, {"fc/220/B", "7"}, {"fc/220/C", R"("text")"}};
+    const json told = json::parse(parameter_values(all, "q"));
+    EXPECT_EQ(told.at("id"), "q");
+    EXPECT_EQ(told.at("parameters"),
+              json::parse(R"([{"name":"fc/220/A","value":5.0,"type":"float64"},{"name":"fc/220/B","value":7},
+                                                     {"name":"fc/220/C","value":"text"}])"));
+    EXPECT_FALSE(json::parse(parameter_values({}, std::nullopt)).contains("id"));
+}
+
+TEST(FoxgloveMessages, texts_are_utf8_whatever_a_link_is_called) {
+    const Channel channel{1, "/\xff/x", "cdr", "a/b", "text", "ros2msg"};
+    const json told = json::parse(advertise({&channel, 1}));
+    EXPECT_EQ(told.at("channels").at(0).at("topic"), "/\xEF\xBF\xBD/x");
+    EXPECT_EQ(json::parse(status(Level::warning, "\xff")).at("level"), 1);
+}
+
+}    // namespace
+}    // namespace anogate::foxglove::foxglove_messages_tests

@@ -1,0 +1,206 @@
+// Frames that act on a device, for addresses that were not heard lately; frames for hosts that were never heard.
+#include "routing_net.hpp"
+
+namespace router_acts_tests {
+
+using namespace routing;
+
+namespace {
+
+constexpr std::uint8_t host = 0xFE, unknown = 0x44, old = 0x01;
+
+struct Acts : testing::Test {
+    Route act(unsigned from, std::uint8_t destination, std::uint8_t source = host) {
+        return net->route(channel(from), source, destination, net.now, ano::Intent::acts);
+    }
+    void hear(unsigned from, std::uint8_t source) { net.route(from, source, 0xFF); }
+    Net net;
+};
+
+TEST_F(Acts, for_an_unknown_address_do_not_get_to_other_devices) {
+    hear(1, old);
+    hear(2, 0xDC);
+    expect(act(0, unknown), channels({3}), Via::unknown);
+    expect(net->find(link(0), unknown, net.now, ano::Intent::acts), channels({0, 3}), Via::unknown);
+    expect(net->route(channel(0), host, unknown, net.now, ano::Intent::asks), channels({1, 2, 3}), Via::unknown);
+    expect(act(0, old), channels({1}), Via::learned);
+}
+
+// A link is remade, with other settings: where devices were at home on it is restored for frames that act.
+TEST_F(Acts, go_to_the_last_home_on_a_link_that_was_remade) {
+    hear(1, old);
+    hear(2, 0xDC);
+    const auto homes = net->last_homes(link(2));
+    EXPECT_EQ(homes.count(), 1u);
+    net->close(channel(2));
+    EXPECT_EQ(net->last_homes(link(2)), homes);
+    net->remove_link(link(2));
+    expect(act(0, 0xDC), channels({1, 3}), Via::unknown);
+    const LinkId remade = net->add_link({});
+    net->restore_last_homes(homes, remade);
+    EXPECT_TRUE(act(0, 0xDC).channels.empty()) << "it is not open yet";
+    net->open(channel(2), remade);
+    expect(act(0, 0xDC), channels({2}), Via::learned);
+    expect(act(0, unknown), channels({3}), Via::unknown);    // its silent device gets nothing for others
+    hear(1, 0xDC);
+    expect(act(0, 0xDC), channels({1}), Via::learned);
+    expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
+}
+
+TEST_F(Acts, go_to_the_only_place_with_devices) {
+    hear(1, old);
+    expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
+    hear(1, 0x02);
+    expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
+    expect(act(3, unknown, 0x30), channels({0, 1, 2}), Via::unknown);    // a device: its own place does not count
+}
+
+TEST_F(Acts, get_to_where_hosts_are_as_well) {
+    hear(1, old);
+    hear(2, 0xDC);
+    hear(2, host);
+    expect(act(0, unknown), channels({2, 3}), Via::unknown);
+    net->note_host(channel(1));
+    expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
+}
+
+TEST_F(Acts, never_get_to_the_only_place_when_that_acts_for_others) {
+    Net one{{}, {{}, {.acts_for_others = true}}};
+    one.route(1, old, 0xFF);
+    expect(one->route(channel(0), host, unknown, one.now, ano::Intent::acts), {}, Via::unknown);
+    expect(one->route(channel(0), host, old, one.now, ano::Intent::acts), channels({1}), Via::learned);
+}
+
+// It answered for an address that is not its own.
+TEST_F(Acts, never_get_to_the_only_place_once_it_is_known_to_act_for_others) {
+    hear(1, old);
+    expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
+    net->note_acts_for_others(link(1));
+    expect(act(0, unknown), channels({2, 3}), Via::unknown);
+    expect(act(0, old), channels({1}), Via::learned);
+}
+
+TEST_F(Acts, of_a_group_all_links_are_one_place) {
+    Net grouped{{}, {{}, {.group = 1}, {.group = 1}, {}}};
+    grouped.route(1, old, 0xFF);
+    grouped.now += 2s;
+    expect(grouped->route(channel(0), host, unknown, grouped.now, ano::Intent::acts), channels({1, 2, 3}), Via::unknown);
+    grouped.route(3, 0xDC, 0xFF);
+    expect(grouped->route(channel(0), host, unknown, grouped.now, ano::Intent::acts), {}, Via::unknown);
+    grouped.route(2, host, 0xDC);
+    grouped.now += 2s;
+    expect(grouped->route(channel(0), host, unknown, grouped.now, ano::Intent::acts), channels({1, 2}), Via::unknown);
+}
+
+TEST_F(Acts, peers_of_a_link_are_several_places) {
+    Net peers{{}, {{}, {}}};
+    peers->open(channel(2), link(1));
+    peers.route(1, old, 0xFF);
+    peers.route(2, 0xDC, 0xFF);
+    expect(peers->route(channel(0), host, unknown, peers.now, ano::Intent::acts), {}, Via::unknown);
+}
+
+TEST_F(Acts, for_an_expired_address_go_where_it_was_heard_last) {
+    hear(1, old);
+    hear(2, 0xDC);
+    hear(3, unknown);
+    net.now += 1h;
+    expect(act(0, unknown), channels({3}), Via::learned);
+    expect(net.route(0, host, unknown), channels({1, 2, 3}), Via::unknown);
+    EXPECT_TRUE(net->learned(unknown, net.now).links.empty());
+    net->forget(unknown);
+    expect(act(0, unknown), channels({3}), Via::unknown);    // nobody is there any more
+}
+
+TEST_F(Acts, for_an_address_whose_channel_is_closed_go_to_its_link) {
+    hear(1, old);
+    hear(2, 0xDC);
+    hear(3, unknown);
+    net->close(channel(3));
+    expect(act(0, unknown), {}, Via::learned, links({3}));
+    net->open(channel(3), link(3));
+    expect(act(0, unknown), channels({3}), Via::learned);
+    hear(3, 0x05);
+    expect(act(0, unknown), {}, Via::learned);
+    hear(3, unknown);
+    expect(act(0, unknown), channels({3}), Via::learned);
+    net->close(channel(3));
+    net->remove_link(link(3));
+    expect(act(0, unknown), {}, Via::unknown);
+}
+
+TEST_F(Acts, with_a_configured_way_for_unknown_addresses_take_it) {
+    Net to_link{settings([](GatewaySettings& s) { s.unknown = Unknown::link; })};
+    to_link->set_unknown_link(link(1));
+    to_link.route(1, old, 0xFF);
+    to_link.route(2, 0xDC, 0xFF);
+    expect(to_link->route(channel(0), host, unknown, to_link.now, ano::Intent::acts), channels({1}), Via::unknown);
+    Net dropped{settings([](GatewaySettings& s) { s.unknown = Unknown::drop; })};
+    dropped.route(1, old, 0xFF);
+    expect(dropped->route(channel(0), host, unknown, dropped.now, ano::Intent::acts), {}, Via::nobody);
+    dropped.now += 1h;
+    expect(dropped->route(channel(0), host, old, dropped.now, ano::Intent::acts), channels({1}), Via::learned);
+}
+
+TEST_F(Acts, frames_for_unheard_hosts_do_not_get_where_only_devices_are) {
+    hear(0, 0xDC);
+    hear(1, old);
+    for (const std::uint8_t to : {host, ano::address::ros_bridge}) expect(net.route(0, 0xDC, to), channels({2, 3}), Via::unknown);
+    hear(1, 0xD2);
+    expect(net.route(0, 0xDC, host), channels({1, 2, 3}), Via::unknown);
+    net->note_host(channel(0));
+    expect(net.route(1, old, host), channels({0, 2, 3}), Via::unknown);
+}
+
+TEST_F(Acts, a_frame_for_a_host_that_is_down_does_not_get_where_only_devices_are) {
+    hear(0, 0xDC);
+    hear(1, old);
+    hear(2, host);
+    net->went_down(channel(2));
+    expect(net.route(0, 0xDC, host), channels({2, 3}), Via::unknown);
+}
+
+TEST_F(Acts, a_device_that_moved_leaves_its_place_empty) {
+    hear(1, old);
+    hear(2, 0xDC);
+    net->went_down(channel(1));
+    hear(3, old);
+    net->came_up(channel(1));
+    expect(act(0, unknown), channels({1}), Via::unknown);
+}
+
+TEST_F(Acts, a_device_is_alone_where_nobody_else_is) {
+    hear(1, old);
+    EXPECT_TRUE(net->is_alone(old, channel(1)));
+    EXPECT_FALSE(net->is_alone(old, channel(2)));
+    hear(1, 0x02);
+    EXPECT_FALSE(net->is_alone(old, channel(1)));
+    hear(2, 0xDC);
+    net->note_host(channel(2));
+    EXPECT_FALSE(net->is_alone(0xDC, channel(2)));
+}
+
+// A host and a device with the same address: one sends to the other.
+TEST_F(Acts, a_frame_to_its_own_source_goes_to_the_other_one_that_has_the_address) {
+    hear(1, old);
+    expect(act(0, old, old), channels({1}), Via::learned);
+    EXPECT_EQ(net.asked().size(), 1u) << "the host claims the address";
+    hear(1, old);
+    expect(net.route(1, old, old), channels({0}), Via::learned);
+    net->close(channel(0));
+    expect(net.route(1, old, old), channels({2, 3}), Via::unknown);
+}
+
+TEST_F(Acts, a_frame_to_its_own_source_is_for_an_unknown_device_while_only_the_host_was_heard) {
+    hear(2, 0xDC);
+    hear(3, 0xDD);
+    expect(act(0, old, old), channels({1}), Via::unknown);
+    hear(1, old);
+    expect(act(0, old, old), channels({1}), Via::learned);
+    expect(net.route(1, old, old), channels({0}), Via::learned);
+    net->pin(old, old, link(1));
+    expect(net.route(1, old, old), channels({0}), Via::pinned);
+}
+
+}    // namespace
+}    // namespace router_acts_tests

@@ -1,0 +1,289 @@
+// A device that restarts, dies or does not use what it stores while it is calibrated.
+#include <support/calibrated_device.hpp>
+#include <support/sanitized.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace ano::host::calibration_restarts_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using support::CalibrationBench;
+using Step = Calibration::Step;
+
+std::ptrdiff_t clears(const CalibrationBench& bench) { return std::count(bench.actions.begin(), bench.actions.end(), 0x20); }
+
+void is_calibrated(CalibrationBench& bench) {
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_EQ(bench.task.end()->ending, Ending::done) << bench.task.end()->what;
+    EXPECT_LT(bench.worst_face(), 2);
+    EXPECT_LE(bench.task.verified().value_or(1000), 4 + 3 * bench.task.residuals()->second);
+}
+
+TEST(CalibrationRestarts, without_one_it_is_cleared_once) {
+    CalibrationBench bench;
+    EXPECT_GT(bench.worst_face(), 50);
+    is_calibrated(bench);
+    EXPECT_EQ(bench.actions, (std::vector<std::uint16_t>{0x20, 0x21}));
+    EXPECT_EQ(bench.task.restarts(), 0u);
+}
+
+TEST(CalibrationRestarts, an_older_device_is_calibrated_by_scaled_values) {
+    CalibrationBench bench;
+    bench.make_scaled(100'000);
+    ASSERT_TRUE(bench.run_to(Step::turn, 3));
+    bench.restart(0s);
+    is_calibrated(bench);
+    EXPECT_EQ(bench.task.restarts(), 1u);
+}
+
+TEST(CalibrationRestarts, an_older_device_has_its_scaled_values_back) {
+    CalibrationBench bench;
+    bench.make_scaled(100'000);
+    const auto old = bench.flash;
+    bench.uses_nothing = true;
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_TRUE(bench.task.has_old_values()) << bench.task.end()->what;
+    EXPECT_EQ(bench.flash, old);
+}
+
+// Its sensitivities are stored in tenths: what it is off by then is said.
+TEST(CalibrationRestarts, an_older_device_with_a_coarse_scale_is_told_the_residual_of_what_it_stores) {
+    CalibrationBench bench;
+    bench.flash = {-30, 20, 10, 0.9f, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    bench.make_scaled(10);
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_EQ(bench.task.end()->ending, Ending::done) << bench.task.end()->what;
+    EXPECT_GT(bench.task.residuals()->second, 5);
+    EXPECT_LT(bench.worst_face(), std::sqrt(6) * bench.task.residuals()->second);
+}
+
+TEST(CalibrationRestarts, one_that_only_the_values_show_is_found_before_the_fit) {
+    CalibrationBench bench;
+    ASSERT_TRUE(bench.run_to(Step::turn, 3));
+    bench.restart(0s);
+    is_calibrated(bench);
+    EXPECT_EQ(bench.task.restarts(), 1u);
+    EXPECT_EQ(bench.task.last_restart(), "it has other calibration values than after the clear");
+    EXPECT_EQ(clears(bench), 2);
+}
+
+TEST(CalibrationRestarts, one_between_the_values_and_the_fit_is_found_too) {
+    CalibrationBench bench;
+    ASSERT_TRUE(bench.run_to(Step::confirm));
+    bench.restart(600ms);
+    is_calibrated(bench);
+    EXPECT_EQ(bench.task.restarts(), 1u);
+}
+
+TEST(CalibrationRestarts, a_gap_of_more_than_half_a_second_is_one) {
+    for (const auto& [gap, restarts] : {std::pair{460ms, 0u}, {540ms, 1u}, {3000ms, 1u}}) {
+        CalibrationBench bench;
+        bench.shows_the_clear = false;
+        ASSERT_TRUE(bench.run_to(Step::turn, 2));
+        if (restarts > 0) bench.restart(gap);
+        bench.is_dead = true;
+        bench.run(gap);
+        bench.is_dead = false;
+        is_calibrated(bench);
+        EXPECT_EQ(bench.task.restarts(), restarts) << gap.count() << " ms";
+    }
+}
+
+TEST(CalibrationRestarts, device_info_that_nobody_asked_for_is_one) {
+    CalibrationBench bench;
+    ASSERT_TRUE(bench.run_to(Step::turn, 1));
+    bench.run(5s);    // longer than an answer to the last question may take
+    bench.restart(0s);
+    bench.announce();
+    EXPECT_EQ(bench.task.step(), Step::clear);
+    EXPECT_EQ(bench.task.last_restart(), "it sent its device info unasked");
+    is_calibrated(bench);
+    EXPECT_EQ(clears(bench), 2);
+}
+
+TEST(CalibrationRestarts, device_info_that_somebody_asked_for_is_none) {
+    CalibrationBench bench;
+    ASSERT_TRUE(bench.run_to(Step::turn, 1));
+    bench.run(5s);
+    bench.device.expect_info(bench.now);
+    bench.announce();
+    EXPECT_EQ(bench.task.step(), Step::turn);
+    is_calibrated(bench);
+    EXPECT_EQ(clears(bench), 1);
+}
+
+TEST(CalibrationRestarts, device_info_that_has_changed_is_one) {
+    CalibrationBench bench;
+    ASSERT_TRUE(bench.run_to(Step::turn, 1));
+    bench.device.expect_info(bench.now);
+    bench.announce(101);
+    EXPECT_EQ(bench.task.step(), Step::clear);
+    EXPECT_EQ(bench.task.last_restart(), "its device info has changed");
+}
+
+// One sample a second is a pace, not a row of restarts.
+TEST(CalibrationRestarts, a_slow_device_is_judged_by_its_own_pace) {
+    Device device{0xDC};
+    RestartWatch watch{device, TimePoint{}};
+    TimePoint now{};
+    for (int i = 0; i < 20; ++i) watch.sampled(now += 1s);
+    EXPECT_FALSE(watch.sign(device));
+    watch.sampled(now += 3100ms);
+    EXPECT_EQ(watch.sign(device), "no samples for 3.1 s");
+}
+
+TEST(CalibrationRestarts, again_and_again_ends_it) {
+    CalibrationBench bench;
+    for (int i = 0; i < 6; ++i) {
+        ASSERT_TRUE(bench.run_to(Step::turn, 1)) << i;
+        bench.restart(600ms);
+        bench.run(700ms);
+    }
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_EQ(bench.task.end()->ending, Ending::failed);
+    EXPECT_EQ(bench.task.end()->what, "0xDC restarted 6 times (no samples for 0.6 s); the old values are back");
+}
+
+// It restarts so fast that nothing shows it, and its parameters never show that they are cleared.
+TEST(CalibrationRestarts, what_no_sign_shows_is_found_in_what_the_device_sends_afterwards) {
+    CalibrationBench bench;
+    const auto old = bench.flash;
+    bench.shows_the_clear = false;
+    ASSERT_TRUE(bench.run_to(Step::turn));
+    bench.restart(0s);
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_EQ(bench.task.end()->ending, Ending::failed) << bench.worst_face();
+    EXPECT_NE(bench.task.end()->what.find("not verified: "), std::string::npos) << bench.task.end()->what;
+    EXPECT_NE(bench.task.end()->what.find("; the old values are back"), std::string::npos) << bench.task.end()->what;
+    EXPECT_EQ(bench.flash, old);
+}
+
+// Such as (raw - O) / S: on a face whose sensitivity is 1 that shows nothing, so one more face is asked for.
+TEST(CalibrationRestarts, a_device_that_uses_another_formula_has_its_old_values_back) {
+    const auto divides = [](CalibrationBench::Values v) {
+        for (std::size_t i = 3; i < 6; ++i) v[i] = 1 / v[i];
+        return v;
+    };
+    const auto adds = [](CalibrationBench::Values v) {
+        for (std::size_t i = 0; i < 3; ++i) v[i] = -v[i];
+        return v;
+    };
+    for (CalibrationBench::Values (*const formula)(CalibrationBench::Values) : {+divides, +adds}) {
+        CalibrationBench bench;
+        const auto old = bench.flash;
+        bench.as_it_uses = formula;
+        bench.run();
+        ASSERT_TRUE(bench.task.end());
+        EXPECT_EQ(bench.task.end()->ending, Ending::failed) << bench.worst_face();
+        EXPECT_EQ(bench.task.end()->what.find("not verified: "), 0u) << bench.task.end()->what;
+        EXPECT_EQ(bench.flash, old);
+    }
+}
+
+TEST(CalibrationRestarts, values_that_are_used_some_seconds_after_they_were_stored_are_good) {
+    CalibrationBench bench;
+    bench.uses_after = 7s;
+    is_calibrated(bench);
+}
+
+TEST(CalibrationRestarts, values_that_are_stored_and_not_used_go_back) {
+    CalibrationBench bench;
+    const auto old = bench.flash;
+    bench.uses_nothing = true;
+    ASSERT_TRUE(bench.run_to(Step::verify));
+    const TimePoint stored_at = bench.now;
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_EQ(bench.task.end()->ending, Ending::failed);
+    EXPECT_NE(bench.task.end()->what.find("cm/s² on -z instead of"), std::string::npos) << bench.task.end()->what;
+    EXPECT_LT(bench.now - stored_at, Calibration::time_to_verify + 5s);
+    EXPECT_EQ(bench.flash, old);
+    EXPECT_TRUE(bench.task.has_old_values());
+}
+
+TEST(CalibrationRestarts, who_takes_it_away_before_it_is_verified_has_the_old_values) {
+    CalibrationBench bench;
+    const auto old = bench.flash;
+    ASSERT_TRUE(bench.run_to(Step::verify));
+    bench.holds_still = false;
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_EQ(bench.task.end()->what,
+              "the new values could not be verified: it did not lie still on -z when they were stored; the old values are back");
+    EXPECT_EQ(bench.flash, old);
+}
+
+TEST(CalibrationRestarts, a_device_that_dies_is_reported_within_five_seconds) {
+    for (const Step step : {Step::clear, Step::turn, Step::confirm, Step::write, Step::verify, Step::restore}) {
+        CalibrationBench bench;
+        bench.uses_nothing = step == Step::restore;
+        ASSERT_TRUE(bench.run_to(step == Step::clear ? Step::keep : step)) << int(step);
+        bench.is_dead = true;
+        const TimePoint died = bench.now;
+        bench.run();
+        ASSERT_TRUE(bench.task.end());
+        EXPECT_LE(bench.now - died, 5s) << int(step);
+        EXPECT_NE(bench.task.end()->what.find("the old values could not be written back"), std::string::npos)
+            << bench.task.end()->what;
+        EXPECT_FALSE(bench.task.has_old_values());
+    }
+}
+
+TEST(CalibrationRestarts, a_device_without_samples_is_named) {
+    CalibrationBench bench;
+    ASSERT_TRUE(bench.run_to(Step::turn));
+    TimePoint last_heard = bench.now;
+    while (!bench.task.end() && bench.now < last_heard + 20s) {    // it goes on to send its mode
+        bench.now += 100ms;
+        const auto mode = support::frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0});
+        bench.device.take(FrameView{mode}, bench.now);
+        bench.task.hear(FrameView{mode}, bench.now);
+        while (const auto asked = bench.device.next_frame(bench.now))
+            for (const auto& answer : bench.fake.take(*asked)) bench.device.take(FrameView{answer}, bench.now);
+        bench.task.look(bench.now);
+    }
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_LE(bench.now - last_heard, 6s);
+    EXPECT_EQ(bench.task.end()->what, "0xDC is heard, but sends no samples: inertial (0x01); the old values are back");
+}
+
+// Whenever it restarts, for however long: what is stored at the end is right, or is what was there before. Where no sign of a short
+// restart can be seen, it is no worse than the residual that is reported.
+TEST(CalibrationRestarts, at_any_time_never_leave_a_wrong_calibration) {
+    int good = 0, undone = 0;
+    for (const Duration silence : {0ms, 200ms, 700ms, 2500ms})
+        for (const bool shows : {true, false})
+            for (Duration at{}; at < 22s; at += support::sanitized ? 1020ms : 340ms) {
+                CalibrationBench bench;
+                const auto old = bench.flash;
+                bench.shows_the_clear = shows;
+                const TimePoint when = bench.now + at;
+                bool is_done = false;
+                bench.each_step = [&] {
+                    if (bench.now >= when && !std::exchange(is_done, true)) bench.restart(silence);
+                };
+                bench.run();
+                ASSERT_TRUE(bench.task.end());
+                const bool is_good = bench.task.end()->ending == Ending::done;
+                const bool is_seen = shows || silence > 500ms;
+                if (is_seen) (is_good ? good : undone) += 1;
+                const double reported = is_seen || !is_good ? 0 : 1.1 * std::sqrt(6) * bench.task.residuals()->second;
+                if (is_good) {
+                    ASSERT_LT(bench.worst_face(), 2 + reported) << at.count() << ' ' << silence.count() << ' ' << shows;
+                } else {
+                    ASSERT_EQ(bench.flash, old) << bench.task.end()->what;
+                }
+            }
+    EXPECT_GT(good, 20 * undone) << good << ' ' << undone;
+}
+
+}    // namespace
+}    // namespace ano::host::calibration_restarts_tests

@@ -1,0 +1,76 @@
+#include <log/log_queue.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate::log_queue_tests {
+namespace {
+
+const spdlog::log_clock::time_point noon{std::chrono::hours{12}};
+constexpr int many = 100'000;
+
+void say(LogQueue& queue, const std::string& text) { queue.push(spdlog::level::info, noon, text); }
+
+TEST(LogQueue, gives_what_was_said_as_it_was_said) {
+    LogQueue queue;
+    EXPECT_TRUE(queue.empty());
+    queue.push(spdlog::level::warn, noon, "one");
+    queue.push(spdlog::level::err, {}, "two\nthree\n", true);
+    EXPECT_FALSE(queue.empty());
+    const LogQueue::Batch batch = queue.take();
+    ASSERT_EQ(batch.messages.size(), 2u);
+    EXPECT_EQ(batch.messages[0].text, "one");
+    EXPECT_EQ(batch.messages[0].level, spdlog::level::warn);
+    EXPECT_EQ(batch.messages[0].at, noon);
+    EXPECT_FALSE(batch.messages[0].plain);
+    EXPECT_EQ(batch.messages[1].text, "two\nthree\n");
+    EXPECT_TRUE(batch.messages[1].plain);
+    EXPECT_EQ(batch.lost, 0u);
+    EXPECT_TRUE(queue.empty());
+}
+
+TEST(LogQueue, keeps_the_first_and_counts_the_rest) {
+    LogQueue queue;
+    for (int i = 0; i < many; ++i) say(queue, std::to_string(i));
+    const LogQueue::Batch batch = queue.take();
+    const std::size_t kept = batch.messages.size();
+    EXPECT_GT(kept, 100u);
+    EXPECT_LE(kept * sizeof(LogMessage), LogQueue::room);
+    EXPECT_EQ(kept + batch.lost, static_cast<std::uint64_t>(many));
+    for (std::size_t i = 0; i < kept; ++i) ASSERT_EQ(batch.messages[i].text, std::to_string(i));
+}
+
+TEST(LogQueue, has_one_gap_and_nothing_behind_it_until_all_is_taken) {
+    LogQueue queue;
+    say(queue, std::string(LogQueue::room, 'x'));    // it begins below the bound
+    say(queue, "lost");
+    say(queue, "");
+    LogQueue::Batch batch = queue.take();
+    EXPECT_EQ(batch.messages.size(), 1u);
+    EXPECT_EQ(batch.lost, 2u);
+    say(queue, "again");
+    batch = queue.take();
+    ASSERT_EQ(batch.messages.size(), 1u);
+    EXPECT_EQ(batch.messages[0].text, "again");
+    EXPECT_EQ(batch.lost, 0u);
+}
+
+TEST(LogQueue, takes_nothing_more_when_it_is_full_to_the_byte) {
+    LogQueue queue;
+    say(queue, std::string(LogQueue::room - sizeof(LogMessage), 'x'));
+    say(queue, "lost");
+    const LogQueue::Batch batch = queue.take();
+    EXPECT_EQ(batch.messages.size(), 1u);
+    EXPECT_EQ(batch.lost, 1u);
+}
+
+TEST(LogQueue, counts_lines_not_messages) {
+    LogQueue queue;
+    queue.lose();
+    EXPECT_FALSE(queue.empty());
+    say(queue, "status\na: up\nb: up\n");
+    say(queue, "status\na: up");
+    EXPECT_EQ(queue.take().lost, 1u + 3 + 2);
+}
+
+}    // namespace
+}    // namespace anogate::log_queue_tests

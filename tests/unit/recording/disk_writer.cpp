@@ -1,0 +1,520 @@
+// What the thread of a recorder does, on a disk that is well and on one that is not.
+#include <recording/disk_writer.hpp>
+
+#include <support/failing_disk_calls.hpp>
+#include <support/recorded_files.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <new>
+#include <string>
+
+namespace disk_writer_tests {
+namespace {
+
+using namespace anogate;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+using support::failing_disk;
+using support::recorded_files;
+
+class DiskWriterTest : public testing::Test {
+protected:
+    DiskWriterTest() {
+        settings.folder = dir / "a/b";
+        settings.name = "flight";
+        settings.keep_free = 0;
+    }
+    DiskWriter& disk() {
+        if (!disk_) disk_ = std::make_unique<DiskWriter>(settings, progress);
+        return *disk_;
+    }
+    /// A batch of numbered frames, as the loop gives it.
+    void take(int frames) {
+        auto batch = std::make_shared<std::string>();
+        for (int i = 0; i < frames; ++i) {
+            const support::Bytes bytes = support::numbered(1, 2, next_++);
+            append(*batch, {std::uint64_t(next_), 7, 0, Direction::in, 0, 1, ano::FrameView{bytes}});
+        }
+        progress.in_flight += batch->size();
+        disk().take({.batch = batch});
+    }
+    void turn(ano::Duration later = {}) { disk().turn(now += later); }
+    void finish() { disk().finish(now); }
+    support::RecordedFiles files() const { return recorded_files(settings.folder, settings.name); }
+    std::string path(const std::string& name) const { return settings.folder + "/" + name; }
+
+    const support::TempDir dir;
+    const support::WellAgain well_again{};
+    RecorderSettings settings;
+    DiskProgress progress;
+    ano::TimePoint now{1h};
+    int next_ = 0;
+
+private:
+    std::unique_ptr<DiskWriter> disk_;
+};
+using DiskWriters = DiskWriterTest;
+
+TEST_F(DiskWriters, writes_what_was_taken_with_its_names_and_ends_the_file) {
+    turn();
+    ASSERT_TRUE(disk().takes_more());
+    disk().take({.names = std::make_shared<const RecordedNames>(RecordedNames{{"fc"}, {"serial"}, {"", "/dev/ttyS0"}})});
+    take(1);
+    auto batch = std::make_shared<std::string>();
+    const support::Bytes bytes = support::frame(3, 4, 3, {1});
+    append(*batch, {10, 7, 0, Direction::dropped, 1, FrameRecord::no_channel, ano::FrameView{bytes}});
+    disk().take({.batch = batch});
+    finish();
+    EXPECT_EQ(disk().error(), "");
+    const auto written = files();
+    ASSERT_EQ(written.files.size(), 1u);
+    EXPECT_TRUE(written.are_whole());
+    EXPECT_TRUE(written.files[0].head.program.starts_with("anogated ")) << written.files[0].head.program;
+    ASSERT_EQ(written.files[0].items.size(), 2u);
+    const support::KeptItem &in = written.files[0].items[0], &dropped = written.files[0].items[1];
+    EXPECT_EQ(in.link + " " + in.description + " " + in.peer, "fc serial /dev/ttyS0");
+    EXPECT_EQ(in.channel, 1);
+    EXPECT_EQ(dropped.direction, Direction::dropped);
+    EXPECT_EQ(dropped.cause, frame_causes()[1]);
+    EXPECT_EQ(dropped.channel, std::nullopt);
+    EXPECT_EQ(progress.frames, 2u);
+    EXPECT_EQ(progress.files, 1u);
+    EXPECT_EQ(progress.bytes, fs::file_size(path("flight.pcapng")));
+}
+
+TEST_F(DiskWriters, a_turn_has_all_that_was_taken_in_the_file) {
+    turn();
+    take(100);
+    turn();
+    EXPECT_EQ(files().numbers, support::numbers_to(100));
+    EXPECT_EQ(progress.frames, 100u);
+    EXPECT_TRUE(disk().has_work()) << "it is not on the disk for sure";
+    EXPECT_GT(progress.in_flight, 0u);
+    turn(DiskWriter::sync_time);
+    EXPECT_FALSE(disk().has_work());
+    EXPECT_EQ(progress.in_flight, 0u);
+}
+
+TEST_F(DiskWriters, files_are_for_user_and_group_whatever_the_umask_and_locked_while_they_are_written) {
+    const mode_t before = ::umask(0077);
+    turn();
+    ::umask(before);
+    struct stat file {
+    }, folder{};
+    ASSERT_EQ(::stat(path("flight.pcapng").c_str(), &file), 0);
+    ASSERT_EQ(::stat(settings.folder.c_str(), &folder), 0);
+    EXPECT_EQ(file.st_mode & 07777, 0640u);
+    EXPECT_EQ(folder.st_mode & 0027, 0u);
+    const UniqueFd other{::open(path("flight.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
+    EXPECT_NE(::flock(other.get(), LOCK_EX | LOCK_NB), 0);
+    finish();
+    EXPECT_EQ(::flock(other.get(), LOCK_EX | LOCK_NB), 0);
+}
+
+TEST_F(DiskWriters, nothing_that_is_there_is_written_over) {
+    fs::create_directories(settings.folder);
+    fs::create_symlink(dir / "elsewhere", path("flight-2.pcapng"));
+    dir.write("a/b/flight.pcapng", "mine");
+    turn();
+    take(3);
+    finish();
+    EXPECT_EQ(disk().file(), path("flight-3.pcapng"));
+    EXPECT_EQ(support::text_of(path("flight.pcapng")), "mine");
+    EXPECT_FALSE(fs::exists(dir / "elsewhere"));
+    EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-3.pcapng"))).items.size(), 3u);
+}
+
+TEST_F(DiskWriters, a_name_stays_in_its_folder) {
+    settings.name = "../flight";
+    turn();
+    EXPECT_NE(disk().error().find("is no name of a file"), std::string::npos) << disk().error();
+    EXPECT_FALSE(fs::exists(dir / "a/flight.pcapng"));
+}
+
+TEST_F(DiskWriters, what_the_file_has_that_is_written_is_told_beside_what_all_have) {
+    settings.rotate_bytes = 10'000;
+    turn();
+    for (int i = 0; i < 50; ++i) {
+        take(20);
+        turn(1ms);
+    }
+    take(3);
+    turn(1s);
+    EXPECT_EQ(progress.frames, 1003u);
+    EXPECT_EQ(progress.file_bytes, fs::file_size(disk().file()));
+    EXPECT_LT(progress.file_bytes, progress.bytes);
+    std::uint64_t before = 0;
+    const auto written = files();
+    for (std::size_t i = 0; i + 1 < written.files.size(); ++i) before += written.files[i].items.size();
+    EXPECT_GT(before, 0u);
+    EXPECT_EQ(progress.file_frames, 1003u - before);
+    finish();
+    EXPECT_EQ(progress.file_frames, 0u) << "there is none that is written";
+    EXPECT_EQ(progress.file_bytes, 0u);
+}
+
+TEST_F(DiskWriters, the_next_file_begins_when_one_is_large_enough_and_nothing_is_lost) {
+    settings.rotate_bytes = 10'000;
+    turn();
+    for (int i = 0; i < 50; ++i) {
+        take(20);
+        turn(1ms);
+    }
+    finish();
+    const auto written = files();
+    EXPECT_EQ(written.numbers, support::numbers_to(1000));
+    EXPECT_TRUE(written.are_whole());
+    EXPECT_GT(written.files.size(), 5u);
+    EXPECT_EQ(progress.files, written.files.size());
+    std::uint64_t bytes = 0;
+    for (unsigned n = 1; n <= written.files.size(); ++n) {
+        const std::uint64_t size = fs::file_size(path(recording_file_name("flight", n, RecordingFormat::pcapng)));
+        if (n < written.files.size()) {
+            EXPECT_GE(size, settings.rotate_bytes);
+        }
+        bytes += size;
+    }
+    EXPECT_EQ(progress.bytes, bytes);
+}
+
+TEST_F(DiskWriters, the_next_file_begins_when_one_is_old_enough_and_has_frames) {
+    settings.rotate_time = 60s;
+    turn();
+    turn(100s);
+    EXPECT_EQ(files().files.size(), 1u) << "it has no frames";
+    take(5);
+    turn();
+    EXPECT_EQ(files().files.size(), 2u);
+    turn(100s);
+    EXPECT_EQ(files().files.size(), 2u) << "nor has the second";
+    disk().finish(now);
+}
+
+TEST_F(DiskWriters, a_file_is_as_old_as_the_time_since_it_began) {
+    settings.rotate_time = 60s;
+    turn();
+    take(5);
+    turn(60s);
+    EXPECT_EQ(files().files.size(), 2u);
+    take(5);
+    turn(59s);
+    EXPECT_EQ(files().files.size(), 2u);
+    turn(1s);
+    finish();
+    EXPECT_EQ(files().files.size(), 3u);
+    EXPECT_TRUE(files().are_whole());
+    EXPECT_EQ(files().numbers, support::numbers_to(10));
+}
+
+TEST_F(DiskWriters, on_a_full_disk_the_file_is_whole_and_goes_on_when_there_is_room) {
+    turn();
+    take(10);
+    turn();
+    const auto size = fs::file_size(path("flight.pcapng"));
+    failing_disk.write_error = ENOSPC;
+    failing_disk.room = 100;
+    take(10);
+    turn(1ms);
+    EXPECT_EQ(disk().error(), path("flight.pcapng") + ": No space left on device");
+    EXPECT_FALSE(disk().takes_more());
+    EXPECT_EQ(fs::file_size(path("flight.pcapng")), size) << "no half frame";
+    failing_disk.write_error = 0;
+    turn(DiskWriter::try_again_after - 1ms);
+    EXPECT_NE(disk().error(), "") << "it is not asked all the time";
+    turn(1ms);
+    EXPECT_EQ(disk().error(), "");
+    take(10);
+    finish();
+    EXPECT_EQ(files().numbers, support::numbers_to(30));
+    EXPECT_EQ(files().files.size(), 1u);
+    EXPECT_TRUE(files().are_whole());
+    EXPECT_EQ(progress.not_written, 0u);
+}
+
+TEST_F(DiskWriters, what_a_full_disk_does_not_take_at_the_end_is_counted) {
+    turn();
+    take(10);
+    turn();
+    failing_disk.write_error = ENOSPC;
+    take(7);
+    finish();
+    EXPECT_NE(disk().error(), "");
+    EXPECT_EQ(progress.frames, 10u);
+    EXPECT_EQ(progress.not_written, 7u);
+    EXPECT_EQ(files().numbers, support::numbers_to(10));
+}
+
+TEST_F(DiskWriters, a_file_that_does_not_get_onto_its_disk_is_left_and_nothing_is_doubled) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    take(10);
+    turn(1ms);
+    EXPECT_EQ(files().numbers, support::numbers_to(20));
+    failing_disk.sync_error = EIO;
+    take(10);
+    turn(DiskWriter::sync_time);
+    EXPECT_EQ(disk().error(), path("flight-2.pcapng") + ": Input/output error");
+    EXPECT_EQ(files().numbers, support::numbers_to(10)) << "what is there for sure";
+    EXPECT_EQ(files().files.size(), 1u) << "no file without anything in it";
+    EXPECT_EQ(progress.frames, 20u) << "it does not go back";
+    failing_disk.sync_error = 0;
+    turn(DiskWriter::try_again_after);
+    EXPECT_EQ(disk().error(), "");
+    take(10);
+    finish();
+    EXPECT_EQ(files().numbers, support::numbers_to(40));
+    EXPECT_EQ(files().files.size(), 2u);
+    EXPECT_EQ(progress.bytes, fs::file_size(path("flight.pcapng")) + fs::file_size(path("flight-2.pcapng")));
+    EXPECT_EQ(progress.files, 2u);
+    EXPECT_EQ(progress.frames, 40u);
+    EXPECT_EQ(progress.not_written, 0u);
+}
+
+TEST_F(DiskWriters, what_a_disk_took_and_lost_for_want_of_room_is_written_again) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    failing_disk.sync_error = ENOSPC;    // as a file system says that has its files elsewhere
+    take(10);
+    turn(DiskWriter::sync_time);
+    failing_disk.sync_error = 0;
+    turn(DiskWriter::try_again_after);
+    finish();
+    EXPECT_EQ(files().numbers, support::numbers_to(20));
+    EXPECT_EQ(files().files.size(), 2u);
+}
+
+TEST_F(DiskWriters, in_every_file_numbers_mean_what_they_meant_when_the_frame_came) {
+    const auto named = [](const char* name) {
+        return RecorderItem{.names = std::make_shared<const RecordedNames>(RecordedNames{{name}, {"udp"}, {}})};
+    };
+    const auto links = [&] {
+        std::string all;
+        for (const auto& file : files().files)
+            for (const auto& item : file.items) all += item.link + " ";
+        return all;
+    };
+    turn();
+    disk().take(named("a"));
+    take(1);
+    turn(DiskWriter::sync_time);
+    take(1);
+    disk().take(named("b"));
+    take(1);
+    failing_disk.sync_error = EIO;
+    turn(DiskWriter::sync_time);
+    EXPECT_EQ(links(), "a ");
+    failing_disk.sync_error = 0;
+    turn(DiskWriter::try_again_after);
+    EXPECT_EQ(links(), "a a b ");
+    take(1);
+    finish();
+    EXPECT_EQ(links(), "a a b b ");
+}
+
+TEST_F(DiskWriters, what_no_file_takes_at_the_end_is_counted) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    take(10);
+    turn(1ms);
+    failing_disk.sync_error = EIO;
+    finish();
+    EXPECT_EQ(progress.frames, 10u);
+    EXPECT_EQ(progress.not_written, 10u);
+}
+
+TEST_F(DiskWriters, what_there_was_no_memory_for_is_in_the_next_file) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    failing_disk.lacks_memory = true;
+    take(10);
+    EXPECT_THROW(turn(), std::bad_alloc);
+    disk().lacks_memory(now);
+    EXPECT_EQ(disk().error(), "out of memory");
+    EXPECT_FALSE(disk().takes_more());
+    EXPECT_EQ(files().numbers, support::numbers_to(10)) << "what is there for sure";
+    failing_disk.lacks_memory = false;
+    turn(DiskWriter::try_again_after - 1ms);
+    EXPECT_EQ(disk().error(), "out of memory");
+    turn(1ms);
+    EXPECT_EQ(disk().error(), "");
+    take(10);
+    finish();
+    EXPECT_EQ(files().numbers, support::numbers_to(30));
+    EXPECT_EQ(files().files.size(), 2u);
+    EXPECT_EQ(progress.frames, 30u);
+    EXPECT_EQ(progress.not_written, 0u);
+    EXPECT_EQ(progress.in_flight, 0u);
+}
+
+TEST_F(DiskWriters, what_there_is_no_memory_for_at_the_end_is_counted) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    take(7);
+    failing_disk.lacks_memory = true;
+    EXPECT_THROW(finish(), std::bad_alloc);
+    disk().lacks_memory(now);
+    EXPECT_EQ(progress.frames, 10u);
+    EXPECT_EQ(progress.not_written, 7u);
+}
+
+TEST_F(DiskWriters, of_a_file_that_was_removed_the_next_has_what_was_not_safe) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    fs::remove(path("flight.pcapng"));
+    take(10);
+    turn(1ms);
+    turn(DiskWriter::look_time);
+    EXPECT_EQ(disk().file(), path("flight-2.pcapng"));
+    EXPECT_EQ(disk().error(), "");
+    finish();
+    const auto second = support::read_pcapng(support::text_of(path("flight-2.pcapng")));
+    ASSERT_EQ(second.items.size(), 10u);
+    EXPECT_EQ(support::number_of(second.items[0].frame), 10);
+    EXPECT_TRUE(second.has_end);
+}
+
+TEST_F(DiskWriters, a_file_that_was_moved_away_has_what_was_safe_then) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    fs::rename(path("flight.pcapng"), dir / "moved.pcapng");
+    take(10);
+    turn(1ms);
+    turn(DiskWriter::look_time);
+    finish();
+    EXPECT_EQ(support::read_pcapng(support::text_of(dir / "moved.pcapng")).items.size(), 10u);
+    EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-2.pcapng"))).items.size(), 10u);
+}
+
+TEST_F(DiskWriters, the_count_of_frames_does_not_go_back_when_a_file_is_left) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    take(10);
+    turn();
+    ASSERT_EQ(progress.frames, 20u);
+    ASSERT_GT(progress.in_flight, 0u);
+    fs::remove_all(settings.folder);
+    std::ofstream{settings.folder} << "no folder";
+    turn(DiskWriter::look_time);
+    ASSERT_NE(disk().error(), "");
+    EXPECT_EQ(progress.frames, 20u);
+    fs::remove(settings.folder);
+    turn(DiskWriter::try_again_after);
+    ASSERT_EQ(disk().error(), "");
+    EXPECT_EQ(progress.frames, 20u) << "none counts twice";
+    take(5);
+    finish();
+    EXPECT_EQ(progress.frames, 25u);
+}
+
+TEST_F(DiskWriters, a_folder_that_was_removed_is_made_again) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    fs::remove_all(dir / "a");
+    take(10);
+    turn(DiskWriter::look_time);
+    EXPECT_EQ(disk().error(), "");
+    finish();
+    EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-2.pcapng"))).items.size(), 10u);
+}
+
+TEST_F(DiskWriters, where_no_file_can_be_made_it_is_tried_again) {
+    dir.write("a", "a file in the place of the folder");
+    turn();
+    EXPECT_EQ(disk().error(), settings.folder + ": Not a directory");
+    EXPECT_FALSE(disk().takes_more());
+    fs::remove(dir / "a");
+    turn(DiskWriter::try_again_after);
+    EXPECT_EQ(disk().error(), "");
+    EXPECT_TRUE(disk().takes_more());
+}
+
+TEST_F(DiskWriters, bytes_that_are_to_stay_free_are_not_written) {
+    settings.keep_free = std::uint64_t{1} << 60;
+    turn();
+    EXPECT_NE(disk().error().find("of the disk are free, and 1152921504612.1 MB must be to write more"), std::string::npos)
+        << disk().error();
+    EXPECT_FALSE(fs::exists(settings.folder));
+    settings.keep_free = 1000;
+    turn(DiskWriter::try_again_after);
+    EXPECT_EQ(disk().error(), "");
+    take(10);
+    turn();
+    settings.keep_free = std::uint64_t{1} << 60;
+    take(10);
+    turn(DiskWriter::look_time);
+    EXPECT_NE(disk().error(), "") << "looked at while it writes, too";
+    EXPECT_EQ(files().numbers, support::numbers_to(10));
+    settings.keep_free = 1000;
+    turn(DiskWriter::try_again_after);
+    finish();
+    EXPECT_EQ(files().numbers, support::numbers_to(20));
+}
+
+TEST_F(DiskWriters, losses_are_told_by_the_names_of_their_messages) {
+    turn();
+    LostFrames lost;
+    lost.by_id[0x03] = 120;
+    lost.by_id[0xEE] = 1;
+    lost.count = 121;
+    take(1);
+    disk().take({.lost = std::make_shared<const LostFrames>(lost)});
+    take(1);
+    finish();
+    EXPECT_EQ(files().lost, 121u);
+    EXPECT_EQ(files().names, "euler 120, 0xEE 1");
+}
+
+/// A process may have files of so many bytes.
+class LimitOfFiles {
+public:
+    explicit LimitOfFiles(rlim_t bytes) {
+        std::signal(SIGXFSZ, SIG_IGN);    // blocked in the thread of a recorder
+        ::getrlimit(RLIMIT_FSIZE, &before_);
+        const rlimit limit{bytes, before_.rlim_max};
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~LimitOfFiles() {
+        ::setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, SIG_DFL);
+    }
+    LimitOfFiles(const LimitOfFiles&) = delete;
+    LimitOfFiles& operator=(const LimitOfFiles&) = delete;
+
+private:
+    rlimit before_{};
+};
+
+TEST_F(DiskWriters, a_disk_with_small_files_gets_many_of_them) {
+    const LimitOfFiles limit{20'000};
+    turn();
+    for (int i = 0; i < 50; ++i) {
+        take(20);
+        turn(DiskWriter::sync_time);
+        ASSERT_EQ(disk().error(), "");
+    }
+    finish();
+    EXPECT_EQ(files().numbers, support::numbers_to(1000));
+    EXPECT_GT(files().files.size(), 2u);
+}
+
+}    // namespace
+}    // namespace disk_writer_tests

@@ -1,0 +1,46 @@
+#include <runtime/standstill_log.hpp>
+
+#include <support/log_lines.hpp>
+
+#include <gtest/gtest.h>
+
+namespace standstill_log_tests {
+namespace {
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using Lines = std::vector<std::string>;
+
+class StandstillLines : public testing::Test {
+protected:
+    Lines stood(ano::TimePoint now, bool is_told = true) {
+        log.stood({.stood = 1500ms, .is_told = is_told}, now);
+        return lines.take();
+    }
+
+    support::LogLines lines;
+    StandstillLog log;
+    const Lines line{
+        "stood still for at least 1.5 s (stopped, or the machine was too busy): what came meanwhile counts as that old"};
+    const ano::TimePoint start{1h};
+};
+
+TEST_F(StandstillLines, are_five_at_once_and_then_one_in_ten_seconds) {
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(stood(start), line) << i;
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(stood(start + 9s), Lines{}) << i;
+    EXPECT_EQ(stood(start + 10s), Lines{line[0] + "; 3 times more before"});
+    EXPECT_EQ(stood(start + 19s), Lines{});
+    EXPECT_EQ(stood(start + 20s), Lines{line[0] + "; 1 times more before"});
+    EXPECT_EQ(stood(start + 21s), Lines{});
+    log.finish();
+    EXPECT_EQ(lines.take(), Lines{"stood still 1 times more"});
+}
+
+TEST_F(StandstillLines, are_none_of_what_is_too_short_to_be_told) {
+    EXPECT_EQ(stood(start, false), Lines{});
+    log.finish();
+    EXPECT_EQ(lines.take(), Lines{});
+}
+
+}    // namespace
+}    // namespace standstill_log_tests

@@ -1,0 +1,267 @@
+// anoctl terminal LINK: the raw bytes of a link of the gateway, both ways; lines that are typed are sent.
+#include "anoctl.hpp"
+#include "gateway.hpp"
+#include "gateway_json.hpp"
+#include "raw_text.hpp"
+#include "say.hpp"
+#include "table.hpp"
+
+#include <ano/hex.hpp>
+#include <http/client.hpp>
+#include <sys/asio.hpp>
+#include <sys/thread_signals.hpp>
+#include <sys/unique_fd.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <thread>
+#include <utility>
+
+namespace anoctl {
+namespace {
+
+namespace asio = anogate::asio;
+namespace http = anogate::http;
+
+/// Reads lines in a thread: a descriptor that the shell shares must not be made non-blocking, and may be a file.
+class Lines {
+public:
+    /// `take` is called from `io` for each line, without its end; `end` when no more come.
+    Lines(asio::io_context& io, int fd, std::function<void(std::string)> take, std::function<void()> end)
+        : io_{io},
+          fd_{fd},
+          take_{std::move(take)},
+          end_{std::move(end)},
+          stop_{::eventfd(0, EFD_CLOEXEC)},
+          thread_{anogate::begin_thread([this] { read(); })} {}
+    ~Lines() {
+        ::eventfd_write(stop_.get(), 1);
+        thread_.join();
+    }
+    Lines(const Lines&) = delete;
+    Lines& operator=(const Lines&) = delete;
+
+private:
+    void read() {
+        std::string line;
+        std::array<char, 4096> bytes;
+        for (;;) {
+            pollfd fds[] = {{fd_, POLLIN, 0}, {stop_.get(), POLLIN, 0}};
+            if (::poll(fds, 2, -1) < 0 && errno != EINTR) break;
+            if (fds[1].revents != 0) return;
+            if (fds[0].revents == 0) continue;
+            const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
+            if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+            if (n <= 0) break;
+            for (const char c : std::string_view{bytes.data(), static_cast<std::size_t>(n)}) {
+                if (c != '\n') line += c;
+                else asio::post(io_, [this, whole = std::exchange(line, {})]() mutable { take_(std::move(whole)); });
+            }
+        }
+        asio::post(io_, [this, whole = std::move(line)]() mutable {
+            if (!whole.empty()) take_(std::move(whole));
+            end_();
+        });
+    }
+
+    asio::io_context& io_;
+    int fd_;
+    std::function<void(std::string)> take_;
+    std::function<void()> end_;
+    anogate::UniqueFd stop_;
+    std::thread thread_;
+};
+
+constexpr auto time_for_answers = std::chrono::milliseconds{500};    // after the end of the input
+
+struct TerminalOptions {
+    std::string link;
+    bool hex = false, exclusive = false, json = false;
+    std::optional<ano::Encoding> encoding;    // std::nullopt: that of the link
+    std::string line_end = "\r\n";
+    GatewayOptions gateway;
+};
+
+class RawTerminal {
+public:
+    RawTerminal(const TerminalOptions& options, Streams& streams)
+        : options_{options}, streams_{streams}, text_{{options.hex, options.encoding.value_or(ano::Encoding::utf8)}} {}
+
+    int run() {
+        asio::signal_set signals{io_, SIGINT, SIGTERM};
+        signals.async_wait([this](anogate::error_code ec, int) {
+            if (!ec) io_.stop();
+        });
+        http::Client client{io_, options_.gateway.socket()};
+        http::Request request;
+        request.method = "GET";
+        request.target = "/links/" + percent_encoded(options_.link) + "/raw" + (options_.exclusive ? "?exclusive" : "");
+        std::optional<http::Outcome> outcome;
+        client.open(std::move(request), std::make_unique<User>(*this), [&](http::Outcome came) {
+            outcome = std::move(came);
+            io_.stop();
+        });
+        io_.run();
+        lines_.reset();
+        client.cancel();
+        show_unfinished();
+        streams_.out.flush();
+        if (!outcome) return fine;
+        if (outcome->answer.status != 101)
+            throw Failure{outcome->answer.status == 0 ? outcome->fault : words_of(outcome->answer)};
+        throw Failure{outcome->fault.empty() ? "the gateway ended" : outcome->fault};
+    }
+
+private:
+    class User final : public http::WebSocketUser {
+    public:
+        explicit User(RawTerminal& terminal) : terminal_{terminal} {}
+        ~User() override { terminal_.socket_ = nullptr; }
+        void opened(http::WebSocket& socket) override { terminal_.socket_ = &socket; }
+        void heard(std::string_view message, http::WebSocket::Kind kind) override {
+            if (kind == http::WebSocket::Kind::text) terminal_.hear(message);
+            else terminal_.take(message);
+            terminal_.show_later();
+            if (!terminal_.streams_.out.flush()) terminal_.io_.stop();
+        }
+
+    private:
+        RawTerminal& terminal_;
+    };
+
+    void hear(std::string_view message) {
+        const auto told = nlohmann::json::parse(message, nullptr, false);
+        if (!told.is_object()) return;
+        if (told.contains("link")) return begin(told);
+        if (told.contains("lost")) {
+            const auto& lost = told["lost"];
+            return tell(streams_, plural(lost.value("received", std::size_t{0}) + lost.value("sent", std::size_t{0}), "byte") +
+                                      " not shown: this terminal reads too slowly");
+        }
+        if (told.contains("error") && told["error"].is_string())
+            tell(streams_, without_controls(told["error"].get<std::string>()));
+    }
+    void begin(const nlohmann::json& about) {
+        if (!options_.encoding && about.value("encoding", "") == "gbk") encoding_ = ano::Encoding::gbk;
+        else encoding_ = options_.encoding.value_or(ano::Encoding::utf8);
+        text_ = RawText{{options_.hex, encoding_}};
+        const bool may_send = about.value("may_send", false);
+        std::string words = options_.link + ": " + (may_send ? "lines are sent when you press Enter" : "read only");
+        if (options_.exclusive) words += "; frames are not forwarded to it until this ends";
+        if (streams_.in_is_terminal) words += "; Ctrl-C ends";
+        tell(streams_, words);
+        if (may_send && !lines_)
+            lines_ = std::make_unique<Lines>(
+                io_, streams_.in, [this](const std::string& line) { send(line); }, [this] { end_soon(); });
+    }
+    // At the end of the input: what was sent leaves, and what comes at once is shown.
+    void end_soon() {
+        if (streams_.in_is_terminal) return io_.stop();
+        last_lines_.expires_after(time_for_answers);
+        last_lines_.async_wait([this](anogate::error_code ec) {
+            if (ec) return;
+            if (socket_ && socket_->waiting() > 0) return end_soon();
+            io_.stop();
+        });
+    }
+    void take(std::string_view message) {
+        constexpr std::size_t head = 9;
+        if (message.size() < head) return;
+        std::uint64_t ns = 0;
+        for (std::size_t i = 8; i > 0; --i) ns = ns << 8 | static_cast<std::uint8_t>(message[i]);
+        const std::uint64_t us = ns / 1000;
+        const double time = static_cast<double>(us) / 1e6;
+        const char direction = message[0];
+        message.remove_prefix(head);
+        if (!options_.json) return show(text_.add(direction, time, message, ano::Clock::now()));
+        const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(message.data()), message.size()};
+        streams_.out << nlohmann::ordered_json{{"time", time},
+                                               {"direction", direction == '<' ? "in" : "out"},
+                                               {"bytes", ano::hex(bytes)},
+                                               {"text", ano::to_utf8(bytes, encoding_)}}
+                            .dump()
+                     << '\n';
+    }
+    void send(const std::string& line) {
+        if (!socket_) return;
+        std::string bytes;
+        if (options_.hex) {
+            const auto read = ano::from_hex(line);
+            if (!read) return tell(streams_, "not sent: " + ano::in_quotes(line) + " is not hex digits");
+            bytes.assign(read->begin(), read->end());
+        } else {
+            const auto written = ano::from_utf8(line, encoding_);
+            if (!written) return tell(streams_, "not sent: " + ano::in_quotes(line) + " can't be written in the link's encoding");
+            bytes = *written + options_.line_end;
+        }
+        if (!socket_->send(std::make_shared<const std::string>(std::move(bytes)), http::WebSocket::Kind::binary))
+            tell(streams_, "not sent: the gateway does not take what was sent before");
+    }
+
+    void show(const std::vector<std::string>& lines) {
+        for (const std::string& line : lines) streams_.out << line << '\n';
+    }
+    void show_unfinished() { show(text_.expire(ano::TimePoint::max())); }
+    void show_later() {
+        const auto due = text_.due();
+        if (!due) return;
+        unfinished_.expires_at(*due);
+        unfinished_.async_wait([this](anogate::error_code ec) {
+            if (ec) return;
+            show(text_.expire(ano::Clock::now()));
+            if (!streams_.out.flush()) io_.stop();
+            show_later();
+        });
+    }
+
+    const TerminalOptions& options_;
+    Streams& streams_;
+    RawText text_;
+    ano::Encoding encoding_ = ano::Encoding::utf8;
+    asio::io_context io_{1};
+    asio::steady_timer unfinished_{io_};
+    asio::steady_timer last_lines_{io_};
+    http::WebSocket* socket_ = nullptr;
+    std::unique_ptr<Lines> lines_;
+};
+
+std::string read_line_end(const std::string& word, std::string& end) {
+    constexpr std::pair<std::string_view, std::string_view> ends[] = {{"crlf", "\r\n"}, {"lf", "\n"}, {"cr", "\r"}, {"none", ""}};
+    for (const auto& [name, bytes] : ends)
+        if (word == name) return end = bytes, std::string{};
+    return ano::in_quotes(word) + " is not crlf, lf, cr or none";
+}
+
+}    // namespace
+
+Run add_terminal(Options& options) {
+    const auto self = std::make_shared<TerminalOptions>();
+    options.push_back({"link", &self->link, "LINK", "The name of a serial, pty or udp link of the gateway that runs", true});
+    options.push_back({"--hex", &self->hex, "", "Shows hex digits, and sends lines of hex digits"});
+    options.push_back({"--encoding", Option::Read{[self](const std::string& word) -> std::string {
+                           if (word != "utf8" && word != "gbk") return ano::in_quotes(word) + " is not utf8 or gbk";
+                           self->encoding = word == "gbk" ? ano::Encoding::gbk : ano::Encoding::utf8;
+                           return {};
+                       }},
+                       "utf8|gbk", "Of the text, both ways (default: the link's)"});
+    options.push_back({"--end", Option::Read{[self](const std::string& word) { return read_line_end(word, self->line_end); }},
+                       "crlf|lf|cr|none", "What is sent after each line (default: crlf)"});
+    options.push_back({"--exclusive", &self->exclusive, "", "No frames are forwarded to the link meanwhile (denied_out)"});
+    options.push_back({"--json", &self->json, "", "One JSON object for each read or write"});
+    GatewayOptions::add(options, self->gateway);
+    return [self](Streams& streams) { return RawTerminal{*self, streams}.run(); };
+}
+
+}    // namespace anoctl

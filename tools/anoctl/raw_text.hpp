@@ -1,0 +1,51 @@
+// Shows the raw bytes of a link as lines for people: text, or hex digits, with the time and the direction.
+#pragma once
+#include <ano/time.hpp>
+#include <ano_json/text.hpp>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anoctl {
+
+/// `text` (UTF-8) without any effect on a terminal: control characters, and those that change the direction of text or can't be seen,
+/// are written \x1B or \u{202E}.
+std::string harmless(std::string_view text);
+
+class RawText {
+public:
+    struct Options {
+        bool hex = false;
+        ano::Encoding encoding = ano::Encoding::utf8;
+    };
+    static constexpr std::size_t max_line = 1000;    // bytes; longer lines are broken
+    /// A line whose end does not come is shown after this time: a prompt.
+    static constexpr ano::Duration patience = std::chrono::milliseconds{200};
+
+    explicit RawText(const Options& options) : options_{options} {}
+
+    /// Bytes that passed at `time` (seconds since 1970): '<' received, '>' sent. Returns the lines that are whole.
+    std::vector<std::string> add(char direction, double time, std::string_view bytes, ano::TimePoint now);
+    /// When expire() shows an unfinished line; std::nullopt: none waits.
+    std::optional<ano::TimePoint> due() const noexcept;
+    std::vector<std::string> expire(ano::TimePoint now);
+
+private:
+    struct Line {
+        std::string bytes{};
+        double time = 0;
+        ano::TimePoint since{};       // its newest byte
+        bool after_return = false;    // a line feed that comes next belongs to the line before
+    };
+    void add_hex(char direction, double time, std::string_view bytes, std::vector<std::string>& lines) const;
+    std::string shown(char direction, const Line& line) const;
+
+    Options options_;
+    std::array<Line, 2> lines_;    // received, sent
+};
+
+}    // namespace anoctl
