@@ -179,11 +179,13 @@ TEST(NetworkDoorPort, that_is_taken_is_waited_for) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    ASSERT_EQ(::bind(taken, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    // Above the ports that the kernel chooses: once free, it is nobody else's.
+    std::uint16_t port = 61000;
+    do {
+        address.sin_port = htons(++port);
+    } while (port < 65535 && ::bind(taken, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0);
     ASSERT_EQ(::listen(taken, 1), 0);
-    socklen_t size = sizeof address;
-    ::getsockname(taken, reinterpret_cast<sockaddr*>(&address), &size);
-    const std::string where = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+    const std::string where = "127.0.0.1:" + std::to_string(port);
     Daemon daemon{ANOGATED,
                   dir / "control.sock",
                   {"udp-listen:127.0.0.1:0", "--http", where},

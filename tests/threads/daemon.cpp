@@ -222,6 +222,7 @@ TEST(Daemon, gives_the_journal_priorities_and_no_times) {
     const std::string as_journal = "JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec \"$0\" \"$@\"";
     Process daemon{"/bin/sh", {"-c", as_journal, ANOGATED, "--control", dir / "control", "sim:fc", "serial:" + (dir / "absent")}};
     ASSERT_TRUE(daemon.until_says("waiting for it")) << daemon.output();
+    ASSERT_TRUE(daemon.until_says("fc: up")) << daemon.output();
     daemon.signal(SIGUSR1);
     ASSERT_TRUE(daemon.until_says("absent: waiting")) << daemon.output();
     daemon.signal(SIGTERM);
@@ -230,7 +231,7 @@ TEST(Daemon, gives_the_journal_priorities_and_no_times) {
     EXPECT_EQ(line_with("fc: up", daemon.output()), "<6>fc: up");
     EXPECT_TRUE(line_with("absent: waiting", daemon.output()).starts_with("<6>absent: ")) << "every line of several";
 
-    Process faulty{"/bin/sh", {"-c", as_journal, ANOGATED, "sim:plane"}};
+    Process faulty{"/bin/sh", {"-c", as_journal, ANOGATED, "--control", dir / "control", "sim:plane"}};
     EXPECT_EQ(faulty.wait(), config_fault);
     EXPECT_TRUE(faulty.output().starts_with("<3>anogated: ")) << faulty.output();
 }
