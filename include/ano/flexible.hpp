@@ -1,4 +1,4 @@
-// Layouts of the flexible messages (0xF1 to 0xFA), which the user defines (protocol text, sections 1.3 and 4).
+// Layouts of the flexible messages (0xF1 to 0xFA), which the user defines (protocol text, section 4).
 #pragma once
 #include <ano/messages.hpp>
 

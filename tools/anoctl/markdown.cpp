@@ -15,7 +15,7 @@ using namespace ano;
 
 constexpr const char* introduction = R"(# Messages of the ANO V8 protocol
 
-Made by `anoctl messages --markdown` from the table in `include/ano/messages.hpp`; a test compares them.
+Made by `tools/update-generated` (`anoctl messages --markdown`) from the table in `include/ano/messages.hpp`.
 
 Numbers are little-endian where nothing else is said, and packed. *Value* = what is on the wire × *scale*, in *unit*. A layout with a length of its own
 is taken at exactly that length of DATA, one with a mode where the named field holds one of the named values, one that says

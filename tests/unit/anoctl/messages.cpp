@@ -2,8 +2,6 @@
 #include <ano/messages.hpp>
 #include <nlohmann/json.hpp>
 
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -15,12 +13,6 @@ namespace messages_tests {
 namespace {
 
 using support::anoctl;
-
-TEST(Messages, the_reference_in_the_repository_is_what_anoctl_prints) {
-    std::ifstream file{ANOGATE_SOURCE_DIR "/include/ano/messages.md"};
-    const std::string kept{std::istreambuf_iterator<char>{file}, {}};
-    EXPECT_EQ(kept, anoctl({"messages", "--markdown"}).out) << "build/tools/anoctl messages --markdown > include/ano/messages.md";
-}
 
 TEST(Messages, as_json_are_one_object_a_layout) {
     std::istringstream lines{anoctl({"messages", "--json"}).out};

@@ -1,8 +1,13 @@
+// The generated files of the repository are those that the tables make. tools/update-generated writes them.
+#include <ano_json/describe.hpp>
+#include <anoctl/reference.hpp>
+#include <config/config.hpp>
 #include <control/control_door.hpp>
 #include <control/flexible_control.hpp>
 #include <control/recording_routes.hpp>
 #include <control/reload_routes.hpp>
 #include <control/routes.hpp>
+#include <link/kinds.hpp>
 #include <recording/recordings.hpp>
 #include <runtime/gateway.hpp>
 #include <runtime/reload.hpp>
@@ -16,6 +21,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -26,11 +32,11 @@ namespace {
 
 using namespace reference;
 
-/// The file of the repository is what the tables make; with ANOGATE_UPDATE=1 it becomes that.
+/// With ANOGATE_UPDATE=1 in the environment the file becomes what is made.
 void is_current(const std::string& file, const std::string& made) {
     const auto path = support::source_file(file);
     if (std::getenv("ANOGATE_UPDATE")) std::ofstream{path} << made;
-    EXPECT_EQ(support::text_of(path), made) << "run this test with ANOGATE_UPDATE=1 and commit " << file;
+    EXPECT_EQ(support::text_of(path), made) << "run tools/update-generated and commit " << file;
 }
 
 TEST(Manual, in_the_repository_is_the_one_that_the_tables_make) {
@@ -58,6 +64,19 @@ TEST(Completions, in_the_repository_are_those_that_the_tables_make) {
         is_current("tools/completions/_" + program.name, zsh_completion(program));
         is_current("tools/completions/" + program.name + ".fish", fish_completion(program));
     }
+}
+
+TEST(Schema, in_the_repository_is_the_one_that_the_tables_make) {
+    is_current("config/anogate.schema.json", anogate::config_schema(anogate::link_kinds()));
+}
+
+TEST(Messages, in_the_repository_are_those_of_the_table) {
+    std::ostringstream markdown;
+    anoctl::write_markdown(markdown);
+    is_current("include/ano/messages.md", markdown.str());
+    std::string rows = "[";    // for tests of the page
+    for (const auto& row : ano::describe_all({})) rows += (rows.size() > 1 ? ",\n" : "\n") + row.dump();
+    is_current("src/web/test/messages.json", rows + "\n]\n");
 }
 
 TEST(Page, takes_no_words_for_commands) {
