@@ -14,6 +14,7 @@
 #include <sys/asio.hpp>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <reference/completions.hpp>
 #include <reference/manual.hpp>
 #include <reference/page.hpp>
