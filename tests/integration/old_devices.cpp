@@ -133,10 +133,12 @@ TEST_F(OldDevices, frames_for_a_host_that_nobody_heard_do_not_reach_them) {
         return daemon->until(
             [&, to = daemon->count("nobody", "frames_out") + count] { return daemon->count("nobody", "frames_out") > to; });
     };
-    ASSERT_TRUE(until_more(20)) << "nothing was heard there yet";
-    const auto before = daemon->count("old", "frames_out") + daemon->count("imu", "frames_out");
+    const auto sum = [&](const char* counter) { return daemon->count("old", counter) + daemon->count("imu", counter); };
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("old", "frames_in") > 0 && daemon->count("imu", "frames_in") > 0; }));
+    ASSERT_TRUE(daemon->until([&] { return sum("waiting") == 0; }));    // what each got of the other until then
+    const auto before = sum("frames_out");
     ASSERT_TRUE(until_more(50));
-    EXPECT_EQ(daemon->count("old", "frames_out") + daemon->count("imu", "frames_out"), before);
+    EXPECT_EQ(sum("frames_out"), before);
 }
 
 }    // namespace
