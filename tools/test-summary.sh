@@ -1,7 +1,13 @@
 #!/bin/bash
-# tools/test-summary.sh FILE...: skipped tests with the reason, failures, and the totals, from ctest's JUnit files.
+# tools/test-summary.sh FILE...: the slowest tests, skipped tests with the reason, failures, and the totals, from ctest's JUnit files.
 # The last line is ctest's own, over all files.
 set -euo pipefail
+echo
+echo "The slowest tests, in seconds:"
+for file in "$@"; do
+    build=$(basename "$(dirname "$file")")
+    sed -n "s|.*<testcase name=\"\([^\"]*\)\".* time=\"\([0-9.]*\)\".*|\2 $build \1|p" "$file"
+done | sort -rn | head -n 20 | awk '{ printf "%7.1f  %s (%s)\n", $1, $3, $2 }'
 exec awk '
     function reason() {
         if (note) return note

@@ -63,7 +63,7 @@ protected:
         if (GetParam()) words.insert(words.end(), {"--route", "0xDC=fc"});
         daemon.emplace(ANOGATED, socket, words, std::vector<std::string>{"STATE_DIRECTORY=" + (dir / "state")});
         ASSERT_TRUE(daemon->until_answers());
-        ASSERT_EQ(asked(socket, "GET", "/devices/0xDC/parameters").status, 200u);
+        ASSERT_TRUE(wait_until([&] { return asked(socket, "GET", "/devices/0xDC/parameters").status == 200; }));
     }
     json conflict() const {
         const json all = daemon->status().at("conflicts");

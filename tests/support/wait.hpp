@@ -1,14 +1,13 @@
 // Waits until a condition holds, never for a fixed time.
 #pragma once
 #include <chrono>
-#include <cstdlib>
 #include <functional>
 #include <thread>
 
 namespace support {
 
-/// Long enough for any loaded machine, and for one that is emulated; a test that comes near it has failed.
-inline const std::chrono::seconds patience{std::getenv("ANOGATE_IN_VM") ? 30 : 10};
+/// Ends what hangs. No test needs it on any machine, however busy or emulated.
+inline constexpr std::chrono::seconds patience{60};
 
 /// Calls `holds` until it returns true or `limit` is over; returns its last result. `pause` runs between two calls.
 template <class Pause>

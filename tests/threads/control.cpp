@@ -188,7 +188,7 @@ TEST_F(ControlSocket, is_gone_at_the_end_and_open_connections_do_not_hold_it_up)
     const auto begin = std::chrono::steady_clock::now();
     daemon.signal(SIGTERM);
     EXPECT_EQ(daemon.wait(), 0);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s);
     EXPECT_FALSE(std::filesystem::exists(socket));
     ::close(idle);
     ::close(half);

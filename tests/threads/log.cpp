@@ -99,7 +99,7 @@ public:
             return !daemon.is_running();
         }));
         EXPECT_EQ(daemon.wait(), 0);
-        EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
+        EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s);
     }
 
     PtyDevice mcu;
