@@ -2,11 +2,10 @@
 import { ask, onHeard, onTokenNeeded } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
-import { alarmFeed } from "./alarm_feed";
 import type { Datum } from "../map/datum";
 import { place } from "../route";
+import { reopenAll } from "./connection";
 import { CounterRates, type Counters } from "./counters";
-import { frameStream, watchStream } from "./frames";
 import { Liveness, type Contact } from "./liveness";
 import type { RecordingState } from "./recordings";
 import { Store } from "./store";
@@ -81,8 +80,6 @@ export const table = new Store<MessageTable | undefined>(undefined);
 export const devices = new Store<Device[]>([]);
 export const lostVehicles = new Store<LostVehicle[]>([]);
 export const tokenNeeded = new Store(false);
-/** Seconds of the page's own clock at which the status came. */
-export const statusAt = new Store(0);
 const linkRates = new CounterRates();
 /** The sum of these counters of all `links`, per second; undefined: not known yet. */
 export function rateOf(links: Link[], counters: string[]): number | undefined {
@@ -103,7 +100,6 @@ function took(value: Status): void {
     link.channels.forEach((channel, i) => linkRates.look(`channel:${link.name}:${channel.peer}:${i}`, channel, now));
   }
   ++statuses;
-  statusAt.set(now);
   status.set(value);
 }
 
@@ -185,11 +181,7 @@ function look(): void {
   const before = contact.get();
   const after = liveness.contact(now);
   contact.set(after);
-  if (before === "lost" && after === "live") {
-    frameStream.reopen();
-    watchStream.reopen();
-    alarmFeed.reopen();
-  }
+  if (before === "lost" && after === "live") reopenAll();
 }
 
 export function begin(): void {
@@ -212,9 +204,7 @@ export async function logIn(token: string): Promise<string> {
   remember("access", answer.value.access);
   tokenNeeded.set(false);
   liveness.restart(performance.now());
-  frameStream.reopen();
-  watchStream.reopen();
-  alarmFeed.reopen();
+  reopenAll();
   return "";
 }
 

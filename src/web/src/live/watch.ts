@@ -1,6 +1,6 @@
 // Watches every device, whichever page is open: whether it is heard, its state, its red log lines, and what the gateway finds in alarm.
 import { ask } from "../api";
-import { alarmFeed } from "./alarm_feed";
+import { alarmsOfGateway, followAlarms } from "./alarm_feed";
 import { remember, remembered } from "../kept";
 import { contact, devices, lostVehicles, seconds, status, table } from "./gateway";
 import { keptLimits } from "./kept_limits";
@@ -165,7 +165,7 @@ function look(): void {
   const lost = silent.filter((device) => all.get(device)!.presence.heardAt !== all.get(device)!.dismissedAt);
   keep(lostDevices, silent);
   keep(lostNews, lost);
-  const found = alarmFeed.alarms.get().filter((one) => !isDismissed(one));
+  const found = alarmsOfGateway.get().filter((one) => !isDismissed(one));
   const words = (list: readonly Alarm[]): string => list.map((one) => `${one.device} ${one.limit.key} ${one.level} ${one.value} ${one.heardAt}`).join();
   if (words(found) !== words(alarms.get())) alarms.set(found);
   sound(now, [...lost.map((device) => `lost ${device}`), ...found.map((one) => `${one.level} ${one.device} ${one.limit.key}`)]);
@@ -181,14 +181,14 @@ function sound(now: number, keys: string[]): void {
   alarmSound(loud.every((key) => key.startsWith("amber")) ? "amber" : "red");
 }
 
-const followAlarms = (): void => alarmFeed.use(devices.get().some((one) => (one.limits ?? 0) !== 0) || [...keptLimits.get().values()].some((one) => one.limits.length > 0));
+const lookForLimits = (): void => followAlarms(devices.get().some((one) => (one.limits ?? 0) !== 0) || [...keptLimits.get().values()].some((one) => one.limits.length > 0));
 
 /** Begins with the first status: before, it is not known whether the gateway asks for a token. */
 export function beginWatch(): void {
   const stop = status.subscribe(() => {
     stop();
-    devices.subscribe(followAlarms);
-    keptLimits.subscribe(followAlarms);
+    devices.subscribe(lookForLimits);
+    keptLimits.subscribe(lookForLimits);
     watchStream.use({ wish: { samples, batch: 60 }, take, began: () => { since = seconds(); } });
     setInterval(look, lookEvery);
     devices.subscribe(lookForRed);
