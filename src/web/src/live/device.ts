@@ -14,8 +14,6 @@ interface Identity {
   name?: string;
   hw?: number;
   sw?: number;
-  bl?: number;
-  pt?: number;
 }
 
 export interface Commands {

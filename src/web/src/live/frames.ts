@@ -5,7 +5,6 @@ import { takeRecords, textMessage, type FrameRecord, type Lost, type Tables } fr
 
 export interface FrameWish {
   from?: number[];
-  to?: number[];
   id?: (number | string)[]; // ids, names of messages or of classes
   direction?: string;
   limit?: Record<string, number>; // frames a second of an id, by its number
@@ -30,7 +29,6 @@ const usualBatch = 60;
 export function queryOf(wish: FrameWish): string {
   const parts = ["format=binary", `batch=${wish.batch ?? usualBatch}ms`];
   if (wish.from?.length) parts.push("from=" + wish.from.join(","));
-  if (wish.to?.length) parts.push("to=" + wish.to.join(","));
   if (wish.id?.length) parts.push("id=" + wish.id.join(","));
   parts.push("direction=" + (wish.direction ?? "in"));
   parts.push("elsewhere=no"); // a frame in the name of a device that is at home elsewhere says nothing of that device

@@ -1,5 +1,5 @@
 // What the page knows of the gateway: whether it is there, its status, its message table, the devices that are heard.
-import { ask, onHeard, onTokenNeeded } from "../api";
+import { ask, onHeard, onTokenNeeded, type Answer } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
 import type { Datum } from "../map/datum";
@@ -12,7 +12,6 @@ import { Store } from "./store";
 
 export interface Channel extends Counters {
   peer: string;
-  heard_s?: number;
   listening_since_s?: number; // a host that sent a single frame, and listens since then
 }
 export interface Link extends Counters {
@@ -20,7 +19,6 @@ export interface Link extends Counters {
   kind: string;
   id: number | null;
   state: string;
-  since_s: number;
   error: string;
   error_id: string;
   error_args: Record<string, unknown>;
@@ -45,7 +43,6 @@ export interface Status {
   links: Link[];
   routes: Route[];
   conflicts: { address: string; links?: string[]; home?: string[]; pinned?: boolean; claimed_by?: { link: string; peer: string } | null; [key: string]: unknown }[];
-  tunnel: Counters;
   recording?: RecordingState;
   http: { token_needed: boolean; tls: boolean };
   map: { file: string; datum: Datum } | null;
@@ -54,13 +51,10 @@ export interface Device {
   address: string;
   name?: string;
   link?: string;
-  peer?: string;
   age?: number;
   rate?: number;
   hw?: number;
   sw?: number;
-  parameters?: number;
-  job?: number;
   in_loader?: boolean;
   limits?: number; // the version of its alarm limits; 0: there are none
   red_lines?: number; // of its log, since the gateway was started
@@ -135,6 +129,13 @@ async function keepDevices(now: number): Promise<void> {
   if (!answer.ok || !Array.isArray(answer.value.devices)) return;
   devices.set(answer.value.devices);
   lostVehicles.set(answer.value.lost ?? []);
+}
+
+/** Asks who is there. */
+export async function scan(): Promise<Answer<{ devices: Device[] }>> {
+  const answer = await ask<{ devices: Device[] }>("/devices/scan", { method: "POST", body: {} });
+  if (answer.ok) devices.set(answer.value.devices);
+  return answer;
 }
 
 const beatEvery = 100; // milliseconds

@@ -35,7 +35,7 @@ export class Latest {
   }
 
   private row(message: string): FrameRow | undefined {
-    const id = this.table.rows.find((row) => row.name === message)?.id;
+    const id = this.table.idOf(message);
     return id === undefined ? undefined : this.rows.get(id);
   }
 

@@ -1,7 +1,8 @@
 // Whether a device is still heard: by the period of its telemetry. Pure; times are seconds of one clock.
+import { isFlexible } from "../protocol/table";
 
 /** Telemetry and flexible messages come by themselves. What a device answers, logs or shows as a picture has no period. */
-export const isTelemetry = (id: number): boolean => (id >= 0x01 && id < 0x60) || (id >= 0xf1 && id <= 0xfa);
+export const isTelemetry = (id: number): boolean => (id >= 0x01 && id < 0x60) || isFlexible(id);
 
 const kept = 8; // intervals
 const longest = 5; // seconds: a message that is rarer is no sign of life

@@ -9,17 +9,16 @@ import { watchStream } from "./frames";
 import { Presence } from "./presence";
 import { replayedDevices } from "./replayed";
 import { Store } from "./store";
-import { Reading } from "../protocol/table";
+import { isHost, Reading } from "../protocol/table";
 import type { FrameRecord } from "../protocol/records";
 import { alarmSound } from "../parts/sound";
 
-const hosts: readonly number[] = [0xfe, 0xd2];
 const samples = 20; // a second of each message
 const lookEvery = 50; // milliseconds
 const askRedAfter = 200; // milliseconds
 const soundEvery = 4; // seconds, until somebody silences it
 
-export interface RedLine {
+interface RedLine {
   device: number;
   text: string;
   count: number; // of this device, since they were dismissed here
@@ -68,7 +67,7 @@ export function lastStateOf(device: number): { flag: number; at: number } | unde
 export const flagOf = (device: number): number | undefined => all.get(device)?.flag;
 
 function take(record: FrameRecord, at: number): void {
-  if (hosts.includes(record.from)) return;
+  if (isHost(record.from)) return;
   const one = watched(record.from);
   one.presence.hear(record.id, at);
   const name = table.get()?.name(record.id);
@@ -76,10 +75,7 @@ function take(record: FrameRecord, at: number): void {
   if (!isMode && !isLog) return;
   const reading = table.get()?.read(record.id, record.from, record.data);
   if (!(reading instanceof Reading)) return;
-  if (isMode) {
-    const flag = reading.get("sflag");
-    if (typeof flag === "number") one.flag = flag;
-  }
+  if (isMode) one.flag = reading.number("sflag") ?? one.flag;
   if (isLog && reading.get("color") === 1) void askForRed(record.from);
 }
 

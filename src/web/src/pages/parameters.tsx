@@ -1,19 +1,19 @@
 // The parameters of a device: writes only the changed ones, and shows the values that the device stored.
-import { useEffect, useState } from "preact/hooks";
-import { nameOf as nameOfAddress } from "../addresses";
+import { useState } from "preact/hooks";
 import { ask, type Answer } from "../api";
 import { t, useLanguage } from "../i18n";
 import { path } from "../live/device";
 import { mayAct } from "../live/gateway";
-import { cancel, follow, type Job } from "../live/jobs";
+import { cancel } from "../live/jobs";
+import { useAsked } from "../live/running";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
+import { finder } from "../finder";
 import { draftOf, setDraft } from "../live/edits";
 import { useStore } from "../live/store";
-import { DeviceText } from "../parts/device_text";
+import { DeviceHeading, DeviceText } from "../parts/device_text";
 import { changesOf, faultOf, fileOf, has, isCalibration, isSame, named, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
-import { hexByte } from "../protocol/table";
 
 interface All {
   device: { address: string; name?: string; sw?: number };
@@ -26,21 +26,6 @@ interface Written {
   clamped?: boolean;
   state: string;
   what?: string;
-}
-
-function useParameters(device: number) {
-  const [all, setAll] = useState<All>();
-  const [job, setJob] = useState<Job>();
-  const [fault, setFault] = useState("");
-  const read = async (): Promise<void> => {
-    setFault("");
-    const answer = await follow<All>(path(device, "parameters"), {}, setJob);
-    setJob(undefined);
-    if (answer.ok) setAll(answer.value);
-    else setFault(refusalText(answer.refusal));
-  };
-  useEffect(() => void read(), [device]);
-  return { all, setAll, job, setJob, fault, read };
 }
 
 function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Parameter; typed: string | undefined; file: string | undefined; end: Written | undefined; disabled: boolean; onType: (text: string | undefined) => void }) {
@@ -73,7 +58,8 @@ const nothing: Typed = {};
 
 export function Parameters({ device }: { device: number }) {
   useLanguage();
-  const { all, setAll, job, setJob, fault, read } = useParameters(device);
+  const [all, setAll] = useState<All>();
+  const { job, fault, run, read } = useAsked(path(device, "parameters"), setAll);
   const draft = draftOf<Typed>("parameters", device), typed = useStore(draft) ?? nothing;
   const setTyped = (change: (before: Typed) => Typed): void => {
     const after = change(draft.get() ?? nothing);
@@ -104,8 +90,7 @@ export function Parameters({ device }: { device: number }) {
   const write = (): void =>
     action.run(
       async (): Promise<Answer<{ parameters: Written[] }>> => {
-        const answer = await follow<{ parameters: Written[] }>(path(device, "apply"), { method: "POST", body: { parameters: changes } }, setJob);
-        setJob(undefined);
+        const answer = await run<{ parameters: Written[] }>({ method: "POST", body: { parameters: changes } }, path(device, "apply"));
         const result = answer.ok ? answer.value : (answer.refusal.body as { parameters?: Written[] } | undefined);
         if (Array.isArray(result?.parameters)) stored(result.parameters);
         return answer;
@@ -130,29 +115,28 @@ export function Parameters({ device }: { device: number }) {
     setStranger(all && strangerIn(text, all.device));
     setWhich("file");
   };
-  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  const isFound = finder(search);
   const shown = parameters.filter((one) => {
     const name = nameOf(one);
     if (which === "changed" && !has(changes, name)) return false;
     if (which === "defaults") return false;
     if (which === "file" && !has(differing, name) && !has(changes, name)) return false;
-    const text = `${name} ${one.text ?? ""}`.toLowerCase();
-    return words.every((word) => text.includes(word));
+    return isFound(`${name} ${one.text ?? ""}`);
   });
   return (
-    <div class="parameters">
-      <h1>{t("parameters")} <small class="muted"><DeviceText text={all?.device.name ?? nameOfAddress(device)} /> {hexByte(device)}</small></h1>
+    <div>
+      <DeviceHeading title={t("parameters")} device={device} name={all?.device.name} />
       <div class="tools">
         <input type="search" aria-label={t("search")} placeholder={t("search_parameters")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} />
         <select aria-label={t("direction")} value={which} onChange={(event) => setWhich(event.currentTarget.value as Which)}>
-          <option value="all">{t("show_all")}</option>
+          <option value="all">{t("any")}</option>
           <option value="changed">{t("show_changed", { n: count })}</option>
           {!file && <option value="defaults">{t("show_defaults")}</option>}
           {file && <option value="file">{t("show_file", { n: Object.keys(differing).length })}</option>}
         </select>
         <button disabled={job !== undefined} onClick={() => void read()}>{t("read_again")}</button>
         <button disabled={!all} onClick={() => all && download(`${all.device.name || "device"}_${stamp()}.json`, new Blob([fileOf(all.device, all.parameters)], { type: "application/json" }))}>{t("export")}</button>
-        <label class="file button">{t("compare_file")}<input type="file" accept=".json,application/json" onChange={(event) => void load(event.currentTarget.files?.[0])} /></label>
+        <label class="file">{t("compare_file")}<input type="file" accept=".json,application/json" onChange={(event) => void load(event.currentTarget.files?.[0])} /></label>
       </div>
       {mayAct() && (
         <div class="tools">
@@ -169,7 +153,7 @@ export function Parameters({ device }: { device: number }) {
       {which === "defaults" && <p class="note">{t("defaults_unknown")}</p>}
       {unknown.length > 0 && <p class="note warn">{t("file_unknown", { names: unknown.slice(0, 8).join(", ") + (unknown.length > 8 ? " …" : "") })}</p>}
       <JobLine job={job} {...(job && mayAct() ? { onCancel: () => void cancel(job) } : {})} />
-      {fault && <p class="bad" role="alert"><DeviceText text={fault} /></p>}
+      {fault && <p class="bad" role="alert"><DeviceText text={refusalText(fault)} /></p>}
       <ul class="set card">
         {shown.map((one) => {
           const name = nameOf(one);

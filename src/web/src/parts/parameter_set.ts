@@ -1,4 +1,7 @@
 // The parameters of a device, the input for them, and files of them. Pure.
+import { jsonIn } from "../json";
+import { bigIn, isWide, numberIn, wholeRangeOf } from "./numbers";
+
 export interface Parameter {
   id: number;
   name?: string;
@@ -27,18 +30,15 @@ export function isSame(value: number | string | undefined, text: string, type: s
   const words = text.trim();
   if (words === String(value)) return true;
   if (words === "" || (typeof value === "string" && !/^-?\d+$/.test(value))) return false;
-  if (/64$/.test(type ?? "") && type !== "f64") {
-    try {
-      return BigInt(words) === BigInt(value);
-    } catch {
-      return false;
-    }
+  if (isWide(type ?? "")) {
+    const whole = bigIn(words);
+    return whole !== undefined && whole === bigIn(value);
   }
   const number = Number(words);
   return type === "f32" ? Math.fround(number) === Math.fround(Number(value)) : number === Number(value);
 }
 
-export type ValueFault = { key: "not_a_number" | "not_whole" } | { key: "out_of_range"; min: number | string; max: number | string };
+type ValueFault = { key: "not_a_number" | "not_whole" } | { key: "out_of_range"; min: number | string; max: number | string };
 
 /** Why the device can't have this value; undefined: it can, as far as its description says. */
 export function faultOf(parameter: Parameter, text: string): ValueFault | undefined {
@@ -47,24 +47,15 @@ export function faultOf(parameter: Parameter, text: string): ValueFault | undefi
   const words = text.trim();
   const isFloat = type.startsWith("f") || mul !== undefined;
   if (type.startsWith("f") && /^[+-]?(nan|inf)$/i.test(words)) return undefined;
-  const number = words === "" ? Number.NaN : Number(words);
-  if (Number.isNaN(number) || !Number.isFinite(number)) return { key: "not_a_number" };
+  const number = numberIn(words);
+  if (number === undefined || !Number.isFinite(number)) return { key: "not_a_number" };
   if (min !== undefined && max !== undefined && (number < min || number > max)) return { key: "out_of_range", min, max };
   if (isFloat) return undefined;
-  const [, sign, bits] = /^([ui])(8|16|32|64)$/.exec(type) ?? [];
-  if (!sign) return undefined;
+  const range = wholeRangeOf(type);
+  if (!range) return undefined;
   if (!Number.isInteger(number)) return { key: "not_whole" };
-  const least = sign === "u" ? 0n : -(1n << BigInt(Number(bits) - 1)), most = (1n << BigInt(Number(bits) - (sign === "u" ? 0 : 1))) - 1n;
-  const exact = bigIn(words) ?? BigInt(number);
+  const [least, most] = range, exact = bigIn(words) ?? BigInt(number);
   return exact < least || exact > most ? { key: "out_of_range", min: String(least), max: String(most) } : undefined;
-}
-
-function bigIn(words: string): bigint | undefined {
-  try {
-    return BigInt(words);
-  } catch {
-    return undefined;
-  }
 }
 
 /** The values that differ from those of the device, by name. */
@@ -83,12 +74,7 @@ export function fileOf(device: { address: string; name?: string; sw?: number }, 
 
 /** Values by name; undefined: not such a file. Integers keep all their digits. Texts with U+FFFD, which older versions wrote in place of GBK, are left out. */
 export function valuesIn(text: string): Record<string, string> | undefined {
-  let json: unknown;
-  try {
-    json = JSON.parse(text.replace(/(:\s*)(-?\d{16,})(?=\s*[,}\]])/g, '$1"$2"'));
-  } catch {
-    return undefined;
-  }
+  const json = jsonIn(text.replace(/(:\s*)(-?\d{16,})(?=\s*[,}\]])/g, '$1"$2"'));
   if (typeof json !== "object" || json === null) return undefined;
   const values = (json as { parameters?: unknown }).parameters ?? json;
   if (typeof values !== "object" || values === null || Array.isArray(values)) return undefined;
@@ -97,12 +83,7 @@ export function valuesIn(text: string): Record<string, string> | undefined {
 
 /** The device that a file is of, if it is known and differs from `device`: compared by name, or without one by address. */
 export function strangerIn(text: string, device: { address: string; name?: string | undefined }): string | undefined {
-  let said: { device?: unknown; name?: unknown };
-  try {
-    said = (JSON.parse(text) ?? {}) as typeof said;
-  } catch {
-    return undefined;
-  }
+  const said = (jsonIn(text) ?? {}) as { device?: unknown; name?: unknown };
   if (typeof said.name === "string" && said.name && device.name) return said.name === device.name ? undefined : said.name;
   return typeof said.device === "string" && said.device.toLowerCase() !== device.address.toLowerCase() ? said.device : undefined;
 }
