@@ -4,6 +4,7 @@ import { bigIn, isWide, numberIn, wholeRangeOf } from "./numbers";
 
 export interface Parameter {
   id: number;
+  key: string; // by which the gateway and files know it
   name?: string;
   type?: string | null;
   value?: number | string; // "nan", "inf", "-inf" for values that JSON does not have
@@ -14,7 +15,12 @@ export interface Parameter {
   missing?: boolean;
 }
 
-export const nameOf = (parameter: Parameter): string => parameter.name || String(parameter.id);
+/** With their keys, as in files of anoctl: the name; with the number, "GAIN#3", where several have that name, or none. */
+export function keyed(all: readonly Omit<Parameter, "key">[]): Parameter[] {
+  const known = new Map<string, number>();
+  for (const { name = "" } of all) known.set(name, (known.get(name) ?? 0) + 1);
+  return all.map((one) => ({ ...one, key: one.name && known.get(one.name) === 1 ? one.name : `${one.name ?? ""}#${one.id}` }));
+}
 
 /** Calibration values, which are valid for one piece of hardware only. */
 export const isCalibration = (name: string): boolean => name.startsWith("CAL_");
@@ -41,7 +47,7 @@ export function isSame(value: number | string | undefined, text: string, type: s
 type ValueFault = { key: "not_a_number" | "not_whole" } | { key: "out_of_range"; min: number | string; max: number | string };
 
 /** Why the device can't have this value; undefined: it can, as far as its description says. */
-export function faultOf(parameter: Parameter, text: string): ValueFault | undefined {
+export function faultOf(parameter: Omit<Parameter, "key">, text: string): ValueFault | undefined {
   const { type, min, max, mul } = parameter;
   if (!type || type === "string" || type === "text") return undefined;
   const words = text.trim();
@@ -58,17 +64,17 @@ export function faultOf(parameter: Parameter, text: string): ValueFault | undefi
   return exact < least || exact > most ? { key: "out_of_range", min: String(least), max: String(most) } : undefined;
 }
 
-/** The values that differ from those of the device, by name. */
+/** The values that differ from those of the device, by key. */
 export function changesOf(parameters: readonly Parameter[], typed: Readonly<Record<string, string>>): Record<string, string> {
   return Object.fromEntries(parameters.flatMap((parameter): [string, string][] => {
-    const text = named(typed, nameOf(parameter));
-    return text !== undefined && !isSame(parameter.value, text, parameter.type) ? [[nameOf(parameter), text]] : [];
+    const text = named(typed, parameter.key);
+    return text !== undefined && !isSame(parameter.value, text, parameter.type) ? [[parameter.key, text]] : [];
   }));
 }
 
 /** In the same form as of anoctl: {device, name, sw, parameters: {NAME: value}}. */
 export function fileOf(device: { address: string; name?: string; sw?: number }, parameters: readonly Parameter[]): string {
-  const values = Object.fromEntries(parameters.filter((one) => one.value !== undefined).map((one) => [nameOf(one), one.value]));
+  const values = Object.fromEntries(parameters.filter((one) => one.value !== undefined).map((one) => [one.key, one.value]));
   return JSON.stringify({ device: device.address, name: device.name, sw: device.sw, parameters: values }, null, 2) + "\n";
 }
 
