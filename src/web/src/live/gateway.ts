@@ -6,6 +6,7 @@ import type { Datum } from "../map/datum";
 import { place } from "../route";
 import { reopenAll } from "./connection";
 import { CounterRates, type Counters } from "./counters";
+import { jobs } from "./jobs";
 import { Liveness, type Contact } from "./liveness";
 import type { RecordingState } from "./recordings";
 import { Store } from "./store";
@@ -98,26 +99,25 @@ function took(value: Status): void {
 }
 
 // Another run of the gateway may have another configuration, and so another table; so after a change of the flexible layouts.
-let tableOfRun = "", tableText = "";
+interface Run {
+  version: string;
+  begunAt: number; // Unix seconds
+  changes: number | undefined; // of the layouts
+}
+let tableOfRun: Run | undefined, tableText = "";
 
-async function keepTable(value: Status): Promise<void> {
-  const run = `${value.gateway.version} ${Math.round((Date.now() / 1000 - value.gateway.uptime_s) / 5)} ${value.gateway.decoding_changes ?? 0}`;
-  if (table.get() && near(run, tableOfRun)) return;
+/** Begun at about the same time, by clocks that are set now and then, and with as many changes of the layouts. */
+const isSameRun = (a: Run, b: Run): boolean => a.version === b.version && a.changes === b.changes && Math.abs(a.begunAt - b.begunAt) <= 10;
+
+async function keepTable({ gateway }: Status): Promise<void> {
+  const run = { version: gateway.version, begunAt: Date.now() / 1000 - gateway.uptime_s, changes: gateway.decoding_changes };
+  if (table.get() && tableOfRun && isSameRun(run, tableOfRun)) return;
   tableOfRun = run;
   const answer = await ask<MessageRow[]>("/messages", { timeout: 5000 });
-  if (!answer.ok || !Array.isArray(answer.value)) {
-    tableOfRun = "";
-    return;
-  }
+  if (!answer.ok || !Array.isArray(answer.value)) return void (tableOfRun = undefined);
   const text = JSON.stringify(answer.value); // the same table: what was read by it stays
   if (text !== tableText) table.set(new MessageTable(answer.value));
   tableText = text;
-}
-
-/** Begun within 10 s of each other, by clocks that are set now and then, and with as many changes of the layouts. */
-function near(a: string, b: string): boolean {
-  const [va, ta, ca] = a.split(" "), [vb, tb, cb] = b.split(" ");
-  return va === vb && ca === cb && Math.abs(Number(ta) - Number(tb)) <= 2;
 }
 
 let askedForDevices = Number.NEGATIVE_INFINITY;
@@ -152,7 +152,7 @@ let askedForStatus = Number.NEGATIVE_INFINITY;
 async function askGateway(question: number): Promise<void> {
   const now = performance.now();
   if (now - askedForStatus <= statusEvery() - beatEvery) {
-    await ask("/jobs", { timeout: 5000 });
+    await jobs();
     return liveness.ended(question);
   }
   askedForStatus = now;

@@ -1,5 +1,6 @@
 // Watches every device, whichever page is open: whether it is heard, its state, its red log lines, and what the gateway finds in alarm.
 import { ask } from "../api";
+import { entryOf } from "../entries";
 import { alarmsOfGateway, followAlarms } from "./alarm_feed";
 import { remember, remembered } from "../kept";
 import { contact, devices, lostVehicles, seconds, status, table } from "./gateway";
@@ -46,11 +47,7 @@ export const redLines = new Store<readonly RedLine[]>([]);
 const silenced = new Set<string>();
 export const sounding = new Store<readonly string[]>([]);
 
-function watched(device: number): Watched {
-  let one = all.get(device);
-  if (!one) all.set(device, (one = new Watched()));
-  return one;
-}
+const watched = (device: number): Watched => entryOf(all, device, () => new Watched());
 
 /** Seconds since the device was heard; undefined: not while this page was open. */
 export function ageOf(device: number, now = seconds()): number | undefined {

@@ -1,5 +1,6 @@
 // The alarm limits of a device: kept in the gateway, for all who look at it.
 import { useEffect, useMemo, useState } from "preact/hooks";
+import { entryOf } from "../entries";
 import { significant } from "../format";
 import { t, titleText, useLanguage, type Key } from "../i18n";
 import { mayAct, table } from "../live/gateway";
@@ -65,7 +66,7 @@ const fieldsOf = (of: MessageTable | undefined): { message: string; fields: stri
   const found = new Map<string, Set<string>>();
   for (const row of of?.rows ?? [])
     for (const field of row.fields)
-      if (isNumber(field) && isTelemetry(row.id)) found.set(row.name, (found.get(row.name) ?? new Set()).add(field.name));
+      if (isNumber(field) && isTelemetry(row.id)) entryOf(found, row.name, () => new Set<string>()).add(field.name);
   return [...found].map(([message, fields]) => ({ message, fields: [...fields] }));
 };
 

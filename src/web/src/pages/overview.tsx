@@ -1,5 +1,6 @@
 // Overview of the gateway, problems first.
 import { useState } from "preact/hooks";
+import { entryOf } from "../entries";
 import { causeText, errorText, hintText, inWords, reasonText, t, useLanguage } from "../i18n";
 import { lost } from "../live/counters";
 import { devices, mayAct, rateOf, scan, status, type Link, type Status } from "../live/gateway";
@@ -61,10 +62,9 @@ function dropsOf(links: Link[]): Drop[] {
   const byCause = new Map<string, Drop>();
   for (const link of links)
     for (const [cause, count] of lost(link)) {
-      const drop = byCause.get(cause) ?? { cause, total: 0, now: rateOf(links, [cause]), links: [] };
+      const drop = entryOf(byCause, cause, (): Drop => ({ cause, total: 0, now: rateOf(links, [cause]), links: [] }));
       drop.total += count;
       drop.links.push(link.name);
-      byCause.set(cause, drop);
     }
   return [...byCause.values()].sort((a, b) => (b.now ?? 0) - (a.now ?? 0) || b.total - a.total);
 }

@@ -1,4 +1,5 @@
 // The message table of the gateway (GET /messages), and reading frames by it. No message is treated by its name here.
+import { entryOf } from "../entries";
 
 export interface FieldRow {
   name: string;
@@ -269,11 +270,7 @@ export class MessageTable {
   private readonly gbkSenders = new Set<number>(); // those of whom a text was GBK and not UTF-8
 
   constructor(readonly rows: MessageRow[]) {
-    for (const row of rows) {
-      const known = this.byId.get(row.id);
-      if (known) known.push(row);
-      else this.byId.set(row.id, [row]);
-    }
+    for (const row of rows) entryOf(this.byId, row.id, (): MessageRow[] => []).push(row);
   }
 
   /** Every layout of an id, the base first. */
