@@ -11,3 +11,5 @@ export function nameOf(address: number): string {
   const known = status.get(), replayed = known?.links.flatMap((link) => link.replayed ?? []) ?? [];
   return (said && visible(said)) || whoText([...(known?.routes ?? []), ...replayed].find((one) => one.address === hex)?.who ?? "");
 }
+
+export const called = (address: number): string => nameOf(address) || hexByte(address);

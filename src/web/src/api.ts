@@ -1,4 +1,5 @@
 // Requests to the gateway, and their results.
+import { jsonIn } from "./json";
 
 export interface Refusal {
   status: number; // 0: no response
@@ -46,14 +47,6 @@ export function requestOf({ method = "GET", body, accept = "application/json" }:
   const init: RequestInit = { method, cache: "no-store", credentials: "same-origin", headers: { Accept: accept, ...type } };
   if (body !== undefined) init.body = isFile ? body : JSON.stringify(body);
   return init;
-}
-
-function jsonIn(text: string): unknown {
-  try {
-    return JSON.parse(text);
-  } catch {
-    return undefined;
-  }
 }
 
 export async function ask<T>(route: string, options: Options = {}): Promise<Answer<T>> {

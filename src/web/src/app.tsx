@@ -1,16 +1,16 @@
 // The frame around every page: the present page, the state of the gateway, the navigation.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { t, setLanguage, useLanguage } from "./i18n";
+import { inWords, t, setLanguage, useLanguage } from "./i18n";
 import { rateText } from "./format";
 import { access, contact, devices, logIn, logOut, lostVehicles, silentFor, status, tokenNeeded, type Status } from "./live/gateway";
 import { editedPages, isEdited } from "./live/edits";
 import { replayedDevices } from "./live/replayed";
 import { useStore, useTick } from "./live/store";
 import { ageOf, alarms, lostDevices, seenRateOf } from "./live/watch";
-import { nameOf } from "./addresses";
-import { hexByte } from "./protocol/table";
-import { Alerts, alertTitle, inWords } from "./parts/alerts";
+import { called, nameOf } from "./addresses";
+import { hexByte, isHost } from "./protocol/table";
+import { Alerts, alertTitle } from "./parts/alerts";
 import { DeviceName } from "./parts/device_text";
 import { Pinned } from "./parts/pinned";
 import { setSound, soundOn } from "./parts/sound";
@@ -46,7 +46,7 @@ function DeviceLamp({ device }: { device: number }) {
       <b><DeviceName device={device} /></b>{" "}
       <span class="number">
         {isLost ? t("no_data_for", { time: inWords(age ?? 0) })
-          : isHeard ? `${rate} ${t("per_second")} · ${t("heard_age", { s: age! < 10 ? age!.toFixed(1) : Math.floor(age!) })}`
+          : isHeard ? `${rate} ${t("per_second")} · ${t("in_seconds", { s: age! < 10 ? age!.toFixed(1) : Math.floor(age!) })}`
           : age === undefined ? t("not_heard_yet") : t("ago", { time: inWords(age) })}
       </span>
     </span>
@@ -84,7 +84,7 @@ function Switches() {
 /** The addresses whose pages are offered: those that were heard, except hosts; lost vehicles; those in a recording; and the chosen one. */
 function useDevices(chosen: number | undefined, replayed: Map<number, string>): number[] {
   const heard = [...useStore(devices), ...useStore(lostVehicles)].map((device) => Number(device.address));
-  const all = new Set([...heard.filter((address) => address !== 0xfe && address !== 0xd2), ...replayed.keys()]);
+  const all = new Set([...heard.filter((address) => !isHost(address)), ...replayed.keys()]);
   if (chosen !== undefined) all.add(chosen);
   return [...all].sort((a, b) => a - b);
 }
@@ -106,19 +106,14 @@ function Tab({ page, device, here, among }: { page: Page; device?: number | unde
 }
 
 /** The chosen device, also on the pages of the gateway: the last one, else the first flight controller. */
-function useSelected(chosen: number | undefined, replayed: Map<number, string>): number | undefined {
-  const all = useDevices(chosen, replayed);
+function useSelected(chosen: number | undefined, all: number[]): number | undefined {
   const remembered = useRef<number | undefined>(undefined);
   if (chosen !== undefined) remembered.current = chosen;
   return chosen ?? remembered.current ?? all.find((address) => address === 0xdc) ?? all[0];
 }
 
-function Navigation() {
-  const now = useStore(place);
-  const here = pageAt(now);
-  const replayed = replayedDevices(useStore(status));
-  const all = useDevices(now.device, replayed), edited = useStore(editedPages);
-  const device = useSelected(now.device, replayed);
+function Navigation({ all, device, replayed }: { all: number[]; device: number | undefined; replayed: Map<number, string> }) {
+  const here = pageAt(useStore(place)), edited = useStore(editedPages);
   const offered = (of: number): Page[] => pages.filter((page) => page.ofDevice && !(page.asks && replayed.has(of)));
   const ofDevice = device === undefined ? [] : offered(device);
   return (
@@ -170,7 +165,7 @@ function Navigation() {
 /** What a read-only session sees above each page: it can enter the token that allows more. */
 function OnlyView() {
   const [enters, setEnters] = useState(false);
-  if (enters) return <Login title={t("control_title")} done={() => setEnters(false)} />;
+  if (enters) return <Login title={t("control_enter")} done={() => setEnters(false)} />;
   return (
     <p class="note only-view">
       {t("only_view")} <button class="plain" onClick={() => setEnters(true)}>{t("control_enter")}</button>
@@ -201,7 +196,7 @@ function Login({ title = t("token_title"), done }: { title?: string; done?: () =
         <input type="password" autocomplete="current-password" required autofocus value={token} onInput={(event) => setToken(event.currentTarget.value)} />
       </label>
       <button class="main" disabled={busy}>{t("token_enter")}</button>
-      {done && <button type="button" onClick={done}>{t("token_cancel")}</button>}
+      {done && <button type="button" onClick={done}>{t("cancel")}</button>}
       {wrong && <p class="bad" role="alert">{wrong}</p>}
     </form>
   );
@@ -253,13 +248,13 @@ export function App() {
   useStore(contact);
   useEffect(() => scrollTo(0, 0), [page, now.device]);
   useEffect(() => {
-    const whose = page.ofDevice && now.device !== undefined ? nameOf(now.device) || hexByte(now.device) : known?.gateway.name;
+    const whose = page.ofDevice && now.device !== undefined ? called(now.device) : known?.gateway.name;
     document.title = `${alertTitle()}${t(page.title)} · ${whose ?? "anogate"}`;
   });
-  const replayedBy = page.ofDevice && now.device !== undefined ? replayedDevices(known).get(now.device) : undefined;
+  const replayed = replayedDevices(known), all = useDevices(now.device, replayed), selected = useSelected(now.device, all);
+  const replayedBy = page.ofDevice && now.device !== undefined ? replayed.get(now.device) : undefined;
   const mayAsk = known !== undefined && replayedBy === undefined;
   const View = page.view;
-  const selected = useSelected(now.device, replayedDevices(known));
   return (
     <>
       <a class="skip" href="#content" onClick={(event) => { event.preventDefault(); document.getElementById("content")?.focus(); }}>{t("skip")}</a>
@@ -270,7 +265,7 @@ export function App() {
         {!needed && selected !== undefined && <DeviceLamp device={selected} />}
         <Switches />
       </header>
-      {!needed && <Navigation />}
+      {!needed && <Navigation all={all} device={selected} replayed={replayed} />}
       <Body device={page.ofDevice ? now.device : undefined}>
         <Alerts />
         {needed ? <Login /> : (

@@ -10,6 +10,9 @@ export function digitsOf(scale: number | undefined): number {
 /** Without a minus before a zero. */
 export const fixed = (value: number, digits: number): string => value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1");
 
+/** At most so many digits. */
+export const significant = (value: number, digits: number): string => String(Number(value.toPrecision(digits)));
+
 /** Short enough for a table: four significant digits. */
 export function shortNumber(value: number): string {
   const size = Math.abs(value);
@@ -43,9 +46,20 @@ export function duration(seconds: number, zh = false): string {
   return `${s}${unit[3]}`;
 }
 
+/** By the user's local time: 2026-11-23. */
+export function dayText(time: number): string {
+  const date = new Date(time * 1000), two = (n: number): string => String(n).padStart(2, "0");
+  return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())}`;
+}
+/** 14:05:09, or 14:05:09.123. */
+export function clockText(time: number, isPrecise = false): string {
+  const date = new Date(time * 1000), whole = date.toTimeString().slice(0, 8);
+  return isPrecise ? `${whole}.${String(date.getMilliseconds()).padStart(3, "0")}` : whole;
+}
+
 export function numberText(value: number | bigint, field: FieldRow): string {
   if (typeof value === "bigint") return value.toString();
-  if (field.type === "f32") return Number(value.toPrecision(7)).toString();
+  if (field.type === "f32") return significant(value, 7);
   if (field.type === "f64") return value.toString();
   return field.scale !== undefined && field.scale < 1 ? value.toFixed(digitsOf(field.scale)) : String(value);
 }

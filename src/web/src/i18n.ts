@@ -1,4 +1,5 @@
 // The texts of the page in two languages. {x} is replaced by a value.
+import { duration } from "./format";
 import { Store, useStore } from "./live/store";
 import { remember, remembered } from "./kept";
 import { words } from "./words";
@@ -26,16 +27,19 @@ export function beginLanguage(): void {
   setLanguage(languageOf(remembered("language"), navigator.languages), false);
 }
 
+const isChinese = (): boolean => language.get() === "zh";
+const said = ([english, chinese]: readonly [string, string]): string => (isChinese() ? chinese : english);
+
 const filled = (text: string, args: Record<string, unknown> = {}): string =>
   text.replace(/\{(\w+)\}/g, (whole, name: string) => (name in args ? String(args[name]) : whole));
 
 export function t(key: Key, args?: Record<string, unknown>): string {
-  return filled(words[key][language.get() === "zh" ? 1 : 0], args);
+  return filled(said(words[key]), args);
 }
 
 /** The parts of the text, with `make` of each value in the place of {x}. */
 export function filledWith<T>(key: Key, args: Record<string, unknown>, make: (value: string) => T): (string | T)[] {
-  return words[key][language.get() === "zh" ? 1 : 0].split(/(\{\w+\})/).map((part) => {
+  return said(words[key]).split(/(\{\w+\})/).map((part) => {
     const name = /^\{(\w+)\}$/.exec(part)?.[1];
     return name !== undefined && name in args ? make(String(args[name])) : part;
   });
@@ -43,20 +47,22 @@ export function filledWith<T>(key: Key, args: Record<string, unknown>, make: (va
 
 export const useLanguage = (): Language => useStore(language);
 
+export const inWords = (seconds: number): string => duration(seconds, isChinese());
+
 /** The gateway's text about a link: in Chinese when its id is known, else unchanged. */
 export function hintText(id: string, text: string, args: Record<string, unknown>): string {
-  if (language.get() !== "zh") return hintsInEnglish[id] ?? text;
+  if (!isChinese()) return hintsInEnglish[id] ?? text;
   const known = hints[id];
   return known === undefined ? text : filled(known, args) + (args.try_hello ? unhandled.try_hello : "");
 }
 export function errorText(id: string, text: string, args: Record<string, unknown>): string {
-  const known = language.get() === "zh" ? errors[id] : undefined;
+  const known = isChinese() ? errors[id] : undefined;
   return known === undefined ? text : filled(known, args);
 }
 /** What a job does, or why it failed: in Chinese when a translation is known. */
-export const messageText = (text: string): string => (language.get() === "zh" ? messageInChinese(text) : text);
-export const reasonText = (text: string): string => (language.get() === "zh" ? reasonInChinese(text) : text);
+export const messageText = (text: string): string => (isChinese() ? messageInChinese(text) : text);
+export const reasonText = (text: string): string => (isChinese() ? reasonInChinese(text) : text);
 /** The meaning of a counter; its name when that is not known. */
-export const causeText = (name: string): string => causes[name]?.[language.get() === "zh" ? 1 : 0] ?? name;
-export const whoText = (who: string): string => (language.get() === "zh" ? (whos[who] ?? who) : who);
-export const titleText = (name: string, title: string): string => (language.get() === "zh" ? (titles[name] ?? title) : title);
+export const causeText = (name: string): string => said(causes[name] ?? [name, name]);
+export const whoText = (who: string): string => (isChinese() ? (whos[who] ?? who) : who);
+export const titleText = (name: string, title: string): string => (isChinese() ? (titles[name] ?? title) : title);

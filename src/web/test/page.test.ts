@@ -4,7 +4,7 @@ import { bytesText, digitsOf, duration, fixed, shortNumber, valueText } from "..
 import { frameOf } from "../src/parts/frame_of";
 import { gridStep, type Point } from "../src/parts/ground";
 import { addPlace, addPoint, clearTracks, earthTrackOf } from "../src/parts/tracks";
-import { changesOf, fileOf, isSame, strangerIn, valuesIn, type Parameter } from "../src/parts/parameter_set";
+import { changesOf, fileOf, isSame, keyed, strangerIn, valuesIn } from "../src/parts/parameter_set";
 import { pinnedOf, type Command } from "../src/live/device";
 import type { Link, Route } from "../src/live/gateway";
 import { faultsOf, questionOf, type KeptLast, type RunningRecording } from "../src/live/recordings";
@@ -117,12 +117,12 @@ test("pins what ends a flight, where it wants no values", () => {
   assert.deepEqual(pinnedOf([command("LAND", ["u8"]), command("ISLAND"), command("BLOCK")]), { land: undefined, lock: undefined });
 });
 
-const parameters: Parameter[] = [
+const parameters = keyed([
   { id: 0, name: "GAIN", type: "f32", value: 0.1 },
   { id: 1, name: "BIG", type: "u64", value: "18446744073709551615" },
   { id: 2, name: "NAME", type: "string", value: "a" },
   { id: 3, name: "N", type: "u8", value: 5 },
-];
+]);
 
 test("writes only what differs, however the same value is written", () => {
   assert.deepEqual(changesOf(parameters, { GAIN: "0.10", BIG: "18446744073709551615", NAME: "a", N: "0x05" }), {});
@@ -145,14 +145,21 @@ test("a file of parameters comes back with every digit", () => {
 });
 
 test("the names of parameters are the device's own choice", () => {
-  const parameters: Parameter[] = ["constructor", "toString", "__proto__", "hasOwnProperty"].map((name, id) => ({ id, name, type: "f32", value: 1 }));
+  const parameters = keyed(["constructor", "toString", "__proto__", "hasOwnProperty"].map((name, id) => ({ id, name, type: "f32", value: 1 })));
   assert.deepEqual(changesOf(parameters, {}), {});
   const typed = Object.fromEntries(parameters.map((one) => [one.name!, "2"]));
   assert.deepEqual(Object.entries(changesOf(parameters, typed)), parameters.map((one) => [one.name!, "2"]));
   assert.deepEqual(valuesIn(fileOf({ address: "0x1E" }, parameters)), Object.fromEntries(parameters.map((one) => [one.name!, "1"])));
 });
 
+test("several parameters of one name, or of none, are told apart by their numbers, as in files of anoctl", () => {
+  const parameters = keyed([{ id: 0, name: "GAIN", value: 1 }, { id: 1, name: "ONCE", value: 2 }, { id: 2, name: "GAIN", value: 3 }, { id: 3, name: "", value: 4 }, { id: 4, value: 5 }]);
+  assert.deepEqual(valuesIn(fileOf({ address: "0x1E" }, parameters)), { "GAIN#0": "1", ONCE: "2", "GAIN#2": "3", "#3": "4", "#4": "5" });
+  assert.deepEqual(changesOf(parameters, { "GAIN#2": "7" }), { "GAIN#2": "7" });
+  assert.equal(keyed([{ id: 7, name: "" }])[0]!.key, "#7");
+});
+
 test("a value that is no number is not the same as any that is typed", () => {
-  const parameters: Parameter[] = [{ id: 0, name: "GAIN", type: "f32", value: "nan" }, { id: 1, name: "FAR", type: "f32", value: 1e38 }, { id: 2, name: "END", type: "f32", value: "-inf" }];
+  const parameters = keyed([{ id: 0, name: "GAIN", type: "f32", value: "nan" }, { id: 1, name: "FAR", type: "f32", value: 1e38 }, { id: 2, name: "END", type: "f32", value: "-inf" }]);
   assert.deepEqual(changesOf(parameters, { GAIN: "0", FAR: "1e38", END: "-inf" }), { GAIN: "0" });
 });

@@ -1,4 +1,5 @@
 // The fields of the chart, and the frames that contain them.
+import { entryOf } from "../entries";
 import type { FrameRecord } from "../protocol/records";
 import { Reading, type FieldRow, type MessageRow, type MessageTable } from "../protocol/table";
 import { Series } from "./series";
@@ -47,10 +48,7 @@ export class ChartData {
 
   private regroup(): void {
     this.byFrame.clear();
-    for (const line of this.lines) {
-      const frame = line.from * 256 + line.id;
-      this.byFrame.set(frame, [...(this.byFrame.get(frame) ?? []), line]);
-    }
+    for (const line of this.lines) entryOf(this.byFrame, line.from * 256 + line.id, (): Line[] => []).push(line);
   }
 
   take(record: FrameRecord): void {

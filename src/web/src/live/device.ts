@@ -1,5 +1,6 @@
 // Requests to one device, through the gateway's host engine.
 import { ask, type Answer } from "../api";
+import { entryOf } from "../entries";
 import { Store } from "./store";
 
 export interface Command {
@@ -14,8 +15,6 @@ interface Identity {
   name?: string;
   hw?: number;
   sw?: number;
-  bl?: number;
-  pt?: number;
 }
 
 export interface Commands {
@@ -30,11 +29,7 @@ const kept = new Map<number, Store<Commands | undefined>>();
 const asking = new Set<number>();
 
 /** The commands that a device describes; requested once, and again after a failure. */
-export function commandsOf(device: number): Store<Commands | undefined> {
-  let store = kept.get(device);
-  if (!store) kept.set(device, (store = new Store<Commands | undefined>(undefined)));
-  return store;
-}
+export const commandsOf = (device: number): Store<Commands | undefined> => entryOf(kept, device, () => new Store<Commands | undefined>(undefined));
 
 /** It has new firmware, and perhaps other commands. */
 export const forgetCommands = (device: number): void => commandsOf(device).set(undefined);

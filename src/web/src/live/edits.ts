@@ -1,15 +1,13 @@
 // What was changed and not sent to its device yet, of each page of each device: it stays while the page is open, whichever page is shown.
+import { entryOf } from "../entries";
 import { Store } from "./store";
 
 const kept = new Map<string, Store<unknown>>();
 const key = (page: string, device: number): string => `${page} ${device}`;
 
 /** undefined: nothing is changed. The page decides what it is: `T` is the same for each use of one `page`. */
-export function draftOf<T>(page: string, device: number): Store<T | undefined> {
-  let store = kept.get(key(page, device));
-  if (!store) kept.set(key(page, device), (store = new Store<unknown>(undefined)));
-  return store as Store<T | undefined>;
-}
+export const draftOf = <T>(page: string, device: number): Store<T | undefined> =>
+  entryOf(kept, key(page, device), () => new Store<unknown>(undefined)) as Store<T | undefined>;
 
 /** "waypoints 220": pages and devices with such changes. */
 export const editedPages = new Store<ReadonlySet<string>>(new Set());

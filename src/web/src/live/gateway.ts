@@ -1,19 +1,18 @@
 // What the page knows of the gateway: whether it is there, its status, its message table, the devices that are heard.
-import { ask, onHeard, onTokenNeeded } from "../api";
+import { ask, onHeard, onTokenNeeded, type Answer } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
-import { alarmFeed } from "./alarm_feed";
 import type { Datum } from "../map/datum";
 import { place } from "../route";
+import { reopenAll } from "./connection";
 import { CounterRates, type Counters } from "./counters";
-import { frameStream, watchStream } from "./frames";
+import { jobs } from "./jobs";
 import { Liveness, type Contact } from "./liveness";
 import type { RecordingState } from "./recordings";
 import { Store } from "./store";
 
 export interface Channel extends Counters {
   peer: string;
-  heard_s?: number;
   listening_since_s?: number; // a host that sent a single frame, and listens since then
 }
 export interface Link extends Counters {
@@ -21,7 +20,6 @@ export interface Link extends Counters {
   kind: string;
   id: number | null;
   state: string;
-  since_s: number;
   error: string;
   error_id: string;
   error_args: Record<string, unknown>;
@@ -46,7 +44,6 @@ export interface Status {
   links: Link[];
   routes: Route[];
   conflicts: { address: string; links?: string[]; home?: string[]; pinned?: boolean; claimed_by?: { link: string; peer: string } | null; [key: string]: unknown }[];
-  tunnel: Counters;
   recording?: RecordingState;
   http: { token_needed: boolean; tls: boolean };
   map: { file: string; datum: Datum } | null;
@@ -55,13 +52,10 @@ export interface Device {
   address: string;
   name?: string;
   link?: string;
-  peer?: string;
   age?: number;
   rate?: number;
   hw?: number;
   sw?: number;
-  parameters?: number;
-  job?: number;
   in_loader?: boolean;
   limits?: number; // the version of its alarm limits; 0: there are none
   red_lines?: number; // of its log, since the gateway was started
@@ -81,8 +75,6 @@ export const table = new Store<MessageTable | undefined>(undefined);
 export const devices = new Store<Device[]>([]);
 export const lostVehicles = new Store<LostVehicle[]>([]);
 export const tokenNeeded = new Store(false);
-/** Seconds of the page's own clock at which the status came. */
-export const statusAt = new Store(0);
 const linkRates = new CounterRates();
 /** The sum of these counters of all `links`, per second; undefined: not known yet. */
 export function rateOf(links: Link[], counters: string[]): number | undefined {
@@ -103,31 +95,29 @@ function took(value: Status): void {
     link.channels.forEach((channel, i) => linkRates.look(`channel:${link.name}:${channel.peer}:${i}`, channel, now));
   }
   ++statuses;
-  statusAt.set(now);
   status.set(value);
 }
 
 // Another run of the gateway may have another configuration, and so another table; so after a change of the flexible layouts.
-let tableOfRun = "", tableText = "";
+interface Run {
+  version: string;
+  begunAt: number; // Unix seconds
+  changes: number | undefined; // of the layouts
+}
+let tableOfRun: Run | undefined, tableText = "";
 
-async function keepTable(value: Status): Promise<void> {
-  const run = `${value.gateway.version} ${Math.round((Date.now() / 1000 - value.gateway.uptime_s) / 5)} ${value.gateway.decoding_changes ?? 0}`;
-  if (table.get() && near(run, tableOfRun)) return;
+/** Begun at about the same time, by clocks that are set now and then, and with as many changes of the layouts. */
+const isSameRun = (a: Run, b: Run): boolean => a.version === b.version && a.changes === b.changes && Math.abs(a.begunAt - b.begunAt) <= 10;
+
+async function keepTable({ gateway }: Status): Promise<void> {
+  const run = { version: gateway.version, begunAt: Date.now() / 1000 - gateway.uptime_s, changes: gateway.decoding_changes };
+  if (table.get() && tableOfRun && isSameRun(run, tableOfRun)) return;
   tableOfRun = run;
   const answer = await ask<MessageRow[]>("/messages", { timeout: 5000 });
-  if (!answer.ok || !Array.isArray(answer.value)) {
-    tableOfRun = "";
-    return;
-  }
+  if (!answer.ok || !Array.isArray(answer.value)) return void (tableOfRun = undefined);
   const text = JSON.stringify(answer.value); // the same table: what was read by it stays
   if (text !== tableText) table.set(new MessageTable(answer.value));
   tableText = text;
-}
-
-/** Begun within 10 s of each other, by clocks that are set now and then, and with as many changes of the layouts. */
-function near(a: string, b: string): boolean {
-  const [va, ta, ca] = a.split(" "), [vb, tb, cb] = b.split(" ");
-  return va === vb && ca === cb && Math.abs(Number(ta) - Number(tb)) <= 2;
 }
 
 let askedForDevices = Number.NEGATIVE_INFINITY;
@@ -139,6 +129,13 @@ async function keepDevices(now: number): Promise<void> {
   if (!answer.ok || !Array.isArray(answer.value.devices)) return;
   devices.set(answer.value.devices);
   lostVehicles.set(answer.value.lost ?? []);
+}
+
+/** Asks who is there. */
+export async function scan(): Promise<Answer<{ devices: Device[] }>> {
+  const answer = await ask<{ devices: Device[] }>("/devices/scan", { method: "POST", body: {} });
+  if (answer.ok) devices.set(answer.value.devices);
+  return answer;
 }
 
 const beatEvery = 100; // milliseconds
@@ -155,7 +152,7 @@ let askedForStatus = Number.NEGATIVE_INFINITY;
 async function askGateway(question: number): Promise<void> {
   const now = performance.now();
   if (now - askedForStatus <= statusEvery() - beatEvery) {
-    await ask("/jobs", { timeout: 5000 });
+    await jobs();
     return liveness.ended(question);
   }
   askedForStatus = now;
@@ -185,11 +182,7 @@ function look(): void {
   const before = contact.get();
   const after = liveness.contact(now);
   contact.set(after);
-  if (before === "lost" && after === "live") {
-    frameStream.reopen();
-    watchStream.reopen();
-    alarmFeed.reopen();
-  }
+  if (before === "lost" && after === "live") reopenAll();
 }
 
 export function begin(): void {
@@ -212,9 +205,7 @@ export async function logIn(token: string): Promise<string> {
   remember("access", answer.value.access);
   tokenNeeded.set(false);
   liveness.restart(performance.now());
-  frameStream.reopen();
-  watchStream.reopen();
-  alarmFeed.reopen();
+  reopenAll();
   return "";
 }
 

@@ -38,7 +38,7 @@ export function endOf<T>(job: Job<T>): Answer<T> {
   return { ok: false, refusal: { ...refusalOf(job.status ?? 0, { ...job, error: job.error || job.message || job.state }), body: job.result } };
 }
 
-const over = (job: Job): boolean => job.state !== "running" && job.state !== "waiting";
+export const isOver = (job: Job): boolean => job.state !== "running" && job.state !== "waiting";
 
 const lost = (writes: boolean): Answer<never> => ({ ok: false, refusal: { status: 0, error: "", what: "no_contact", writes } });
 const againAfter = 500; // milliseconds
@@ -84,21 +84,24 @@ async function listen<T>(route: string, options: Options, onJob: (job: Job<T>) =
     }
     take(lines.end());
     if (!response.ok) return { ok: false, refusal: refusalOf(response.status, last) };
-    return last && over(last) ? endOf(last) : lost(false);
+    return last && isOver(last) ? endOf(last) : lost(false);
   } catch {
     return lost(false);
   }
 }
 
 /** Following is reading, but the job writes. */
-const asWrite = <T>(answer: Answer<T>): Answer<T> => (answer.ok || answer.refusal.status !== 0 ? answer : lost(true));
+export const followOn = async <T>(job: Job<T>, onJob: (job: Job<T>) => void): Promise<Answer<T>> => {
+  const answer = await follow<T>(`/jobs/${job.id}`, {}, onJob, job);
+  return answer.ok || answer.refusal.status !== 0 ? answer : lost(true);
+};
 
 /** For a route that responds with the job at once: then follows the job to its result. */
 export async function begin<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
   const answer = await ask<Job<T>>(route, { ...options, method: "POST" });
   if (!answer.ok) return answer;
   onJob(answer.value);
-  return over(answer.value) ? endOf(answer.value) : follow<T>(`/jobs/${answer.value.id}`, {}, onJob, answer.value).then(asWrite);
+  return isOver(answer.value) ? endOf(answer.value) : followOn(answer.value, onJob);
 }
 
 export const cancel = (job: Job): Promise<Answer<Job>> => ask(`/jobs/${job.id}`, { method: "DELETE" });

@@ -1,5 +1,6 @@
 // The alarm limits that the gateway keeps for all who look at it; read again when the gateway says that they changed.
-import { ask, type Answer } from "../api";
+import { ask, type Answer, type Options } from "../api";
+import { path } from "./device";
 import { bodyOf, limitsIn, type Limit } from "./limits";
 import { devices } from "./gateway";
 import { Store } from "./store";
@@ -11,21 +12,21 @@ interface Kept {
 
 export const keptLimits = new Store<ReadonlyMap<number, Kept>>(new Map());
 
-const set = (device: number, version: number, limits: Limit[]): void => keptLimits.update((all) => new Map([...all, [device, { version, limits }]]));
-const path = (device: number): string => `/devices/${device}/limits`;
 const asking = new Set<number>();
 
-export async function readLimits(device: number): Promise<Answer<{ version?: number }>> {
-  const answer = await ask<{ version?: number }>(path(device), { timeout: 5000 });
-  if (answer.ok) set(device, answer.value.version ?? 0, limitsIn(answer.value));
+interface Told {
+  version?: number;
+  kept?: boolean; // false: not over a restart
+}
+
+async function answered(device: number, options: Options): Promise<Answer<Told>> {
+  const answer = await ask<Told>(path(device, "limits"), options);
+  if (answer.ok) keptLimits.update((all) => new Map([...all, [device, { version: answer.value.version ?? 0, limits: limitsIn(answer.value) }]]));
   return answer;
 }
 
-export async function writeLimits(device: number, limits: readonly Limit[]): Promise<Answer<{ version?: number; kept?: boolean }>> {
-  const answer = await ask<{ version?: number; kept?: boolean }>(path(device), { method: "PUT", body: bodyOf(limits), timeout: 10000 });
-  if (answer.ok) set(device, answer.value.version ?? 0, limitsIn(answer.value));
-  return answer;
-}
+export const readLimits = (device: number): Promise<Answer<Told>> => answered(device, { timeout: 5000 });
+export const writeLimits = (device: number, limits: readonly Limit[]): Promise<Answer<Told>> => answered(device, { method: "PUT", body: bodyOf(limits), timeout: 10000 });
 
 export function beginLimits(): void {
   devices.subscribe(() => {

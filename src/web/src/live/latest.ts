@@ -1,4 +1,5 @@
 // The last frame of each message of one device.
+import { entryOf } from "../entries";
 import type { FrameRecord } from "../protocol/records";
 import { Reading, type MessageTable, type Value } from "../protocol/table";
 import { FrameRow } from "./rows";
@@ -26,8 +27,7 @@ export class Latest {
   constructor(private readonly table: MessageTable) {}
 
   take(record: FrameRecord, now: number): void {
-    let row = this.rows.get(record.id);
-    if (!row) this.rows.set(record.id, (row = new FrameRow("", record.link, record.from, record.id, -1)));
+    const row = entryOf(this.rows, record.id, () => new FrameRow("", record.link, record.from, record.id, -1));
     row.data = record.data.slice();
     row.time = record.time;
     row.rate.add(now);
@@ -35,7 +35,7 @@ export class Latest {
   }
 
   private row(message: string): FrameRow | undefined {
-    const id = this.table.rows.find((row) => row.name === message)?.id;
+    const id = this.table.idOf(message);
     return id === undefined ? undefined : this.rows.get(id);
   }
 

@@ -1,7 +1,5 @@
 // The alarm limits of a device, as the gateway keeps them, and the values that it finds beyond them. Pure.
 
-export type Level = "none" | "amber" | "red";
-
 export interface Limit {
   key: string; // tells it from the others of the device
   field: string; // "power.voltage"
@@ -14,16 +12,24 @@ export interface Limit {
 
 const numberIn = (value: unknown): number | undefined => (typeof value === "number" && Number.isFinite(value) ? value : undefined);
 
-/** The body of GET /devices/A/limits. */
-export function limitsIn(body: unknown): Limit[] {
-  const list = (body as { limits?: unknown } | undefined)?.limits;
+export const keyOf = ({ field, side }: Pick<Limit, "field" | "side">): string => `${field} ${side}`;
+
+type What = Pick<Limit, "key" | "field" | "side" | "cells">;
+
+/** What `make` makes of the good rows of a list in the gateway's form, and of what each is about. */
+function rowsOf<T>(list: unknown, make: (of: What, row: Record<string, unknown>) => T | undefined): T[] {
   if (!Array.isArray(list)) return [];
-  return list.flatMap((one: Record<string, unknown> | null): Limit[] => {
-    if (!one || typeof one.field !== "string" || (one.side !== "below" && one.side !== "above")) return [];
-    const cells = numberIn(one.cells);
-    return [{ key: `${one.field} ${one.side}`, field: one.field, side: one.side, amber: numberIn(one.amber), red: numberIn(one.red), cells, for_s: numberIn(one.for_s) ?? 0 }];
+  return list.flatMap((row: Record<string, unknown> | null): T[] => {
+    const { field, side, cells } = row ?? {};
+    if (!row || typeof field !== "string" || (side !== "below" && side !== "above")) return [];
+    const made = make({ key: keyOf({ field, side }), field, side, cells: numberIn(cells) }, row);
+    return made === undefined ? [] : [made];
   });
 }
+
+/** The body of GET /devices/A/limits. */
+export const limitsIn = (body: unknown): Limit[] =>
+  rowsOf((body as { limits?: unknown } | undefined)?.limits, (of, row) => ({ ...of, amber: numberIn(row.amber), red: numberIn(row.red), for_s: numberIn(row.for_s) ?? 0 }));
 
 /** The body of PUT. */
 export const bodyOf = (limits: readonly Limit[]): { limits: Record<string, unknown>[] } => ({
@@ -39,22 +45,17 @@ export const fieldOf = (limit: Pick<Limit, "field">): string => limit.field.slic
 /** A value beyond its limit for long enough, as the gateway judges it. */
 export interface Alarm {
   device: number;
-  limit: Pick<Limit, "key" | "field" | "side" | "cells">;
-  level: Exclude<Level, "none">;
+  limit: What;
+  level: "amber" | "red";
   value: number; // divided by the cells
   edge: number; // what it is beyond
   heardAt: number; // when the value last came, in seconds of the clock of `now`
 }
 
 /** A message of GET /alarms, which came at `now`. */
-export function alarmsIn(body: unknown, now: number): Alarm[] {
-  const list = (body as { alarms?: unknown } | undefined)?.alarms;
-  if (!Array.isArray(list)) return [];
-  return list.flatMap((one: Record<string, unknown> | null): Alarm[] => {
-    if (!one || typeof one.field !== "string" || (one.side !== "below" && one.side !== "above") || (one.level !== "amber" && one.level !== "red")) return [];
-    const device = Number(one.device), value = numberIn(one.value), edge = numberIn(one.limit);
-    if (!Number.isInteger(device) || value === undefined || edge === undefined) return [];
-    const limit = { key: `${one.field} ${one.side}`, field: one.field, side: one.side, cells: numberIn(one.cells) } as const;
-    return [{ device, limit, level: one.level, value, edge, heardAt: now - (numberIn(one.age_s) ?? 0) }];
+export const alarmsIn = (body: unknown, now: number): Alarm[] =>
+  rowsOf((body as { alarms?: unknown } | undefined)?.alarms, (limit, { level, ...row }) => {
+    const device = Number(row.device), value = numberIn(row.value), edge = numberIn(row.limit);
+    if ((level !== "amber" && level !== "red") || !Number.isInteger(device) || value === undefined || edge === undefined) return undefined;
+    return { device, limit, level, value, edge, heardAt: now - (numberIn(row.age_s) ?? 0) };
   });
-}

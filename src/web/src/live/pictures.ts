@@ -24,10 +24,7 @@ export class Pictures {
 
   /** The pictures that this frame ends: complete, or with missing rows. */
   take(reading: Reading, from: number, time: number): Picture[] {
-    const number = (name: string): number => {
-      const value = reading.get(name);
-      return typeof value === "number" ? value : 0;
-    };
+    const number = (name: string): number => reading.number(name) ?? 0;
     const picture: Picture = { from, flag: number("flag"), colour: number("color"), width: number("width"), height: number("height"), pixels: new Uint8Array(0), filled: 0, began: time };
     const field = reading.row.fields.find((one) => one.name === "pixels");
     const rows = field ? reading.data.subarray(field.offset) : new Uint8Array(0);

@@ -1,7 +1,9 @@
 // Whether a device is still heard: by the period of its telemetry. Pure; times are seconds of one clock.
+import { entryOf } from "../entries";
+import { isFlexible } from "../protocol/table";
 
 /** Telemetry and flexible messages come by themselves. What a device answers, logs or shows as a picture has no period. */
-export const isTelemetry = (id: number): boolean => (id >= 0x01 && id < 0x60) || (id >= 0xf1 && id <= 0xfa);
+export const isTelemetry = (id: number): boolean => (id >= 0x01 && id < 0x60) || isFlexible(id);
 
 const kept = 8; // intervals
 const longest = 5; // seconds: a message that is rarer is no sign of life
@@ -39,9 +41,7 @@ export class Presence {
     this.recent.push(now);
     if (this.recent.length > 2000) this.recent.splice(0, 1000);
     if (!isTelemetry(id)) return;
-    let beat = this.beats.get(id);
-    if (!beat) this.beats.set(id, (beat = new Beat()));
-    beat.add(now);
+    entryOf(this.beats, id, () => new Beat()).add(now);
   }
 
   /** Others know that it was heard last at that time, and is lost since: here nobody listened, or not for long enough to know. */

@@ -72,14 +72,14 @@ export interface Wishes {
   seconds: string;
 }
 
-const route = (name: string): string => "/recordings/" + encodeURIComponent(name);
-export const fileOf = route;
+export const fileOf = (name: string): string => "/recordings/" + encodeURIComponent(name);
 
-const listed = (text: string): string => text.split(/[\s,]+/).filter(Boolean).join(",");
+const partsOf = (text: string): string[] => text.split(/[\s,]+/).filter(Boolean);
+const listed = (text: string): string => partsOf(text).join(",");
 
 /** The rates by message; undefined: the text is not valid. */
 export function limitsIn(text: string): Record<string, number> | undefined {
-  const pairs = text.split(/[\s,]+/).filter(Boolean).map((one) => /^([^=]+)=(\d+(?:\.\d+)?)$/.exec(one));
+  const pairs = partsOf(text).map((one) => /^([^=]+)=(\d+(?:\.\d+)?)$/.exec(one));
   if (pairs.some((pair) => !pair)) return undefined;
   return Object.fromEntries(pairs.map((pair) => [pair![1]!, Number(pair![2])]));
 }
@@ -101,5 +101,5 @@ export const readRecordings = (): Promise<Answer<Recordings>> => ask("/recording
 export const beginRecording = (body: unknown): Promise<Answer<RunningRecording>> => ask("/recordings", { method: "POST", body, timeout: 30000 });
 export const saveLast = (format: string): Promise<Answer<{ name: string; bytes: number; frames: number }>> =>
   ask("/recordings", { method: "POST", body: { last: true, format }, timeout: 60000 });
-export const endRecording = (name: string): Promise<Answer<RunningRecording>> => ask(route(name) + "/end", { method: "POST", body: {}, timeout: 30000 });
-export const deleteRecording = (name: string): Promise<Answer<unknown>> => ask(route(name), { method: "DELETE", timeout: 30000 });
+export const endRecording = (name: string): Promise<Answer<RunningRecording>> => ask(fileOf(name) + "/end", { method: "POST", body: {}, timeout: 30000 });
+export const deleteRecording = (name: string): Promise<Answer<unknown>> => ask(fileOf(name), { method: "DELETE", timeout: 30000 });

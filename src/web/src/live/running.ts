@@ -1,9 +1,8 @@
-// Follows a job of one kind at one device, also one that another client began.
+// Jobs at a device, as a page shows them.
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Answer } from "../api";
+import type { Answer, Options, Refusal } from "../api";
 import { hexByte } from "../protocol/table";
-import { begin, follow, jobs, type Job } from "./jobs";
-import type { Options } from "../api";
+import { begin, follow, followOn, isOver, jobs, type Job } from "./jobs";
 
 export interface Running<T> {
   job: Job<T> | undefined; // undefined: it has ended, or there is none
@@ -12,8 +11,7 @@ export interface Running<T> {
   start(route: string, options: Options): void;
 }
 
-const isOver = (job: Job): boolean => job.state !== "running" && job.state !== "waiting";
-
+/** Follows a job of one kind, also one that another client began. */
 export function useRunning<T>(device: number, kind: string): Running<T> {
   const [job, setJob] = useState<Job<T>>();
   const [ended, setEnded] = useState<Answer<T>>();
@@ -25,7 +23,7 @@ export function useRunning<T>(device: number, kind: string): Running<T> {
   useEffect(() => {
     void jobs().then((answer) => {
       const mine = answer.ok ? answer.value.jobs.find((one) => one.kind === kind && one.device === hexByte(device) && !isOver(one)) : undefined;
-      if (mine) void follow<T>(`/jobs/${mine.id}`, {}, take, mine as Job<T>).then((answer) => end(answer.ok || answer.refusal.status !== 0 ? answer : { ok: false, refusal: { ...answer.refusal, writes: true } }));
+      if (mine) void followOn(mine as Job<T>, take).then(end);
     });
   }, [device, kind]);
   const begun = useRef(false);
@@ -40,4 +38,31 @@ export function useRunning<T>(device: number, kind: string): Running<T> {
     });
   };
   return { job, ended, start };
+}
+
+export interface Asked {
+  job: Job | undefined; // the present one
+  fault: Refusal | undefined; // why it could not be read
+  /** Follows a job, with its progress. */
+  run<R>(options: Options, to?: string): Promise<Answer<R>>;
+  read(): Promise<void>;
+}
+
+/** What a device has, which takes long to read: read at once, and given to `take`. */
+export function useAsked<T>(route: string, take: (value: T) => void): Asked {
+  const [job, setJob] = useState<Job>();
+  const [fault, setFault] = useState<Refusal>();
+  const run = async <R>(options: Options, to = route): Promise<Answer<R>> => {
+    const answer = await follow<R>(to, options, setJob);
+    setJob(undefined);
+    return answer;
+  };
+  const read = async (): Promise<void> => {
+    setFault(undefined);
+    const answer = await run<T>({});
+    if (answer.ok) take(answer.value);
+    else setFault(answer.refusal);
+  };
+  useEffect(() => void read(), [route]);
+  return { job, fault, run, read };
 }

@@ -43,13 +43,8 @@ export class Series {
   }
 
   private move(times: Float64Array<ArrayBuffer>, values: Float64Array<ArrayBuffer>): void {
-    if (times === this.times) {
-      times.copyWithin(0, this.first, this.end);
-      values.copyWithin(0, this.first, this.end);
-    } else {
-      times.set(this.times.subarray(this.first, this.end));
-      values.set(this.values.subarray(this.first, this.end));
-    }
+    times.set(this.times.subarray(this.first, this.end));
+    values.set(this.values.subarray(this.first, this.end));
     this.end -= this.first;
     this.first = 0;
     this.times = times;

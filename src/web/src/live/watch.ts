@@ -1,6 +1,7 @@
 // Watches every device, whichever page is open: whether it is heard, its state, its red log lines, and what the gateway finds in alarm.
 import { ask } from "../api";
-import { alarmFeed } from "./alarm_feed";
+import { entryOf } from "../entries";
+import { alarmsOfGateway, followAlarms } from "./alarm_feed";
 import { remember, remembered } from "../kept";
 import { contact, devices, lostVehicles, seconds, status, table } from "./gateway";
 import { keptLimits } from "./kept_limits";
@@ -9,17 +10,16 @@ import { watchStream } from "./frames";
 import { Presence } from "./presence";
 import { replayedDevices } from "./replayed";
 import { Store } from "./store";
-import { Reading } from "../protocol/table";
+import { isHost, Reading } from "../protocol/table";
 import type { FrameRecord } from "../protocol/records";
 import { alarmSound } from "../parts/sound";
 
-const hosts: readonly number[] = [0xfe, 0xd2];
 const samples = 20; // a second of each message
 const lookEvery = 50; // milliseconds
 const askRedAfter = 200; // milliseconds
 const soundEvery = 4; // seconds, until somebody silences it
 
-export interface RedLine {
+interface RedLine {
   device: number;
   text: string;
   count: number; // of this device, since they were dismissed here
@@ -47,11 +47,7 @@ export const redLines = new Store<readonly RedLine[]>([]);
 const silenced = new Set<string>();
 export const sounding = new Store<readonly string[]>([]);
 
-function watched(device: number): Watched {
-  let one = all.get(device);
-  if (!one) all.set(device, (one = new Watched()));
-  return one;
-}
+const watched = (device: number): Watched => entryOf(all, device, () => new Watched());
 
 /** Seconds since the device was heard; undefined: not while this page was open. */
 export function ageOf(device: number, now = seconds()): number | undefined {
@@ -68,7 +64,7 @@ export function lastStateOf(device: number): { flag: number; at: number } | unde
 export const flagOf = (device: number): number | undefined => all.get(device)?.flag;
 
 function take(record: FrameRecord, at: number): void {
-  if (hosts.includes(record.from)) return;
+  if (isHost(record.from)) return;
   const one = watched(record.from);
   one.presence.hear(record.id, at);
   const name = table.get()?.name(record.id);
@@ -76,10 +72,7 @@ function take(record: FrameRecord, at: number): void {
   if (!isMode && !isLog) return;
   const reading = table.get()?.read(record.id, record.from, record.data);
   if (!(reading instanceof Reading)) return;
-  if (isMode) {
-    const flag = reading.get("sflag");
-    if (typeof flag === "number") one.flag = flag;
-  }
+  if (isMode) one.flag = reading.number("sflag") ?? one.flag;
   if (isLog && reading.get("color") === 1) void askForRed(record.from);
 }
 
@@ -165,7 +158,7 @@ function look(): void {
   const lost = silent.filter((device) => all.get(device)!.presence.heardAt !== all.get(device)!.dismissedAt);
   keep(lostDevices, silent);
   keep(lostNews, lost);
-  const found = alarmFeed.alarms.get().filter((one) => !isDismissed(one));
+  const found = alarmsOfGateway.get().filter((one) => !isDismissed(one));
   const words = (list: readonly Alarm[]): string => list.map((one) => `${one.device} ${one.limit.key} ${one.level} ${one.value} ${one.heardAt}`).join();
   if (words(found) !== words(alarms.get())) alarms.set(found);
   sound(now, [...lost.map((device) => `lost ${device}`), ...found.map((one) => `${one.level} ${one.device} ${one.limit.key}`)]);
@@ -181,14 +174,14 @@ function sound(now: number, keys: string[]): void {
   alarmSound(loud.every((key) => key.startsWith("amber")) ? "amber" : "red");
 }
 
-const followAlarms = (): void => alarmFeed.use(devices.get().some((one) => (one.limits ?? 0) !== 0) || [...keptLimits.get().values()].some((one) => one.limits.length > 0));
+const lookForLimits = (): void => followAlarms(devices.get().some((one) => (one.limits ?? 0) !== 0) || [...keptLimits.get().values()].some((one) => one.limits.length > 0));
 
 /** Begins with the first status: before, it is not known whether the gateway asks for a token. */
 export function beginWatch(): void {
   const stop = status.subscribe(() => {
     stop();
-    devices.subscribe(followAlarms);
-    keptLimits.subscribe(followAlarms);
+    devices.subscribe(lookForLimits);
+    keptLimits.subscribe(lookForLimits);
     watchStream.use({ wish: { samples, batch: 60 }, take, began: () => { since = seconds(); } });
     setInterval(look, lookEvery);
     devices.subscribe(lookForRed);

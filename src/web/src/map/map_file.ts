@@ -34,18 +34,15 @@ export class MapFile {
   private constructor(
     private readonly read: ReadPart,
     readonly header: MapHeader,
-    root: Promise<Entry[]>,
-  ) {
-    this.directories.set(header.root.at, root);
-  }
+  ) {}
 
   static async open(read: ReadPart): Promise<MapFile> {
     const first = await read({ at: 0, size: firstBytes });
     const header = headerOf(first);
     const { at, size } = header.root;
     if (at < headerSize || at + size > firstBytes) throw new MapFault("its first directory is not where it must be");
-    const file = new MapFile(read, header, Promise.resolve([]));
-    file.directories.set(at, Promise.resolve(await file.entriesIn(first.slice(at, at + size))));
+    const file = new MapFile(read, header), root = await file.entriesIn(first.slice(at, at + size));
+    file.directories.set(at, Promise.resolve(root));
     return file;
   }
 

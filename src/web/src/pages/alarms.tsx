@@ -1,18 +1,20 @@
 // The alarm limits of a device: kept in the gateway, for all who look at it.
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { nameOf } from "../addresses";
+import { entryOf } from "../entries";
+import { significant } from "../format";
 import { t, titleText, useLanguage, type Key } from "../i18n";
 import { mayAct, table } from "../live/gateway";
 import { draftOf, setDraft } from "../live/edits";
 import { keptLimits, readLimits, writeLimits } from "../live/kept_limits";
-import type { Limit } from "../live/limits";
+import { keyOf, type Limit } from "../live/limits";
+import { isTelemetry } from "../live/presence";
 import { useStore, useTick } from "../live/store";
 import { alarms } from "../live/watch";
 import { OutcomeLine, refusalText, useAction } from "../parts/action";
 import { limitWords } from "../parts/alerts";
-import { numberIn } from "../parts/frame_of";
-import { DeviceText } from "../parts/device_text";
-import { hexByte, isNumeric, type MessageTable } from "../protocol/table";
+import { numberIn } from "../parts/numbers";
+import { DeviceHeading, DeviceText } from "../parts/device_text";
+import { isFlexible, isNumber, type MessageTable } from "../protocol/table";
 
 /** A limit as it is typed, in people's units. */
 interface Draft {
@@ -31,7 +33,7 @@ const usual: { title: Key; draft: Draft }[] = [
   { title: "limit_altitude", draft: { field: "altitude.alt_fu", side: "above", amber: "100", red: "120", cells: "", for_s: "0" } },
 ];
 
-const text = (value: number | undefined, factor: number): string => (value === undefined ? "" : String(Number((value * factor).toPrecision(9))));
+const text = (value: number | undefined, factor: number): string => (value === undefined ? "" : significant(value * factor, 9));
 
 function formOf(limit: Limit): Draft {
   const { factor } = limitWords(limit);
@@ -49,13 +51,13 @@ function limitOf(draft: Draft): Limit | Key {
   if (cells !== undefined && (!Number.isInteger(cells) || cells < 1 || cells > 32)) return "cells_range";
   if (for_s < 0 || for_s > 60) return "for_range";
   const inTable = (value: number | undefined): number | undefined => (value === undefined ? undefined : Number((value / factor).toPrecision(12)));
-  return { key: `${draft.field} ${draft.side}`, field: draft.field, side: draft.side, amber: inTable(amber), red: inTable(red), cells, for_s };
+  return { key: keyOf(draft), field: draft.field, side: draft.side, amber: inTable(amber), red: inTable(red), cells, for_s };
 }
 
 /** A field that may be the charge of the battery: the protocol has none, but a flexible message of the device may. */
 const percentOf = (of: MessageTable | undefined, device: number): string | undefined => {
-  const rows = (of?.rows ?? []).filter((row) => row.id >= 0xf1 && (row.source === undefined || row.source === device));
-  const all = rows.flatMap((row) => row.fields.filter((field) => field.unit === "%" && isNumeric(field.type) && (field.count ?? 1) === 1).map((field) => `${row.name}.${field.name}`));
+  const rows = (of?.rows ?? []).filter((row) => isFlexible(row.id) && (row.source === undefined || row.source === device));
+  const all = rows.flatMap((row) => row.fields.filter((field) => field.unit === "%" && isNumber(field)).map((field) => `${row.name}.${field.name}`));
   return all.find((name) => /batt|soc|charge|capacity|percent|电/i.test(name)) ?? all[0];
 };
 
@@ -64,7 +66,7 @@ const fieldsOf = (of: MessageTable | undefined): { message: string; fields: stri
   const found = new Map<string, Set<string>>();
   for (const row of of?.rows ?? [])
     for (const field of row.fields)
-      if (isNumeric(field.type) && (field.count ?? 1) === 1 && ((row.id > 0 && row.id < 0x60) || row.id >= 0xf1)) found.set(row.name, (found.get(row.name) ?? new Set()).add(field.name));
+      if (isNumber(field) && isTelemetry(row.id)) entryOf(found, row.name, () => new Set<string>()).add(field.name);
   return [...found].map(([message, fields]) => ({ message, fields: [...fields] }));
 };
 
@@ -121,14 +123,14 @@ export function Alarms({ device }: { device: number }) {
   const percent = useMemo(() => percentOf(of, device), [of, device]);
   const missing = usual.filter(({ draft }) => !shown.some((one) => one.field === draft.field && one.side === draft.side));
   return (
-    <div class="alarm-limits">
-      <h1>{t("alarms")} <small class="muted"><DeviceText text={nameOf(device)} /> {hexByte(device)}</small></h1>
+    <div>
+      <DeviceHeading title={t("alarms")} device={device} />
       <p class="muted">{t("alarms_about")}</p>
       {fault && <p class="bad" role="alert"><DeviceText text={fault} /></p>}
       {shown.length === 0 && <p class="muted">{t("no_limits")}</p>}
       <ul class="limits">
         {shown.map((draft, i) => (
-          <Row key={i} draft={draft} disabled={!may} level={beyond.find((one) => one.device === device && one.limit.key === `${draft.field} ${draft.side}`)?.level ?? ""}
+          <Row key={i} draft={draft} disabled={!may} level={beyond.find((one) => one.device === device && one.limit.key === keyOf(draft))?.level ?? ""}
             onChange={(change) => setDrafts(shown.map((one, k) => (k === i ? { ...one, ...change } : one)))} onRemove={() => setDrafts(shown.filter((_, k) => k !== i))} />
         ))}
       </ul>

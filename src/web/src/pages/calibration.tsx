@@ -1,15 +1,14 @@
 // Calibration of accelerometer and compass: instructions and progress.
 import { useState } from "preact/hooks";
-import { nameOf } from "../addresses";
+import { significant } from "../format";
 import { messageText, t, useLanguage } from "../i18n";
 import { path } from "../live/device";
 import { mayAct } from "../live/gateway";
 import { cancel, goOn } from "../live/jobs";
 import { useRunning } from "../live/running";
-import { DeviceText } from "../parts/device_text";
-import { jobIn, OpenJob, OutcomeLine, refusalText, useAction } from "../parts/action";
+import { DeviceHeading } from "../parts/device_text";
+import { JobFault, OutcomeLine, useAction } from "../parts/action";
 import { boxFaces, faceNames, sphereCells, viewFrom, type FaceName } from "../parts/solid";
-import { hexByte } from "../protocol/table";
 
 interface FacesStep {
   face: FaceName | null;
@@ -77,7 +76,7 @@ function Step({ step }: { step: unknown }) {
   return null;
 }
 
-const shown = (value: unknown): string => (typeof value === "number" ? String(Number(value.toPrecision(5))) : String(value));
+const shown = (value: unknown): string => (typeof value === "number" ? significant(value, 5) : String(value));
 
 const titles: Record<string, "residual_before" | "residual_after" | "residual_verified" | "restarts" | "values_written"> = {
   before: "residual_before", after: "residual_after", verified: "residual_verified", restarts: "restarts", values: "values_written",
@@ -112,7 +111,7 @@ export function Calibration({ device }: { device: number }) {
   const action = useAction();
   return (
     <div>
-      <h1>{t("calibration")} <small class="muted"><DeviceText text={nameOf(device)} /> {hexByte(device)}</small></h1>
+      <DeviceHeading title={t("calibration")} device={device} />
       <p class="muted">{t("calibration_about")}</p>
       {mayAct() && !job && (
         <div class="tools">
@@ -136,7 +135,7 @@ export function Calibration({ device }: { device: number }) {
           )}
         </section>
       )}
-      {ended && (ended.ok ? <Result value={ended.value} /> : <p class="bad" role="alert">✕ <DeviceText text={refusalText(ended.refusal)} /> {jobIn(ended.refusal) !== undefined && <OpenJob id={jobIn(ended.refusal)!} />}</p>)}
+      {ended && (ended.ok ? <Result value={ended.value} /> : <JobFault refusal={ended.refusal} />)}
     </div>
   );
 }

@@ -1,7 +1,9 @@
 // Fields of messages over time.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { nameOf } from "../addresses";
+import { called } from "../addresses";
+import { significant } from "../format";
 import { t, titleText, useLanguage } from "../i18n";
+import { jsonIn } from "../json";
 import { remember, remembered } from "../kept";
 import { ChartData, keyOf, type Chosen, type Line } from "../live/chart_data";
 import { frameStream } from "../live/frames";
@@ -11,8 +13,9 @@ import { isolated } from "../visible";
 import { csvOf } from "../live/series";
 import { useStore, useTick } from "../live/store";
 import { download, stamp } from "../parts/download";
+import { LostFrames } from "../parts/lost_frames";
 import { colours, Plot } from "../parts/plot";
-import { hexByte, isNumeric, type MessageTable } from "../protocol/table";
+import { isNumber, type MessageTable } from "../protocol/table";
 
 const windows = [5, 10, 30, 60, 180, 600];
 
@@ -20,23 +23,19 @@ const windows = [5, 10, 30, 60, 180, 600];
 let kept: ChartData | undefined;
 
 function chosenBefore(): Chosen[] {
-  try {
-    const json: unknown = JSON.parse(remembered("charts") || "[]");
-    if (!Array.isArray(json)) return [];
-    return json.filter((one): one is Chosen => typeof one?.from === "number" && typeof one?.id === "number" && typeof one?.field === "string").slice(0, 40);
-  } catch {
-    return [];
-  }
+  const json = jsonIn(remembered("charts"));
+  if (!Array.isArray(json)) return [];
+  return json.filter((one): one is Chosen => typeof one?.from === "number" && typeof one?.id === "number" && typeof one?.field === "string").slice(0, 40);
 }
 
 function dataFor(of: MessageTable): ChartData {
   if (kept?.table === of) return kept;
-  kept = new ChartData(of, (address) => nameOf(address) || hexByte(address));
+  kept = new ChartData(of, called);
   for (const one of chosenBefore()) kept.add(one);
   if (kept.lines.length === 0) {
-    const euler = of.rows.find((row) => row.name === "euler");
+    const id = of.idOf("euler");
     const first = devices.get().map((device) => Number(device.address)).sort((a, b) => Number(b === 0xdc) - Number(a === 0xdc))[0];
-    if (euler && first) for (const field of ["rol", "pit", "yaw"]) kept.add({ from: first, id: euler.id, field });
+    if (id !== undefined && first) for (const field of ["rol", "pit", "yaw"]) kept.add({ from: first, id, field });
   }
   return kept;
 }
@@ -49,7 +48,7 @@ function Picker({ data, onChange }: { data: ChartData; onChange: () => void }) {
   const heard = [...data.heard].sort((a, b) => a - b);
   const [frame, setFrame] = useState<number>();
   const now = frame ?? heard[0];
-  const names = now === undefined ? [] : [...new Set(of.layouts(now & 255).filter((row) => row.source === undefined || row.source === now >> 8).flatMap((row) => row.fields.filter((field) => isNumeric(field.type) && (field.count ?? 1) === 1).map((field) => field.name)))];
+  const names = now === undefined ? [] : [...new Set(of.layouts(now & 255).filter((row) => row.source === undefined || row.source === now >> 8).flatMap((row) => row.fields.filter((field) => isNumber(field)).map((field) => field.name)))];
   return (
     <fieldset class="card picker">
       <legend>{t("choose_fields")}</legend>
@@ -57,7 +56,7 @@ function Picker({ data, onChange }: { data: ChartData; onChange: () => void }) {
         <>
           <select aria-label={t("message")} value={String(now)} onChange={(event) => setFrame(Number(event.currentTarget.value))}>
             {heard.map((one) => (
-              <option key={one} value={String(one)}>{isolated(nameOf(one >> 8) || hexByte(one >> 8))} · {of.name(one & 255)}: {titleText(of.name(one & 255), of.title(one & 255))}</option>
+              <option key={one} value={String(one)}>{isolated(called(one >> 8))} · {of.name(one & 255)}: {titleText(of.name(one & 255), of.title(one & 255))}</option>
             ))}
           </select>
           <div class="checks">
@@ -78,7 +77,7 @@ function Picker({ data, onChange }: { data: ChartData; onChange: () => void }) {
   );
 }
 
-const numberText = (value: number | undefined): string => (value === undefined || Number.isNaN(value) ? "–" : Number(value.toPrecision(6)).toString());
+const numberText = (value: number | undefined): string => (value === undefined || Number.isNaN(value) ? "–" : significant(value, 6));
 
 /** The newest value of each line, the one under the pointer, and its difference from the one at the measuring mark. */
 function Values({ lines, look, mark, onRemove }: { lines: readonly Line[]; look: number | undefined; mark: number | undefined; onRemove: (key: string) => void }) {
@@ -205,7 +204,7 @@ export function Charts() {
         <button onClick={() => { data.clear(); setStopped(undefined); setMark(undefined); }}>{t("clear")}</button>
       </div>
       {picks && <Picker data={data} onChange={() => setVersion(version + 1)} />}
-      {frameStream.lostFrames > 0 && <p class="note warn" role="status">{t("lost_on_the_way", { n: frameStream.lostFrames })}</p>}
+      <LostFrames />
       {data.lines.length === 0 ? <p class="muted">{t("no_fields")}</p> : (
         <>
           <div class="plot card" ref={holder} role="img" aria-label={data.lines.map((line) => line.label).join(", ")} onClick={() => setMark(look)} />

@@ -1,6 +1,6 @@
 // The commands of a device, as described by the device.
 import { useEffect, useState } from "preact/hooks";
-import { nameOf } from "../addresses";
+import { called } from "../addresses";
 import { t, useLanguage } from "../i18n";
 import { call, commandsOf, openType, readCommands, type Command } from "../live/device";
 import { mayAct } from "../live/gateway";
@@ -8,8 +8,7 @@ import { useStore } from "../live/store";
 import { OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { rangeText, valuesOf } from "../parts/command_values";
-import { DeviceText, tx } from "../parts/device_text";
-import { hexByte } from "../protocol/table";
+import { DeviceHeading, DeviceText, tx } from "../parts/device_text";
 
 function CommandRow({ device, command }: { device: number; command: Command }) {
   const action = useAction();
@@ -22,7 +21,7 @@ function CommandRow({ device, command }: { device: number; command: Command }) {
   const run = (): void => {
     if (values) action.run(() => call(device, command, values, repeat, type7), () => t("called", { name: command.name }));
   };
-  const question = tx("call_question", { name: command.name + (values?.length ? ` ${values.join(" ")}` : ""), device: nameOf(device) || hexByte(device) });
+  const question = tx("call_question", { name: command.name + (values?.length ? ` ${values.join(" ")}` : ""), device: called(device) });
   return (
     <li class="card command">
       <h2><DeviceText text={command.name} /></h2>
@@ -68,7 +67,7 @@ export function Commands({ device }: { device: number }) {
   useEffect(() => read(false), [device]);
   return (
     <div>
-      <h1>{t("commands")} <small class="muted"><DeviceText text={nameOf(device)} /> {hexByte(device)}</small></h1>
+      <DeviceHeading title={t("commands")} device={device} />
       <div class="tools">
         <button onClick={() => read(true)}>{t("read_again")}</button>
         <span role="status" class="bad"><DeviceText text={fault} /></span>

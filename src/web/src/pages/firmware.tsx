@@ -1,19 +1,17 @@
 // Firmware upgrade: shows the file, the device, and each step until the device has checked the image.
 import { useEffect, useState } from "preact/hooks";
-import { ask } from "../api";
-import { nameOf } from "../addresses";
+import { called } from "../addresses";
 import { shortNumber } from "../format";
 import { t, useLanguage } from "../i18n";
 import { forgetCommands, path } from "../live/device";
-import { devices, mayAct, type Device } from "../live/gateway";
+import { devices, mayAct, scan } from "../live/gateway";
 import { cancel } from "../live/jobs";
 import { useRunning } from "../live/running";
 import { useStore } from "../live/store";
-import { DeviceText } from "../parts/device_text";
-import { jobIn, JobLine, OpenJob, OutcomeLine, refusalText, useAction } from "../parts/action";
+import { DeviceHeading } from "../parts/device_text";
+import { JobFault, JobLine, OutcomeLine, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { firmwareFile, type FirmwareFile } from "../parts/firmware_file";
-import { hexByte } from "../protocol/table";
 
 const crcs = ["crc16/ibm-3740", "xmodem", "kermit", "modbus", "arc"];
 
@@ -38,10 +36,7 @@ export function Firmware({ device }: { device: number }) {
     setFile(undefined);
     forgetCommands(device);
     setAskedAnew(true);
-    void ask<{ devices: Device[] }>("/devices/scan", { method: "POST", body: {} }).then((answer) => {
-      if (answer.ok) devices.set(answer.value.devices);
-      setAskedAnew(false);
-    });
+    void scan().then(() => setAskedAnew(false));
   }, [ended, device]);
   const choose = async (chosen: File | undefined): Promise<void> => {
     if (chosen) setFile({ file: chosen, about: firmwareFile(await chosen.slice(0, 100).arrayBuffer(), chosen.size) });
@@ -53,13 +48,13 @@ export function Firmware({ device }: { device: number }) {
   const header = file?.about.header;
   return (
     <div>
-      <h1>{t("firmware")} <small class="muted"><DeviceText text={nameOf(device)} /> {hexByte(device)}</small></h1>
+      <DeviceHeading title={t("firmware")} device={device} />
       {known?.hw !== undefined && !job && !isAskedAnew && <p>{t(ended?.ok ? "now_has" : "device_versions", { hw: known.hw, sw: known.sw ?? "–" })}</p>}
       {known?.in_loader && !job && !ended?.ok && <p class="note warn">{t("in_loader")}</p>}
       {mayAct() && !job && (
         <div class="card">
           <div class="tools">
-            <label class="file button">{t("choose_firmware")}<input type="file" accept=".bin,.bia" onChange={(event) => void choose(event.currentTarget.files?.[0])} /></label>
+            <label class="file">{t("choose_firmware")}<input type="file" accept=".bin,.bia" onChange={(event) => void choose(event.currentTarget.files?.[0])} /></label>
             {file && <span>{file.file.name}: {shortNumber(file.about.bytes)} {t("size")}{header ? `, ${t("bia_says", { version: header.version, type: header.hwType, min: header.hwMin, max: header.hwMax })}` : `, ${t("bin_says")}`}</span>}
           </div>
           <div class="tools">
@@ -67,14 +62,14 @@ export function Firmware({ device }: { device: number }) {
             <label class="check"><input type="checkbox" checked={force} onChange={() => setForce(!force)} />{t("force_firmware")}</label>
           </div>
           {header && known?.hw !== undefined && header.hwMax > 0 && (known.hw < header.hwMin || known.hw > header.hwMax) && <p class="note warn">{t("bia_misfit", { hw: known.hw, min: header.hwMin, max: header.hwMax })}</p>}
-          <Confirm label={t("flash")} question={t("flash_question", { file: file?.file.name ?? "", device: nameOf(device) || hexByte(device) })} yes={t("flash")} kind="main" disabled={!file} onYes={flash} />
+          <Confirm label={t("flash")} question={t("flash_question", { file: file?.file.name ?? "", device: called(device) })} yes={t("flash")} kind="main" disabled={!file} onYes={flash} />
         </div>
       )}
       <JobLine job={job} {...(job && mayAct() ? { onCancel: () => action.run(() => cancel(job), () => t("cancelled")), question: t("cancel_firmware_question") } : {})} />
       <OutcomeLine action={action} />
       {ended && (ended.ok
         ? <p class="good" role="status">✓ {t("flashed", { bytes: ended.value.bytes, frames: ended.value.frames, repeats: ended.value.repeats, s: ended.value.seconds })}</p>
-        : <p class="bad" role="alert">✕ <DeviceText text={refusalText(ended.refusal)} /> {jobIn(ended.refusal) !== undefined && <OpenJob id={jobIn(ended.refusal)!} />}</p>)}
+        : <JobFault refusal={ended.refusal} />)}
     </div>
   );
 }

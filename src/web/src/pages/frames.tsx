@@ -1,6 +1,7 @@
 // The frames that pass, a row for each sender and message; an opened row shows fields and bytes.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
+import { finder } from "../finder";
 import { meaningOf, rateText, valueText } from "../format";
 import { causeText, t, titleText, useLanguage } from "../i18n";
 import { frameStream } from "../live/frames";
@@ -11,16 +12,15 @@ import { directions, type Direction, type Tables } from "../protocol/records";
 import { hexByte, hexOf, type MessageTable, type Reading, type Unreadable } from "../protocol/table";
 import { lostDevices } from "../live/watch";
 import { DeviceText } from "../parts/device_text";
+import { LostFrames } from "../parts/lost_frames";
 import { visible } from "../visible";
 import { SendForm } from "../parts/send_form";
 
 const maxShown = 300;
 
-export const unreadableText = (why: Unreadable, size: number): string => t(why, { n: size });
-
 /** The first values, as many as fit into a line. */
 function Brief({ reading, size }: { reading: Reading | Unreadable; size: number }) {
-  if (typeof reading === "string") return <span class="muted">{unreadableText(reading, size)}</span>;
+  if (typeof reading === "string") return <span class="muted">{t(reading, { n: size })}</span>;
   const shown = reading.fields().filter(({ field }) => field.type !== "bytes" && field.type !== "list" && field.type !== "frames").slice(0, 8);
   return (
     <span class="brief">
@@ -80,14 +80,10 @@ function Row({ row, of, open, onToggle, now, tables, isGone }: { isGone: boolean
   );
 }
 
-function matches(row: FrameRow, of: MessageTable, words: string[]): boolean {
-  if (words.length === 0) return true;
-  const text = `${hexByte(row.from)} ${nameOf(row.from)} ${of.name(row.id)} ${hexByte(row.id)} ${titleText(of.name(row.id), of.title(row.id))}`.toLowerCase();
-  return words.every((word) => text.includes(word));
-}
+const textOf = (row: FrameRow, of: MessageTable): string => `${hexByte(row.from)} ${nameOf(row.from)} ${of.name(row.id)} ${hexByte(row.id)} ${titleText(of.name(row.id), of.title(row.id))}`;
 
 /** The rows of one direction, while it is shown. */
-function useRows(direction: Direction): { rows: FrameRows; tables: Tables | undefined; lost: number } {
+function useRows(direction: Direction): { rows: FrameRows; tables: Tables | undefined} {
   const of = useStore(table);
   const rows = useMemo(() => new FrameRows(), [direction]);
   const [tables, setTables] = useState<Tables>();
@@ -96,7 +92,7 @@ function useRows(direction: Direction): { rows: FrameRows; tables: Tables | unde
     () => frameStream.use({ wish: { direction }, take: (record, at) => void rows.add(record, at), tables: setTables }),
     [rows, direction],
   );
-  return { rows, tables, lost: frameStream.lostFrames };
+  return { rows, tables };
 }
 
 export function Frames() {
@@ -108,13 +104,13 @@ export function Frames() {
   const [open, setOpen] = useState<ReadonlySet<string>>(new Set());
   const [paused, setPaused] = useState(false);
   const [sends, setSends] = useState(false);
-  const { rows, tables, lost } = useRows(direction);
+  const { rows, tables } = useRows(direction);
   useTick(250);
   const drawn = useRef<{ all: FrameRow[]; now: number }>({ all: [], now: 0 });
   if (!paused || drawn.current.all.length === 0) drawn.current = { all: rows.sorted(), now: seconds() };
   const { all, now } = drawn.current;
   if (!of) return <p class="muted" role="status">{t("waiting_first")}</p>;
-  const found = all.filter((row) => matches(row, of, search.toLowerCase().split(/\s+/).filter(Boolean)));
+  const isFound = finder(search), found = search === "" ? all : all.filter((row) => isFound(textOf(row, of)));
   const toggle = (key: string): void => {
     const next = new Set(open);
     if (!next.delete(key)) next.add(key);
@@ -133,7 +129,7 @@ export function Frames() {
         {mayAct() && <button aria-expanded={sends} onClick={() => setSends(!sends)}>{t("send_frame")}</button>}
       </div>
       {sends && <SendForm of={of} onClose={() => setSends(false)} />}
-      {lost > 0 && <p class="note warn" role="status">{t("lost_on_the_way", { n: lost })}</p>}
+      <LostFrames />
       {rows.left_out > 0 && <p class="note warn">{t("rows_left_out", { n: rows.left_out })}</p>}
       {found.length === 0 ? <p class="muted">{t("no_frames_yet")}</p> : (
         <ul class="rows">

@@ -1,6 +1,6 @@
 // Pictures that devices send: 0xB0.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { nameOf } from "../addresses";
+import { called } from "../addresses";
 import { rateText } from "../format";
 import { t, useLanguage } from "../i18n";
 import { frameStream } from "../live/frames";
@@ -10,6 +10,7 @@ import { Rate } from "../live/rate";
 import { useStore, useTick } from "../live/store";
 import { DeviceName } from "../parts/device_text";
 import { download, stamp } from "../parts/download";
+import { LostFrames } from "../parts/lost_frames";
 import { hexByte, Reading } from "../protocol/table";
 
 interface Shown {
@@ -32,7 +33,7 @@ function Canvas({ picture, stopped }: { picture: Picture; stopped: boolean }) {
   const save = (): void => canvas.current?.toBlob((blob) => blob && download(`image_${hexByte(picture.from)}_${stamp()}.png`, blob));
   return (
     <>
-      <canvas ref={canvas} class="picture" role="img" aria-label={`${t("image_of", { name: nameOf(picture.from) || hexByte(picture.from) })}`} />
+      <canvas ref={canvas} class="picture" role="img" aria-label={t("image_of", { name: called(picture.from) })} />
       <button onClick={save}>PNG</button>
     </>
   );
@@ -47,7 +48,7 @@ export function Images() {
   const heard = useRef(new Set<number>());
   useTick(66);
   useEffect(() => {
-    const id = of?.rows.find((row) => row.name === "image")?.id;
+    const id = of?.idOf("image");
     if (!of || id === undefined) return undefined;
     return frameStream.use({
       wish: { id: [id] },
@@ -74,7 +75,7 @@ export function Images() {
     <div>
       <h1>{t("images")}</h1>
       <div class="tools"><button aria-pressed={stopped} onClick={() => setStopped(!stopped)}>{stopped ? t("go_on") : t("pause")}</button></div>
-      {frameStream.lostFrames > 0 && <p class="note warn" role="status">{t("lost_on_the_way", { n: frameStream.lostFrames })}</p>}
+      <LostFrames />
       {all.length === 0 && <p class="muted">{t("no_images")}</p>}
       <div class="images">
         {all.map(([from, one]) => (

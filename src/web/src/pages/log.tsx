@@ -2,6 +2,8 @@
 import { useEffect, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { ask } from "../api";
+import { finder } from "../finder";
+import { clockText, significant } from "../format";
 import { t, useLanguage } from "../i18n";
 import { frameStream } from "../live/frames";
 import { seconds, table } from "../live/gateway";
@@ -9,6 +11,7 @@ import { useStore, useTick } from "../live/store";
 import { DeviceName } from "../parts/device_text";
 import { visible } from "../visible";
 import { download, stamp } from "../parts/download";
+import { LostFrames } from "../parts/lost_frames";
 import { hexByte, Reading } from "../protocol/table";
 
 export interface Entry {
@@ -67,11 +70,6 @@ let clearedAt = 0; // Unix seconds
 let leftAt: number | undefined; // when the view was left
 const miss = (why: string): void => add({ time: Date.now() / 1000, from: 0, colour: 0, value: undefined, text: "", missed: why });
 
-const clock = (time: number): string => {
-  const date = new Date(time * 1000);
-  return `${date.toTimeString().slice(0, 8)}.${String(date.getMilliseconds()).padStart(3, "0")}`;
-};
-
 const lineOf = (entry: Entry): string =>
   entry.missed !== undefined ? `${new Date(entry.time * 1000).toISOString()} # ${entry.missed}` :
   `${new Date(entry.time * 1000).toISOString()} ${hexByte(entry.from)} ${entry.value === undefined ? "" : entry.value + " "}${entry.text.replace(/[\r\n]+/g, " ")}`;
@@ -105,8 +103,8 @@ export function Log() {
       take: (record) => {
         const reading = of.read(record.id, record.from, record.data);
         if (!(reading instanceof Reading)) return;
-        const text = reading.get("str"), value = reading.get("val"), colour = reading.get("color");
-        add({ time: record.time, from: record.from, colour: typeof colour === "number" ? colour : 0, value: typeof value === "number" ? value : undefined, text: typeof text === "string" ? text.slice(0, maxText) : "" });
+        const text = reading.get("str");
+        add({ time: record.time, from: record.from, colour: reading.number("color") ?? 0, value: reading.number("val"), text: typeof text === "string" ? text.slice(0, maxText) : "" });
       },
     });
     return () => {
@@ -114,14 +112,10 @@ export function Log() {
       stop();
     };
   }, [of]);
-  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  const isFound = finder(search);
   const all = paused ?? entries;
   const unseen = paused ? count - (paused[paused.length - 1]?.number ?? count) : 0;
-  const found = all.filter((entry) => {
-    if (entry.missed !== undefined) return words.length === 0;
-    const text = `${hexByte(entry.from)} ${nameOf(entry.from)} ${entry.text}`.toLowerCase();
-    return words.every((word) => text.includes(word));
-  });
+  const found = all.filter((entry) => isFound(entry.missed !== undefined ? "" : `${hexByte(entry.from)} ${nameOf(entry.from)} ${entry.text}`));
   return (
     <div>
       <h1>{t("log")}</h1>
@@ -131,14 +125,14 @@ export function Log() {
         <button aria-pressed={paused !== undefined} onClick={() => setPaused(paused ? undefined : [...entries])}>{paused ? t("go_on") : t("pause")}{unseen > 0 ? ` (+${unseen})` : ""}</button>
         <button onClick={() => { entries.length = 0; clearedAt = Date.now() / 1000; setPaused(undefined); }}>{t("clear")}</button>
       </div>
-      {frameStream.lostFrames > 0 && <p class="note warn" role="status">{t("lost_on_the_way", { n: frameStream.lostFrames })}</p>}
+      <LostFrames />
       {found.length === 0 ? <p class="muted">{t("log_empty")}</p> : (
         <ol class="log card" aria-live="off">
-          {found.slice(-500).reverse().map((entry) => entry.missed !== undefined ? <li key={entry.number}><time class="muted number">{clock(entry.time)}</time><span class="warn">{entry.missed}</span></li> : (
+          {found.slice(-500).reverse().map((entry) => entry.missed !== undefined ? <li key={entry.number}><time class="muted number">{clockText(entry.time, true)}</time><span class="warn">{entry.missed}</span></li> : (
             <li key={entry.number}>
-              <time class="muted number">{clock(entry.time)}</time>
+              <time class="muted number">{clockText(entry.time, true)}</time>
               <span class="muted"><DeviceName device={entry.from} /></span>
-              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{Number(entry.value.toPrecision(7))} </b>}<bdi><Words text={visible(entry.text)} /></bdi></span>
+              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{significant(entry.value, 7)} </b>}<bdi><Words text={visible(entry.text)} /></bdi></span>
             </li>
           ))}
         </ol>

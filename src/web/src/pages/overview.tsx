@@ -1,13 +1,13 @@
 // Overview of the gateway, problems first.
 import { useState } from "preact/hooks";
-import { ask } from "../api";
-import { causeText, errorText, hintText, language, reasonText, t, useLanguage } from "../i18n";
+import { entryOf } from "../entries";
+import { causeText, errorText, hintText, inWords, reasonText, t, useLanguage } from "../i18n";
 import { lost } from "../live/counters";
-import { devices, mayAct, rateOf, status, type Device, type Link, type Status } from "../live/gateway";
+import { devices, mayAct, rateOf, scan, status, type Link, type Status } from "../live/gateway";
 import { faultsOf } from "../live/recordings";
 import { replayedDevices } from "../live/replayed";
 import { useStore } from "../live/store";
-import { duration, rateText, shortNumber } from "../format";
+import { rateText, shortNumber } from "../format";
 import { Network } from "../parts/network";
 import { hashOf } from "../route";
 import { calmHints } from "../words_of_gateway";
@@ -62,10 +62,9 @@ function dropsOf(links: Link[]): Drop[] {
   const byCause = new Map<string, Drop>();
   for (const link of links)
     for (const [cause, count] of lost(link)) {
-      const drop = byCause.get(cause) ?? { cause, total: 0, now: rateOf(links, [cause]), links: [] };
+      const drop = entryOf(byCause, cause, (): Drop => ({ cause, total: 0, now: rateOf(links, [cause]), links: [] }));
       drop.total += count;
       drop.links.push(link.name);
-      byCause.set(cause, drop);
     }
   return [...byCause.values()].sort((a, b) => (b.now ?? 0) - (a.now ?? 0) || b.total - a.total);
 }
@@ -102,17 +101,16 @@ function Scan() {
   const [words, setWords] = useState("");
   const [busy, setBusy] = useState(false);
   if (!mayAct()) return null;
-  const scan = async (): Promise<void> => {
+  const look = async (): Promise<void> => {
     if (busy) return;
     setBusy(true);
-    const answer = await ask<{ devices: Device[] }>("/devices/scan", { method: "POST", body: {} });
+    const answer = await scan();
     setBusy(false);
-    if (answer.ok) devices.set(answer.value.devices);
     setWords(answer.ok ? t("scan_done", { n: answer.value.devices.length }) : t("failed", { why: answer.refusal.error || t("no_contact") }));
   };
   return (
     <span class="scan">
-      <button disabled={busy} onClick={() => void scan()}>{busy ? t("scanning") : t("scan")}</button>
+      <button disabled={busy} onClick={() => void look()}>{busy ? t("scanning") : t("scan")}</button>
       <span role="status">{words}</span>
     </span>
   );
@@ -127,8 +125,8 @@ export function Overview() {
   const heard = now.routes.filter((route) => route.via === "learned" || route.via === "pinned").length + replayedDevices(now).size;
   const coming = rateOf(now.links, ["frames_in"]);
   return (
-    <div class="overview">
-      <h1>{now.gateway.name} <small class="muted">{now.gateway.version} · {t("up_for", { time: duration(now.gateway.uptime_s, language.get() === "zh") })}</small></h1>
+    <div>
+      <h1>{now.gateway.name} <small class="muted">{now.gateway.version} · {t("up_for", { time: inWords(now.gateway.uptime_s) })}</small></h1>
       <p class="facts">
         <span>{t("links_n", { n: now.links.length })}</span>
         {waiting > 0 && <span class="warn">{t("links_waiting", { n: waiting })}</span>}

@@ -1,19 +1,19 @@
 // The parameters of a device: writes only the changed ones, and shows the values that the device stored.
-import { useEffect, useState } from "preact/hooks";
-import { nameOf as nameOfAddress } from "../addresses";
+import { useState } from "preact/hooks";
 import { ask, type Answer } from "../api";
 import { t, useLanguage } from "../i18n";
 import { path } from "../live/device";
 import { mayAct } from "../live/gateway";
-import { cancel, follow, type Job } from "../live/jobs";
+import { cancel } from "../live/jobs";
+import { useAsked } from "../live/running";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
+import { finder } from "../finder";
 import { draftOf, setDraft } from "../live/edits";
 import { useStore } from "../live/store";
-import { DeviceText } from "../parts/device_text";
-import { changesOf, faultOf, fileOf, has, isCalibration, isSame, named, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
-import { hexByte } from "../protocol/table";
+import { DeviceHeading, DeviceText } from "../parts/device_text";
+import { changesOf, faultOf, fileOf, has, isCalibration, isSame, keyed, named, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
 
 interface All {
   device: { address: string; name?: string; sw?: number };
@@ -28,30 +28,14 @@ interface Written {
   what?: string;
 }
 
-function useParameters(device: number) {
-  const [all, setAll] = useState<All>();
-  const [job, setJob] = useState<Job>();
-  const [fault, setFault] = useState("");
-  const read = async (): Promise<void> => {
-    setFault("");
-    const answer = await follow<All>(path(device, "parameters"), {}, setJob);
-    setJob(undefined);
-    if (answer.ok) setAll(answer.value);
-    else setFault(refusalText(answer.refusal));
-  };
-  useEffect(() => void read(), [device]);
-  return { all, setAll, job, setJob, fault, read };
-}
-
 function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Parameter; typed: string | undefined; file: string | undefined; end: Written | undefined; disabled: boolean; onType: (text: string | undefined) => void }) {
-  const name = nameOf(parameter);
   const id = "parameter-" + parameter.id;
   const changed = typed !== undefined && !isSame(parameter.value, typed, parameter.type);
   const fault = changed ? faultOf(parameter, typed) : undefined;
   const differs = file !== undefined && !isSame(parameter.value, file, parameter.type);
   return (
     <li class={changed ? "changed" : ""}>
-      <label for={id}><b><DeviceText text={name} /></b> <small>{parameter.type ?? ""}{parameter.mul !== undefined ? ` / ${parameter.mul}` : ""}{parameter.min !== undefined ? ` ${parameter.min}…${parameter.max}` : ""}</small></label>
+      <label for={id}><b><DeviceText text={parameter.key} /></b> <small>{parameter.type ?? ""}{parameter.mul !== undefined ? ` / ${parameter.mul}` : ""}{parameter.min !== undefined ? ` ${parameter.min}…${parameter.max}` : ""}</small></label>
       <input id={id} disabled={disabled || parameter.missing === true} value={typed ?? String(parameter.value ?? "")} aria-invalid={fault !== undefined} aria-describedby={id + "-text"} onInput={(event) => onType(event.currentTarget.value)} />
       <span id={id + "-text"} class="about">
         {fault && <b class="bad fault">{t(fault.key, "min" in fault ? { min: fault.min, max: fault.max } : {})} </b>}
@@ -67,13 +51,14 @@ function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Par
 
 type Which = "all" | "changed" | "file" | "defaults";
 
-/** By the name of the parameter. */
+/** By the key of the parameter. */
 type Typed = Record<string, string>;
 const nothing: Typed = {};
 
 export function Parameters({ device }: { device: number }) {
   useLanguage();
-  const { all, setAll, job, setJob, fault, read } = useParameters(device);
+  const [all, setAll] = useState<All>();
+  const { job, fault, run, read } = useAsked<All>(path(device, "parameters"), (read) => setAll({ ...read, parameters: keyed(read.parameters) }));
   const draft = draftOf<Typed>("parameters", device), typed = useStore(draft) ?? nothing;
   const setTyped = (change: (before: Typed) => Typed): void => {
     const after = change(draft.get() ?? nothing);
@@ -90,24 +75,24 @@ export function Parameters({ device }: { device: number }) {
   const [calibration, setCalibration] = useState(false);
   const differing = changesOf(parameters, Object.fromEntries(Object.entries(file ?? {}).filter(([name]) => calibration || !isCalibration(name))));
   const hasCalibration = Object.keys(file ?? {}).some(isCalibration);
-  const unknown = Object.keys(file ?? {}).filter((name) => all && !parameters.some((one) => nameOf(one) === name));
+  const unknown = Object.keys(file ?? {}).filter((name) => all && !parameters.some((one) => one.key === name));
   const count = Object.keys(changes).length;
-  const faults = parameters.filter((one) => has(changes, nameOf(one)) && faultOf(one, changes[nameOf(one)]!)).length;
+  const faults = parameters.filter((one) => has(changes, one.key) && faultOf(one, changes[one.key]!)).length;
 
   const stored = (written: Written[]): void => {
     setEnds((before) => ({ ...before, ...Object.fromEntries(written.map((one) => [one.name, one])) }));
     const now = new Map(written.filter((one) => one.stored !== undefined).map((one) => [one.name, one.stored!]));
-    setAll((before) => before && { ...before, parameters: before.parameters.map((one) => (now.has(nameOf(one)) ? { ...one, value: now.get(nameOf(one))! } : one)) });
+    setAll((before) => before && { ...before, parameters: before.parameters.map((one) => (now.has(one.key) ? { ...one, value: now.get(one.key)! } : one)) });
     const done = new Set(written.filter((one) => one.state === "written" || one.state === "same").map((one) => one.name));
     setTyped((before) => Object.fromEntries(Object.entries(before).filter(([name]) => !done.has(name))));
   };
   const write = (): void =>
     action.run(
       async (): Promise<Answer<{ parameters: Written[] }>> => {
-        const answer = await follow<{ parameters: Written[] }>(path(device, "apply"), { method: "POST", body: { parameters: changes } }, setJob);
-        setJob(undefined);
+        const answer = await run<{ parameters: Written[] }>({ method: "POST", body: { parameters: changes } }, path(device, "apply"));
         const result = answer.ok ? answer.value : (answer.refusal.body as { parameters?: Written[] } | undefined);
-        if (Array.isArray(result?.parameters)) stored(result.parameters);
+        const keys = Object.keys(changes); // in their order the gateway tells of each, by its name alone
+        if (Array.isArray(result?.parameters)) stored(result.parameters.map((one, i) => ({ ...one, name: has(changes, one.name) ? one.name : (keys[i] ?? one.name) })));
         return answer;
       },
       (value) => t("written_n", { n: value.parameters.filter((one) => one.state === "written").length, clamped: value.parameters.filter((one) => one.clamped).length }),
@@ -130,29 +115,27 @@ export function Parameters({ device }: { device: number }) {
     setStranger(all && strangerIn(text, all.device));
     setWhich("file");
   };
-  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  const isFound = finder(search);
   const shown = parameters.filter((one) => {
-    const name = nameOf(one);
-    if (which === "changed" && !has(changes, name)) return false;
+    if (which === "changed" && !has(changes, one.key)) return false;
     if (which === "defaults") return false;
-    if (which === "file" && !has(differing, name) && !has(changes, name)) return false;
-    const text = `${name} ${one.text ?? ""}`.toLowerCase();
-    return words.every((word) => text.includes(word));
+    if (which === "file" && !has(differing, one.key) && !has(changes, one.key)) return false;
+    return isFound(`${one.key} ${one.text ?? ""}`);
   });
   return (
-    <div class="parameters">
-      <h1>{t("parameters")} <small class="muted"><DeviceText text={all?.device.name ?? nameOfAddress(device)} /> {hexByte(device)}</small></h1>
+    <div>
+      <DeviceHeading title={t("parameters")} device={device} name={all?.device.name} />
       <div class="tools">
         <input type="search" aria-label={t("search")} placeholder={t("search_parameters")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} />
         <select aria-label={t("direction")} value={which} onChange={(event) => setWhich(event.currentTarget.value as Which)}>
-          <option value="all">{t("show_all")}</option>
+          <option value="all">{t("any")}</option>
           <option value="changed">{t("show_changed", { n: count })}</option>
           {!file && <option value="defaults">{t("show_defaults")}</option>}
           {file && <option value="file">{t("show_file", { n: Object.keys(differing).length })}</option>}
         </select>
         <button disabled={job !== undefined} onClick={() => void read()}>{t("read_again")}</button>
         <button disabled={!all} onClick={() => all && download(`${all.device.name || "device"}_${stamp()}.json`, new Blob([fileOf(all.device, all.parameters)], { type: "application/json" }))}>{t("export")}</button>
-        <label class="file button">{t("compare_file")}<input type="file" accept=".json,application/json" onChange={(event) => void load(event.currentTarget.files?.[0])} /></label>
+        <label class="file">{t("compare_file")}<input type="file" accept=".json,application/json" onChange={(event) => void load(event.currentTarget.files?.[0])} /></label>
       </div>
       {mayAct() && (
         <div class="tools">
@@ -169,15 +152,12 @@ export function Parameters({ device }: { device: number }) {
       {which === "defaults" && <p class="note">{t("defaults_unknown")}</p>}
       {unknown.length > 0 && <p class="note warn">{t("file_unknown", { names: unknown.slice(0, 8).join(", ") + (unknown.length > 8 ? " …" : "") })}</p>}
       <JobLine job={job} {...(job && mayAct() ? { onCancel: () => void cancel(job) } : {})} />
-      {fault && <p class="bad" role="alert"><DeviceText text={fault} /></p>}
+      {fault && <p class="bad" role="alert"><DeviceText text={refusalText(fault)} /></p>}
       <ul class="set card">
-        {shown.map((one) => {
-          const name = nameOf(one);
-          return (
-            <Row key={one.id} parameter={one} typed={named(typed, name)} file={named(file, name)} end={named(ends, name)} disabled={!mayAct() || action.busy}
-              onType={(text) => setTyped((before) => (text === undefined || text === String(one.value ?? "") ? Object.fromEntries(Object.entries(before).filter(([other]) => other !== name)) : { ...before, [name]: text }))} />
-          );
-        })}
+        {shown.map((one) => (
+          <Row key={one.id} parameter={one} typed={named(typed, one.key)} file={named(file, one.key)} end={named(ends, one.key)} disabled={!mayAct() || action.busy}
+            onType={(text) => setTyped((before) => (text === undefined || text === String(one.value ?? "") ? Object.fromEntries(Object.entries(before).filter(([other]) => other !== one.key)) : { ...before, [one.key]: text }))} />
+        ))}
       </ul>
       {all && shown.length === 0 && which !== "defaults" && <p class="muted">{t("nothing_fits")}</p>}
     </div>

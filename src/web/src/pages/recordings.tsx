@@ -1,8 +1,8 @@
 // Recordings on the gateway: begin, end, download, delete; and the state of the disk.
 import { useEffect, useState } from "preact/hooks";
 import { path, type Refusal } from "../api";
-import { bytesText, duration, shortNumber } from "../format";
-import { language, reasonText, t, useLanguage } from "../i18n";
+import { bytesText, clockText, dayText, shortNumber } from "../format";
+import { inWords, reasonText, t, useLanguage } from "../i18n";
 import { mayAct } from "../live/gateway";
 import { beginRecording, deleteRecording, endRecording, fileOf, questionOf, readRecordings, saveLast, type KeptLast, type Recording, type Recordings as All, type RunningRecording, type Wishes } from "../live/recordings";
 import { OutcomeLine, refusalText, useAction, type Action } from "../parts/action";
@@ -10,11 +10,8 @@ import { Confirm } from "../parts/confirm";
 
 const between = 1000; // milliseconds from a response to the next request
 
-const lasts = (seconds: number): string => duration(Math.round(seconds), language.get() === "zh");
-const clock = (time: number): string => {
-  const date = new Date(time * 1000), two = (n: number): string => String(n).padStart(2, "0");
-  return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())} ${date.toTimeString().slice(0, 8)}`;
-};
+const lasts = (seconds: number): string => inWords(Math.round(seconds));
+const clock = (time: number): string => `${dayText(time)} ${clockText(time)}`;
 
 /** Requested periodically while the page is shown. */
 function useRecordings(): { all: All | undefined; fault: Refusal | undefined; look: () => void } {
@@ -58,7 +55,7 @@ const nothing: Wishes = { name: "", format: "pcapng", direction: ["in"], id: "",
 const directions = ["in", "out", "dropped"] as const;
 const filters = ["id", "from", "to", "link", "limit"] as const;
 
-function Begin({ action, onBegun }: { action: Action; onBegun: () => void }) {
+function Begin({ action }: { action: Action }) {
   const [wishes, setWishes] = useState(nothing);
   const set = (change: Partial<Wishes>): void => setWishes((before) => ({ ...before, ...change }));
   const question = questionOf(wishes);
@@ -69,15 +66,10 @@ function Begin({ action, onBegun }: { action: Action; onBegun: () => void }) {
   const begin = (event: Event): void => {
     event.preventDefault();
     if ("fault" in question) return;
-    action.run(
-      async () => {
-        const answer = await beginRecording(question.body);
-        if (answer.ok) set({ name: "" });
-        onBegun();
-        return answer;
-      },
-      (one) => t("recording_begun", { name: one.name }),
-    );
+    action.run(() => beginRecording(question.body), (one) => {
+      set({ name: "" });
+      return t("recording_begun", { name: one.name });
+    });
   };
   const field = (name: Exclude<keyof Wishes, "direction" | "format">, label: string, hint: string) => (
     <label class="field">{label}<input value={wishes[name]} placeholder={hint} aria-invalid={"fault" in question && question.fault === name} onInput={(event) => set({ [name]: event.currentTarget.value })} /></label>
@@ -102,16 +94,8 @@ function Begin({ action, onBegun }: { action: Action; onBegun: () => void }) {
   );
 }
 
-function Last({ last, action, onSaved }: { last: KeptLast; action: Action; onSaved: () => void }) {
-  const save = (): void =>
-    action.run(
-      async () => {
-        const answer = await saveLast("pcapng");
-        onSaved();
-        return answer;
-      },
-      (saved) => t("last_saved", { name: saved.name, n: saved.frames }),
-    );
+function Last({ last, action }: { last: KeptLast; action: Action }) {
+  const save = (): void => action.run(() => saveLast("pcapng"), (saved) => t("last_saved", { name: saved.name, n: saved.frames }));
   return (
     <p class="tools">
       <span>{t("last_held", { time: lasts(last.held_s), of: lasts(last.seconds), n: shortNumber(last.frames), size: bytesText(last.bytes) })}</span>
@@ -124,16 +108,8 @@ function Last({ last, action, onSaved }: { last: KeptLast; action: Action; onSav
   );
 }
 
-function Running({ one, action, onEnded }: { one: RunningRecording; action: Action; onEnded: () => void }) {
-  const end = (): void =>
-    action.run(
-      async () => {
-        const answer = await endRecording(one.name);
-        onEnded();
-        return answer;
-      },
-      (ended) => t("recording_ended", { name: ended.name, n: ended.frames, size: bytesText(ended.bytes) }),
-    );
+function Running({ one, action }: { one: RunningRecording; action: Action }) {
+  const end = (): void => action.run(() => endRecording(one.name), (ended) => t("recording_ended", { name: ended.name, n: ended.frames, size: bytesText(ended.bytes) }));
   return (
     <li class="card">
       <h3><i class="lamp recording" aria-hidden="true" />{one.name} <small class="muted">{t(one.by === "configuration" ? "by_configuration" : "by_request")}</small></h3>
@@ -151,17 +127,9 @@ function Running({ one, action, onEnded }: { one: RunningRecording; action: Acti
 
 const known: Record<string, "state_recording" | "state_ended" | "state_unfinished"> = { recording: "state_recording", ended: "state_ended", unfinished: "state_unfinished" };
 
-function Row({ one, seconds, action, onDeleted }: { one: Recording; seconds: number | null; action: Action; onDeleted: () => void }) {
+function Row({ one, seconds, action }: { one: Recording; seconds: number | null; action: Action }) {
   const state = known[one.state];
-  const remove = (): void =>
-    action.run(
-      async () => {
-        const answer = await deleteRecording(one.name);
-        onDeleted();
-        return answer;
-      },
-      () => t("recording_deleted", { name: one.name }),
-    );
+  const remove = (): void => action.run(() => deleteRecording(one.name), () => t("recording_deleted", { name: one.name }));
   return (
     <li>
       <a href={path(fileOf(one.name))} download={one.name}>{one.name}</a>
@@ -182,7 +150,7 @@ const runsFor = (file: Recording, running: RunningRecording[]): number | null =>
 export function Recordings() {
   useLanguage();
   const { all, fault, look } = useRecordings();
-  const action = useAction();
+  const action = useAction(look);
   if (!all) return (
     <div>
       <h1>{t("recordings")}</h1>
@@ -193,12 +161,12 @@ export function Recordings() {
     <div>
       <h1>{t("recordings")}</h1>
       <Disk all={all} />
-      {mayAct() && <Begin action={action} onBegun={look} />}
-      {all.keep_last && <Last last={all.keep_last} action={action} onSaved={look} />}
+      {mayAct() && <Begin action={action} />}
+      {all.keep_last && <Last last={all.keep_last} action={action} />}
       <p><OutcomeLine action={action} /></p>
-      <ul class="running">{all.running.map((one) => <Running key={one.name} one={one} action={action} onEnded={look} />)}</ul>
+      <ul class="running">{all.running.map((one) => <Running key={one.name} one={one} action={action} />)}</ul>
       {all.recordings.length === 0 ? <p class="muted">{t("no_recordings")}</p> : (
-        <ul class="recordings card">{all.recordings.map((one) => <Row key={one.name} one={one} seconds={one.seconds ?? runsFor(one, all.running)} action={action} onDeleted={look} />)}</ul>
+        <ul class="recordings card">{all.recordings.map((one) => <Row key={one.name} one={one} seconds={one.seconds ?? runsFor(one, all.running)} action={action} />)}</ul>
       )}
     </div>
   );

@@ -2,15 +2,14 @@
 import { useEffect, useMemo } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { fixed } from "../format";
-import { t, useLanguage, type Key } from "../i18n";
+import { inWords, t, useLanguage, type Key } from "../i18n";
 import { frameStream } from "../live/frames";
 import { devices, seconds, status, table } from "../live/gateway";
 import { Latest, type Seen } from "../live/latest";
 import { orientationOf } from "../live/orientation";
 import { useStore, useTick } from "../live/store";
 import { lastStateOf, lostDevices } from "../live/watch";
-import { hexByte, type MessageTable } from "../protocol/table";
-import { inWords } from "../parts/alerts";
+import { hexByte, hosts, type MessageTable } from "../protocol/table";
 import { DeviceText } from "../parts/device_text";
 import { Horizon, Rose } from "../parts/horizon";
 import type { Place } from "../map/datum";
@@ -23,15 +22,13 @@ import { isPlace, onGround } from "../parts/waypoint_set";
 const wanted: Record<string, number> = {
   euler: 30, quaternion: 30, altitude: 10, velocity: 10, position: 10, mode: 10, power: 4, gps: 5, module_status: 2, return_home: 4, wind: 2, remote_control: 20, pwm: 10,
 };
-const hosts = [0xfe, 0xd2];
 
 function useLatest(of: MessageTable | undefined, device: number): Latest | undefined {
   const latest = useMemo(() => of && new Latest(of), [of, device]);
   useEffect(() => {
     if (!of || !latest) return undefined;
     const known = of.rows.filter((row) => row.layout === undefined && row.name in wanted);
-    const sticks = known.find((row) => row.name === "remote_control")?.id;
-    const position = known.find((row) => row.name === "position")?.id, gps = known.find((row) => row.name === "gps")?.id;
+    const sticks = of.idOf("remote_control"), position = of.idOf("position"), gps = of.idOf("gps");
     return frameStream.use({
       wish: { from: [...new Set([device, ...hosts])], id: known.map((row) => row.id), limit: Object.fromEntries(known.map((row) => [row.id, wanted[row.name]!])) },
       take: (record, at) => {

@@ -1,22 +1,22 @@
 // Waypoints, on the grid and in a table.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { ask } from "../api";
 import { t, useLanguage } from "../i18n";
+import { jsonIn } from "../json";
 import { path } from "../live/device";
 import { draftOf, setDraft } from "../live/edits";
 import { mayAct } from "../live/gateway";
-import { follow, type Job } from "../live/jobs";
+import { useAsked } from "../live/running";
 import { useStore } from "../live/store";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
-import { DeviceText } from "../parts/device_text";
+import { DeviceHeading, DeviceText } from "../parts/device_text";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
-import { numberIn } from "../parts/frame_of";
+import { numberIn } from "../parts/numbers";
 import type { Scene } from "../parts/ground";
 import { Track } from "../parts/track";
 import { foreignForm, isPlace, onEarth, onGround, waypointsIn, type Waypoint } from "../parts/waypoint_set";
-import { hexByte } from "../protocol/table";
 
 type Column = "lng" | "lat" | "alt" | "spd" | "yaw" | "fun";
 const columns: { name: Column; unit: string; factor: number }[] = [
@@ -63,23 +63,13 @@ export function Waypoints({ device }: { device: number }) {
   const draft = useStore(draftOf<Waypoint[]>("waypoints", device));
   const all = draft ?? stored;
   const setAll = (changed: Waypoint[]): void => setDraft("waypoints", device, JSON.stringify(changed) === JSON.stringify(stored) ? undefined : changed);
-  const [job, setJob] = useState<Job>();
-  const [fault, setFault] = useState("");
   const [foreign, setForeign] = useState<{ form: string; json: unknown; name: string }>();
   const action = useAction();
-  const read = async (): Promise<void> => {
-    setFault("");
-    const answer = await follow<unknown>(path(device, "waypoints"), {}, setJob);
-    setJob(undefined);
-    if (answer.ok) setStored(waypointsIn(answer.value) ?? []);
-    else setFault(refusalText(answer.refusal));
-  };
-  useEffect(() => void read(), [device]);
+  const { job, fault, run, read } = useAsked(path(device, "waypoints"), (value) => setStored(waypointsIn(value) ?? []));
   const put = (form: string, body: unknown): void =>
     action.run(
       async () => {
-        const answer = await follow<{ written: number }>(path(device, "waypoints" + (form ? "?format=" + form : "")), { method: "PUT", body }, setJob);
-        setJob(undefined);
+        const answer = await run<{ written: number }>({ method: "PUT", body }, path(device, "waypoints" + (form ? "?format=" + form : "")));
         if (answer.ok && !form) setDraft("waypoints", device, undefined); // it was sent
         if (answer.ok) void read();
         return answer;
@@ -100,12 +90,7 @@ export function Waypoints({ device }: { device: number }) {
     );
   const load = async (from: File | undefined): Promise<void> => {
     if (!from) return;
-    let json: unknown;
-    try {
-      json = from.size < 1e6 ? JSON.parse(await from.text()) : undefined;
-    } catch {
-      json = undefined;
-    }
+    const json = from.size < 1e6 ? jsonIn(await from.text().catch(() => "")) : undefined;
     const own = waypointsIn(json), form = foreignForm(json);
     setForeign(form ? { form, json, name: from.name } : undefined);
     if (own) setAll(own);
@@ -122,7 +107,7 @@ export function Waypoints({ device }: { device: number }) {
   const may = mayAct() && !action.busy;
   return (
     <div>
-      <h1>{t("waypoints")} <small class="muted"><DeviceText text={nameOf(device)} /> {hexByte(device)}</small></h1>
+      <DeviceHeading title={t("waypoints")} device={device} />
       <div class="tools">
         {mayAct() && <Confirm label={t("write_waypoints")} question={t("waypoints_question", { n: all?.length ?? 0 })} yes={t("write_waypoints")} kind="main" disabled={!all?.length || !may} onYes={() => put("", { waypoints: all })} />}
         {mayAct() && <button disabled={!may} onClick={add}>{t("add_waypoint")}</button>}
@@ -130,13 +115,13 @@ export function Waypoints({ device }: { device: number }) {
         <button disabled={!all} onClick={() => save("")}>JSON</button>
         <button onClick={() => save("geojson")}>GeoJSON</button>
         <button onClick={() => save("qgc")}>QGC</button>
-        {mayAct() && <label class="file button">{t("import")}<input type="file" accept=".json,.geojson,.plan" onChange={(event) => void load(event.currentTarget.files?.[0])} /></label>}
+        {mayAct() && <label class="file">{t("import")}<input type="file" accept=".json,.geojson,.plan" onChange={(event) => void load(event.currentTarget.files?.[0])} /></label>}
         <OutcomeLine action={action} />
       </div>
       {foreign && <p class="note">{foreign.name}: <Confirm label={t("write_file")} question={t("write_file_question")} yes={t("write_file")} disabled={!may} onYes={() => { put(foreign.form, foreign.json); setForeign(undefined); }} /></p>}
       {draft && <p class="note unsent" role="status">{t("waypoints_not_sent")} <button type="button" disabled={!may} onClick={() => setDraft("waypoints", device, undefined)}>{t("discard")}</button></p>}
       <JobLine job={job} />
-      {fault && <p class="bad" role="alert"><DeviceText text={fault} /></p>}
+      {fault && <p class="bad" role="alert"><DeviceText text={refusalText(fault)} /></p>}
       <div class="card map"><Track device={device} scene={scene} onMap={scene.origin && scene} yaw={0} way /></div>
       {all && <WaypointTable all={all} disabled={!may} onChange={setAll} />}
     </div>

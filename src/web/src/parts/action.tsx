@@ -6,15 +6,16 @@ import { jobs, type Job } from "../live/jobs";
 import { hashOf } from "../route";
 import { visible } from "../visible";
 import { Confirm } from "./confirm";
+import { DeviceText } from "./device_text";
 
-export interface Outcome {
+interface Outcome {
   words: string;
   good: boolean;
   job?: number | undefined; // the one that uses the device
 }
 
 /** The details that the gateway gives about a failure. */
-export function evidenceText(evidence: Record<string, unknown> | undefined): string {
+function evidenceText(evidence: Record<string, unknown> | undefined): string {
   const parts: string[] = [];
   const { sent, rtt_ms: trip, ...rest } = evidence ?? {};
   if (typeof sent === "number" && sent > 0) parts.push(t("evidence_sent", { n: sent }));
@@ -31,7 +32,7 @@ export function refusalText(refusal: Refusal): string {
 }
 
 /** The job that a refusal names. */
-export function jobIn(refusal: Refusal): number | undefined {
+function jobIn(refusal: Refusal): number | undefined {
   const job = (refusal.body as { job?: unknown } | undefined)?.job;
   return typeof job === "number" ? job : undefined;
 }
@@ -42,7 +43,7 @@ const pageOfKind: Record<string, string> = {
 };
 
 /** Leads to the page on which the job that uses the device can be seen, continued and cancelled. */
-export function OpenJob({ id }: { id: number }) {
+function OpenJob({ id }: { id: number }) {
   const [job, setJob] = useState<Job>();
   useEffect(() => {
     void jobs().then((answer) => setJob(answer.ok ? answer.value.jobs.find((one) => one.id === id) : undefined));
@@ -50,6 +51,12 @@ export function OpenJob({ id }: { id: number }) {
   const page = job && pageOfKind[job.kind];
   if (!job || !page || !job.device) return null;
   return <a class="open-job" href={hashOf({ page, device: Number(job.device) })}>{t(job.state === "waiting" ? "open_waiting_job" : "open_job", { page: t(page as Key) })}</a>;
+}
+
+/** Why a job failed, and the way to the one that was in its way. */
+export function JobFault({ refusal }: { refusal: Refusal }) {
+  const job = jobIn(refusal);
+  return <p class="bad" role="alert">✕ <DeviceText text={refusalText(refusal)} /> {job !== undefined && <OpenJob id={job} />}</p>;
 }
 
 export interface Action {
@@ -60,7 +67,8 @@ export interface Action {
   say(outcome: Outcome | undefined): void;
 }
 
-export function useAction(): Action {
+/** `after`: called when an action has ended, however. */
+export function useAction(after?: () => void): Action {
   const running = useRef(false);
   const gone = useRef(false);
   const [busy, setBusy] = useState(false);
@@ -72,6 +80,7 @@ export function useAction(): Action {
     setBusy(true);
     setOutcome(undefined);
     void work().then((answer) => {
+      after?.();
       running.current = false;
       if (gone.current) return;
       setBusy(false);

@@ -1,22 +1,19 @@
 // What the operator must know at once, on every page: the gateway or a device is not heard, a value is beyond its limit, a device logs an error.
 import type { ComponentChildren } from "preact";
-import { nameOf } from "../addresses";
-import { fixed, duration } from "../format";
-import { language, t } from "../i18n";
+import { called } from "../addresses";
+import { fixed } from "../format";
+import { inWords, t } from "../i18n";
 import { contact, seconds, status, table } from "../live/gateway";
 import { inPeoplesUnits } from "../live/latest";
 import { type Alarm, fieldOf, messageOf, type Limit } from "../live/limits";
 import { useStore, useTick } from "../live/store";
 import { ageOf, alarms, dismissAlarm, dismissLost, dismissRed, flagOf, lostNews, oldAfter, redLines, silence, sounding } from "../live/watch";
 import { hashOf, pageOfDevice } from "../route";
-import { hexByte } from "../protocol/table";
 import { DeviceText, tx } from "./device_text";
 
 const shown = 3; // devices; more would hide the page
 
-export const stateWord = (flag: number | undefined): string => (flag === 0 ? t("flag_locked") : flag === 1 ? t("flag_unlocked") : flag === 2 ? t("flag_airborne") : "");
-export const inWords = (seconds: number): string => duration(seconds, language.get() === "zh");
-const called = (device: number): string => nameOf(device) || hexByte(device);
+const stateWord = (flag: number | undefined): string => (flag === 0 ? t("flag_locked") : flag === 1 ? t("flag_unlocked") : flag === 2 ? t("flag_airborne") : "");
 
 const known: Record<string, () => string> = {
   "power.voltage": () => t("battery"), "power.current": () => t("current"), "gps.s_num": () => t("satellites"),

@@ -1,6 +1,6 @@
 // Texts that a device chose: isolated, so that they neither reorder nor hide what is beside them.
 import type { ComponentChildren } from "preact";
-import { nameOf } from "../addresses";
+import { called, nameOf } from "../addresses";
 import { filledWith, type Key } from "../i18n";
 import { hexByte } from "../protocol/table";
 import { visible } from "../visible";
@@ -8,7 +8,12 @@ import { visible } from "../visible";
 export const DeviceText = ({ text }: { text: string | undefined }) => <bdi>{visible(text ?? "")}</bdi>;
 
 /** The name of a device, else its address. */
-export const DeviceName = ({ device }: { device: number }) => <bdi>{nameOf(device) || hexByte(device)}</bdi>;
+export const DeviceName = ({ device }: { device: number }) => <bdi>{called(device)}</bdi>;
+
+/** The heading of a page of a device. */
+export const DeviceHeading = ({ title, device, name = nameOf(device) }: { title: string; device: number; name?: string | undefined }) => (
+  <h1>{title} <small class="muted"><DeviceText text={name} /> {hexByte(device)}</small></h1>
+);
 
 /** t() with texts of devices as values: each isolated. */
 export const tx = (key: Key, args: Record<string, unknown>): ComponentChildren => filledWith(key, args, (value) => <bdi>{visible(value)}</bdi>);

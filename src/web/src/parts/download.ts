@@ -1,4 +1,6 @@
 // Offers data of the browser as a file to download.
+import { clockText, dayText } from "../format";
+
 export function download(name: string, blob: Blob): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
@@ -7,8 +9,7 @@ export function download(name: string, blob: Blob): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** 2026-11-23_14-05-09, by the user's local time. */
-export function stamp(now = new Date()): string {
-  const two = (n: number): string => String(n).padStart(2, "0");
-  return `${now.getFullYear()}-${two(now.getMonth() + 1)}-${two(now.getDate())}_${two(now.getHours())}-${two(now.getMinutes())}-${two(now.getSeconds())}`;
+/** 2026-11-23_14-05-09. */
+export function stamp(now = Date.now() / 1000): string {
+  return `${dayText(now)}_${clockText(now).replace(/:/g, "-")}`;
 }

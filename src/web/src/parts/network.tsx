@@ -1,12 +1,13 @@
 // A diagram of the network: the gateway, its links, the devices behind each link, and the live traffic.
 import { useState } from "preact/hooks";
-import { causeText, hintText, language, t } from "../i18n";
+import { causeText, hintText, inWords, t } from "../i18n";
 import { drops, lost } from "../live/counters";
 import { rateOf, type Link, type Route, type Status } from "../live/gateway";
 import { replayedDevices } from "../live/replayed";
-import { duration, rateText, shortNumber } from "../format";
+import { rateText, shortNumber } from "../format";
 import { hashOf, pageOfDevice } from "../route";
 import { nameOf } from "../addresses";
+import { isHost } from "../protocol/table";
 import { useStore } from "../live/store";
 import { ageOf, lostDevices } from "../live/watch";
 import { DeviceText } from "./device_text";
@@ -26,19 +27,18 @@ function Wire({ rate, back }: { rate: number; back: boolean }) {
 
 function Who({ route }: { route: Route }) {
   const address = Number(route.address);
-  const isHost = address === 0xfe || address === 0xd2;
   const isLost = useStore(lostDevices).has(address);
   const age = isLost ? (ageOf(address) ?? route.age_s ?? 0) : (route.age_s ?? 0);
   const text = (
     <>
       <b>{route.address}</b> <DeviceText text={nameOf(address)} />
-      {(isLost || age > 3) && <small> · {t("ago", { time: duration(age, language.get() === "zh") })}</small>}
+      {(isLost || age > 3) && <small> · {t("ago", { time: inWords(age) })}</small>}
     </>
   );
   const title = route.via === "replayed" ? t("replayed") : t(`via_${route.via}` as "via_own");
   return (
     <li class={isLost ? "who late lost" : age > 3 ? "who late" : "who"} title={title}>
-      {!isHost && route.via !== "port" ? <a href={hashOf({ page: pageOfDevice, device: address })}>{text}</a> : text}
+      {!isHost(address) ? <a href={hashOf({ page: pageOfDevice, device: address })}>{text}</a> : text}
     </li>
   );
 }
@@ -54,7 +54,7 @@ function Peers({ link }: { link: Link }) {
       {shown.map((channel) => (
         <li key={channel.peer}>
           <code>{channel.peer}</code>
-          {channel.listening_since_s !== undefined && <small class="muted"> · {t("listening_since", { time: duration(channel.listening_since_s, language.get() === "zh") })}</small>}
+          {channel.listening_since_s !== undefined && <small class="muted"> · {t("listening_since", { time: inWords(channel.listening_since_s) })}</small>}
         </li>
       ))}
       {link.channels.length > shown.length && <li class="muted">{t("peers_more", { n: link.channels.length - shown.length })}</li>}
@@ -66,7 +66,7 @@ function CounterTable({ link }: { link: Link }) {
   const keptBack = ["kept_back_of_hosts", "kept_back_commands", "kept_back_tunnels"].filter((name) => name in link);
   const names = ["frames_in", "bytes_in", "skipped_bytes", ...keptBack, "frames_out", "bytes_out", "empty_out", "flush_bytes", "waiting", ...drops(link).map(([name]) => name)];
   return (
-    <table class="counters" aria-label={t("details_of", { name: link.name })}>
+    <table aria-label={t("details_of", { name: link.name })}>
       <tbody>
         {names.map((name) => (
           <tr key={name}>

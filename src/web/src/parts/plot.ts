@@ -1,5 +1,6 @@
 // Draws the chart with uPlot, which gets only as many points as there are columns of pixels.
 import uPlot from "uplot";
+import { clockText } from "../format";
 import type { Line } from "../live/chart_data";
 import { columnTimes, envelope, wentOver } from "../live/series";
 
@@ -8,12 +9,6 @@ const maxAxes = 4;
 
 const css = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const scaleOf = (unit: string): string => "y" + unit;
-
-function clock(time: number, step: number): string {
-  const date = new Date(time * 1000);
-  const text = date.toTimeString().slice(0, step >= 60 ? 5 : 8);
-  return step < 1 ? `${text}.${String(date.getMilliseconds()).padStart(3, "0")}` : text;
-}
 
 /** One or two values for each column of pixels: vertical bars for adjacent columns, lines over the gaps. Bars cost a tenth of a line through
  * all values. Where an angle wraps around, its ends are not joined. */
@@ -90,7 +85,7 @@ export class Plot {
       cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false } },
       scales: { x: { time: true, auto: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), { auto: true }])) },
       axes: [
-        { stroke: ink, grid, ticks: grid, space: 100, values: (_, all, __, ___, step) => all.map((at) => clock(at, step)) },
+        { stroke: ink, grid, ticks: grid, space: 100, values: (_, all, __, ___, step) => all.map((at) => clockText(at, step < 1).slice(0, step >= 60 ? 5 : undefined)) },
         ...units.slice(0, maxAxes).map((unit, i): uPlot.Axis => ({ scale: scaleOf(unit), side: i % 2 === 0 ? 3 : 1, stroke: ink, ticks: grid, grid: i === 0 ? grid : { show: false }, label: unit || "–", labelSize: 18, size: 54 })),
       ],
       series: [{}, ...lines.map((line, i): uPlot.Series => ({ label: line.label, scale: scaleOf(line.unit), stroke: colours[i % colours.length]!, paths: () => null, points: { show: false } }))],

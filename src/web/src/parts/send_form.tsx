@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import { ask } from "../api";
 import { causeText, t, titleText } from "../i18n";
-import { isNumeric, type FieldRow, type MessageRow, type MessageTable } from "../protocol/table";
+import { isNumber, isNumeric, type FieldRow, type MessageRow, type MessageTable } from "../protocol/table";
 import { frameOf } from "./frame_of";
 
 interface Place {
@@ -33,7 +33,7 @@ function FieldInput({ field, value, onInput }: { field: FieldRow; value: string;
   const label = (
     <label for={id}>{field.label ?? field.name}{field.unit ? <small> {field.unit}</small> : null}</label>
   );
-  if (field.values && isNumeric(field.type) && (field.count ?? 1) === 1)
+  if (field.values && isNumber(field))
     return (
       <div class="field">
         {label}

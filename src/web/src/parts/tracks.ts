@@ -1,4 +1,5 @@
 // The tracks of devices, while the page is open. Pure.
+import { entryOf } from "../entries";
 import type { Place } from "../map/datum";
 import type { Point } from "./ground";
 import { onGround } from "./waypoint_set";
@@ -9,11 +10,7 @@ const maxDistance = 100_000; // m from the begin of a track: farther away, the e
 
 /** By the position that the device reports, relative to its take-off. */
 const tracks = new Map<number, Point[]>();
-export function trackOf(device: number): Point[] {
-  let track = tracks.get(device);
-  if (!track) tracks.set(device, (track = []));
-  return track;
-}
+export const trackOf = (device: number): Point[] => entryOf(tracks, device, () => []);
 
 /** By satellite position. */
 export interface EarthTrack {

@@ -1,4 +1,5 @@
 // Frames in the form of GET /frames?format=binary: one WebSocket message has many records.
+import { jsonIn } from "../json";
 
 export const directions = ["in", "out", "dropped"] as const;
 export type Direction = (typeof directions)[number];
@@ -57,17 +58,11 @@ export interface Tables {
 }
 export interface Lost {
   lost: Record<string, number>;
-  since_ms: number;
 }
 
 export function textMessage(text: string): Tables | Lost | undefined {
-  try {
-    const json: unknown = JSON.parse(text);
-    if (typeof json !== "object" || json === null) return undefined;
-    if ("links" in json && "causes" in json) return json as Tables;
-    if ("lost" in json) return json as Lost;
-  } catch {
-    // a text that is not JSON is ignored
-  }
-  return undefined;
+  const json = jsonIn(text);
+  if (typeof json !== "object" || json === null) return undefined;
+  if ("links" in json && "causes" in json) return json as Tables;
+  return "lost" in json ? (json as Lost) : undefined;
 }

@@ -1,4 +1,5 @@
 // The message table of the gateway (GET /messages), and reading frames by it. No message is treated by its name here.
+import { entryOf } from "../entries";
 
 export interface FieldRow {
   name: string;
@@ -39,7 +40,17 @@ export type Unreadable = "unknown_id" | "unknown_layout" | "too_short";
 
 const numberSizes: Record<string, number> = { u8: 1, i8: 1, u16: 2, i16: 2, u32: 4, i32: 4, u64: 8, i64: 8, f32: 4, f64: 8 };
 
+/** Addresses of hosts, which are no devices. */
+export const hosts: readonly number[] = [0xfe, 0xd2];
+export const isHost = (address: number): boolean => hosts.includes(address);
+
 export const isNumeric = (type: string): boolean => type in numberSizes;
+
+/** Whether it is a single number. */
+export const isNumber = ({ type, count }: FieldRow): boolean => isNumeric(type) && (count ?? 1) === 1;
+
+/** Messages whose fields the devices choose. */
+export const isFlexible = (id: number): boolean => id >= 0xf1 && id <= 0xfa;
 
 const isOpen = (field: FieldRow): boolean => field.count === null || field.type === "list";
 
@@ -49,6 +60,9 @@ export function sizeOf(field: FieldRow): number {
   const one = field.type === "ip" ? 4 : (numberSizes[field.type] ?? 1);
   return one * (field.count ?? 1);
 }
+
+const bytesOf = (field: FieldRow, data: Uint8Array): Uint8Array => data.subarray(field.offset, isOpen(field) ? data.length : field.offset + sizeOf(field));
+const sizeOfAll = (fields: readonly FieldRow[] = []): number => fields.reduce((sum, field) => sum + sizeOf(field), 0);
 
 export function hexOf(bytes: Uint8Array): string {
   let text = "";
@@ -159,15 +173,14 @@ export class Reading {
 
   value(field: FieldRow): Value {
     const { data } = this;
-    const end = isOpen(field) ? data.length : field.offset + sizeOf(field);
     if (field.type === "list") return this.elements(field.offset);
-    const bytes = data.subarray(field.offset, end);
+    const bytes = bytesOf(field, data);
     if (field.type === "text") return textOf(bytes, this.isGbk);
     if (field.type === "ip") return Array.from(bytes).join(".");
     if (!isNumeric(field.type)) return hexOf(bytes);
     const view = viewOf(data);
-    if ((field.count ?? 1) === 1) return numberAt(field, view, field.offset);
-    const step = numberSizes[field.type]!;
+    if (isNumber(field)) return numberAt(field, view, field.offset);
+    const step = numberSizes[field.type]!, end = field.offset + bytes.length;
     const all: Value[] = [];
     for (let at = field.offset; at + step <= end; at += step) all.push(numberAt(field, view, at));
     return all;
@@ -175,8 +188,7 @@ export class Reading {
 
   private elements(from: number): Value[] {
     const element = this.row.element ?? [];
-    const size = element.reduce((sum, f) => sum + sizeOf(f), 0);
-    const view = viewOf(this.data);
+    const size = sizeOfAll(element), view = viewOf(this.data);
     const all: Value[] = [];
     for (let at = from; size > 0 && at + size <= this.data.length; at += size)
       all.push(Object.fromEntries(element.map((f) => [f.name, numberAt(f, view, at + f.offset)])));
@@ -188,6 +200,11 @@ export class Reading {
     return field && this.value(field);
   }
 
+  number(name: string): number | undefined {
+    const value = this.get(name);
+    return typeof value === "number" ? value : undefined;
+  }
+
   fields(): { field: FieldRow; value: Value }[] {
     return this.row.fields.map((field) => ({ field, value: this.value(field) }));
   }
@@ -196,7 +213,7 @@ export class Reading {
   extra(): Uint8Array {
     const last = this.row.fields[this.row.fields.length - 1];
     if (last && last.type === "list") {
-      const size = (this.row.element ?? []).reduce((sum, f) => sum + sizeOf(f), 0);
+      const size = sizeOfAll(this.row.element);
       return size > 0 ? this.data.subarray(this.data.length - ((this.data.length - last.offset) % size)) : this.data.subarray(last.offset);
     }
     return last && isOpen(last) ? new Uint8Array(0) : this.data.subarray(this.row.size);
@@ -205,9 +222,8 @@ export class Reading {
 
 /** Text without control characters, and only zero bytes after the first one. */
 function isPaddedText(bytes: Uint8Array): boolean {
-  const end = bytes.indexOf(0);
-  const used = end < 0 ? bytes : bytes.subarray(0, end);
-  return used.every((byte) => byte >= 0x20 && byte !== 0x7f) && (end < 0 || bytes.subarray(end).every((byte) => byte === 0));
+  const text = used(bytes);
+  return text.every((byte) => byte >= 0x20 && byte !== 0x7f) && bytes.subarray(text.length).every((byte) => byte === 0);
 }
 
 /** Whether these bytes can have this layout; the same rule as in the gateway. */
@@ -218,7 +234,7 @@ function isPlausible(row: MessageRow, data: Uint8Array): boolean {
     const min = row.fields.find((field) => field.name === "min"), max = row.fields.find((field) => field.name === "max");
     if (min && max && view.getInt32(min.offset, true) > view.getInt32(max.offset, true)) return false;
     const texts = row.fields.filter((field) => field.type === "text" && !isOpen(field));
-    if (!texts.every((field) => isPaddedText(data.subarray(field.offset, field.offset + sizeOf(field))))) return false;
+    if (!texts.every((field) => isPaddedText(bytesOf(field, data)))) return false;
   }
   for (const field of row.fields) {
     const first = data[field.offset] ?? 0;
@@ -254,11 +270,7 @@ export class MessageTable {
   private readonly gbkSenders = new Set<number>(); // those of whom a text was GBK and not UTF-8
 
   constructor(readonly rows: MessageRow[]) {
-    for (const row of rows) {
-      const known = this.byId.get(row.id);
-      if (known) known.push(row);
-      else this.byId.set(row.id, [row]);
-    }
+    for (const row of rows) entryOf(this.byId, row.id, (): MessageRow[] => []).push(row);
   }
 
   /** Every layout of an id, the base first. */
@@ -268,6 +280,10 @@ export class MessageTable {
 
   name(id: number): string {
     return this.layouts(id)[0]?.name ?? hexByte(id);
+  }
+
+  idOf(name: string): number | undefined {
+    return this.rows.find((row) => row.name === name)?.id;
   }
 
   title(id: number): string {
@@ -285,7 +301,7 @@ export class MessageTable {
   }
 
   private chosen(all: readonly MessageRow[], base: MessageRow, source: number, data: Uint8Array): MessageRow | undefined {
-    if (base.id >= 0xf1 && base.id <= 0xfa) {
+    if (isFlexible(base.id)) {
       const rank = (row: MessageRow): number => (row.source === undefined ? 0 : 2) + (row.fields[0]?.only ? 1 : 0);
       const fitting = all.filter((row) => row.fields.length > 0 && (row.source ?? source) === source && fits(row, base, data));
       return fitting.sort((a, b) => rank(b) - rank(a))[0];
@@ -297,7 +313,7 @@ export class MessageTable {
     const row = this.layoutOf(id, source, data);
     if (typeof row === "string") return row;
     const texts = row.fields.filter((field) => field.type === "text");
-    if (!this.gbkSenders.has(source) && texts.some((field) => isGbk(data.subarray(field.offset, isOpen(field) ? data.length : field.offset + sizeOf(field))))) this.gbkSenders.add(source);
+    if (!this.gbkSenders.has(source) && texts.some((field) => isGbk(bytesOf(field, data)))) this.gbkSenders.add(source);
     return new Reading(row, data, this.gbkSenders.has(source));
   }
 }

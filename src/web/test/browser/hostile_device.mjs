@@ -13,10 +13,11 @@ export function frame(from, to, id, data) {
 const f32 = (value) => { const bytes = Buffer.alloc(4); bytes.writeFloatLE(value); return bytes; };
 const f64 = (value) => { const bytes = Buffer.alloc(8); bytes.writeDoubleLE(value); return bytes; };
 
-/** Names that every object has, and numbers that are none or hardly: [type, name, value]. */
+/** Names that every object has or several parameters have, and numbers that are none or hardly: [type, name, value]. */
 const odd = [
   [8, "constructor", f32(1)], [8, "__proto__", f32(2)], [8, "toString", f32(3)], [8, "NAN", f32(NaN)], [8, "FAR", f32(1e38)], [8, "ENDLESS", f32(-Infinity)],
   [9, "FARTHEST", f64(1e308)], [6, "ALL_BITS", Buffer.alloc(8, 255)], [7, "LEAST", Buffer.from([0, 0, 0, 0, 0, 0, 0, 128])], [10, "WORDS", Buffer.from("°C µ \u202e\u{1F681}")],
+  [8, "TWICE", f32(10)], [8, "TWICE", f32(11)],
 ];
 
 /** A device behind UDP with so many parameters, some of them odd, that takes what is written. */

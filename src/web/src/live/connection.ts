@@ -1,0 +1,67 @@
+// A WebSocket of the gateway. It is opened again when it breaks, and a hidden page has none.
+import { onHeard, socketAddress } from "../api";
+
+export interface ConnectionUser {
+  route: string;
+  opened?(): void;
+  take(message: string | ArrayBuffer): void;
+}
+
+export const retryAfter = 500; // milliseconds
+
+const all: Connection[] = [];
+
+/** For when the gateway was not heard for a while: the old connections may never report that they are broken. */
+export const reopenAll = (): void => all.forEach((one) => one.reopen());
+
+export class Connection {
+  private user: ConnectionUser | undefined;
+  private socket: WebSocket | undefined;
+  private retry: ReturnType<typeof setTimeout> | undefined;
+
+  constructor() {
+    all.push(this);
+    document.addEventListener("visibilitychange", () => (document.hidden ? this.disconnect() : this.connect()));
+  }
+
+  /** Does nothing while it is open: close it first, if the route is another one. */
+  open(user: ConnectionUser): void {
+    this.user = user;
+    this.connect();
+  }
+  close(): void {
+    this.user = undefined;
+    this.disconnect();
+  }
+  reopen(): void {
+    this.disconnect();
+    this.connect();
+  }
+
+  private disconnect(): void {
+    const { socket } = this;
+    this.socket = undefined;
+    socket?.close();
+  }
+  private connect(): void {
+    const { user } = this;
+    if (!user || document.hidden || this.socket) return;
+    const socket = new WebSocket(socketAddress(user.route));
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onopen = () => {
+      if (this.socket === socket) user.opened?.();
+    };
+    socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => {
+      if (this.socket !== socket) return;
+      onHeard.call();
+      user.take(event.data);
+    };
+    socket.onclose = () => {
+      if (this.socket !== socket) return;
+      this.socket = undefined;
+      clearTimeout(this.retry);
+      this.retry = setTimeout(() => this.connect(), retryAfter);
+    };
+  }
+}
