@@ -38,7 +38,7 @@ export class CounterRates {
   /** `now` in seconds; readings less than half a second apart are ignored, except the second: the first rates are wanted soon. */
   look(of: string, counters: Counters, now: number): void {
     const before = this.looks.get(of);
-    if (before && now - before.at < (this.rates.has(of) ? 0.5 : 0.2)) return;
+    if (before && now - before.at < (this.rates.has(of) ? 0.5 : 0.1)) return;
     const values = new Map(Object.entries(counters).flatMap(([name, value]): [string, number][] => (typeof value === "number" ? [[name, value]] : [])));
     this.looks.set(of, { at: now, values });
     if (!before) return;
