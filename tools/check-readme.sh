@@ -1,10 +1,10 @@
 #!/bin/bash
-# What can be checked of the READMEs: the two for users stay short, every hint, counter and kind of link is explained in both
-# languages, every link and file that they name exists, and Chinese text has Chinese punctuation.
+# What can be checked of the READMEs: the two of the project are one screen; every hint, counter and kind of link is explained in both
+# languages, a hint under its id as an anchor; every link and file that they name exists, and Chinese text has Chinese punctuation.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export LC_ALL=C.UTF-8
-max_lines=190
+max_lines=120 max_columns=120
 missing=0
 fault() {
     echo "$*"
@@ -25,6 +25,8 @@ hints() {
     { cat src/gateway/hints.cpp include/gateway/hints.hpp; grep -hE '\.(nothing_yet|no_frames|no_frames_any_more) = ' src/link/*_link.cpp || true; } |
         grep -oE '"[^"]{20,}"' | tr -d '"' | grep -vxE '[a-z_]+'    # those are ids
 }
+# The ids of hints, as the page translates them; each is the anchor of its row.
+hint_anchors() { sed -n '/^export const hints:/,/^};/s/^  \([a-z0-9_]*\): .*/<a id="\1">/p' src/web/src/words_of_gateway.ts; }
 counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &\(Receive\|Send\)Counters.*/\1/p' include/gateway/counters.hpp; }
 tunnel_counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &TunnelCounters.*/\1/p' include/gateway/counters.hpp; }
 kinds() { sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p; s/^    \.name = "\([a-z-]*\)",$/\1:/p' src/link/kinds.cpp src/link/*_link.cpp; }
@@ -32,14 +34,20 @@ kinds() { sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p; s/^    \.name = "\([a-z-]*\)
 for language in '' .zh-CN; do
     lines=$(wc -l <"README$language.md")
     ((lines <= max_lines)) || fault "README$language.md has $lines lines, at most $max_lines are meant"
-    explained_in "README$language.md" < <(hints)
+    columns=$(wc -L <"README$language.md")    # a Chinese character has two
+    ((columns <= max_columns)) || fault "README$language.md is $columns columns wide, at most $max_columns are meant"
+    explained_in "tools/README$language.md" < <(hints)
+    explained_in "tools/README$language.md" < <(hint_anchors)
     explained_in "tools/README$language.md" < <(counters)
     explained_in "config/README$language.md" < <(tunnel_counters)
-    explained_in {,config/,src/link/}"README$language.md" < <(kinds)
+    explained_in {config/,src/link/}"README$language.md" < <(kinds)
 done
 
-# What stands before a heading's anchor, as GitHub makes it: lower case, letters, digits and hyphens.
-anchors() { sed -n 's/^#\+ //p' "$1" | sed 's/[^[:alnum:] _-]//g; s/ /-/g' | tr '[:upper:]' '[:lower:]'; }
+# The anchors of a file: those that it sets itself, and those that GitHub makes of headings: lower case, letters, digits and hyphens.
+anchors() {
+    grep -oP '<a id="\K[^"]+' "$1" || true
+    sed -n 's/^#\+ //p' "$1" | sed 's/[^[:alnum:] _-]//g; s/ /-/g' | tr '[:upper:]' '[:lower:]'
+}
 prose() { grep -v '^    ' "$1"; }
 
 for readme in "${readmes[@]}"; do
@@ -50,7 +58,7 @@ for readme in "${readmes[@]}"; do
         if [[ $target == *'#'* ]]; then anchor=${target#*#}; fi
         if [[ ! -e $file ]]; then
             fault "$readme: $target does not exist"
-        elif [[ $anchor ]] && ! anchors "$file" | grep -qxF -- "$anchor"; then
+        elif [[ $anchor ]] && ! anchors "$file" | grep -xF -- "$anchor" >/dev/null; then    # reads all: -q would end it by SIGPIPE
             fault "$readme: $target: no such heading"
         fi
     done < <(prose "$readme" | grep -oP '\]\(\K[^)]*(?=\))' | grep -v '://')

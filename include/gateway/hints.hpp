@@ -1,4 +1,4 @@
-// Finds out from the counters of a link what is wrong with it, and what to do. README, "Troubleshooting".
+// Finds out from the counters of a link what is wrong with it, and what to do (tools/README.md, "Troubleshooting").
 #pragma once
 #include <ano/attitude.hpp>
 #include <ano/parser.hpp>

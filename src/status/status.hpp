@@ -1,4 +1,4 @@
-// The state of a gateway as JSON (the shape is part of the interface: README, "Look at it").
+// The state of a gateway as JSON (the shape is part of the interface: tools/README.md, "The status").
 #pragma once
 #include <status/network_door.hpp>
 
