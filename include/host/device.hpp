@@ -158,8 +158,11 @@ public:
     std::size_t waiting() const noexcept { return waiting_.size(); }
     /// A command waits for next_frame().
     bool has_command() const noexcept;
+    /// How long a command waits, at the most, for answers that are on their way.
+    static constexpr Duration max_wait_of_commands = std::chrono::milliseconds{100};
 
 private:
+    TimePoint command_may_start_at() const noexcept;
     using Exchanges = std::list<Exchange>;    // in the order in which they were first sent, or queued
     struct Past {
         Expectation expects;

@@ -87,7 +87,7 @@ Response begin(DeviceService& service, const Request& request, Wish wish) {
     DeviceNet& net = service.net();
     if (wish.deed != Deed::read && net.may_have_waited(request.came_at))
         return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
-    const Requester requester = requester_of(request);
+    const Requester requester = requester_of(request, wish.deed != Deed::read);
     if (!service.has_room_for(requester)) return http::try_again("too many clients wait for jobs: ask again when one has ended");
     const ano::TimePoint now = net.now();
     const auto address = service.address_of(request.parameter("device"), now);
@@ -108,7 +108,7 @@ Response scan_answer(DeviceService& service, const Request& request) {
     if (net.may_have_waited(request.came_at))
         return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
     JobOrder order{JobKind::scan, Deed::read, std::nullopt, false, client_of(request), scan};
-    order.requester = requester_of(request);
+    order.requester = requester_of(request, false);
     order.result = [&service] { return devices_list(service).dump(-1, ' ', false, Json::error_handler_t::replace); };
     const auto begun = service.begin(std::move(order), net.now());
     if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);

@@ -304,14 +304,20 @@ std::size_t DeviceService::upgrades() const {
         jobs_.begin(), jobs_.end(), [](const auto& job) { return !job->is_over() && job->order.kind == JobKind::firmware; }));
 }
 
-// Removes ended jobs that are old, and if needed the oldest ended one. False: all jobs are running.
+// Removes ended jobs that are old, and if needed the oldest ended one: first of those that only viewed, then of those that read. False: all
+// jobs are running.
 bool DeviceService::make_room(TimePoint now) {
     const auto is_old = [&](const auto& job) { return job->is_over() && now - job->ended_at >= kept_for; };
     jobs_.erase(std::remove_if(jobs_.begin(), jobs_.end(), is_old), jobs_.end());
     if (jobs_.size() < max_jobs) return true;
-    const auto oldest = std::find_if(jobs_.begin(), jobs_.end(), [](const auto& job) { return job->is_over(); });
-    if (oldest == jobs_.end()) return false;
-    jobs_.erase(oldest);
+    const auto rank = [](const auto& job) {
+        if (!job->is_over()) return 3;
+        return !job->order.requester.controls() ? 0 : job->is_writing() ? 2 : 1;
+    };
+    const auto first = std::min_element(jobs_.begin(), jobs_.end(),
+                                        [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+    if (first == jobs_.end() || !(*first)->is_over()) return false;
+    jobs_.erase(first);
     return true;
 }
 

@@ -69,9 +69,9 @@ struct LostVehicle {
 class DeviceService {
 public:
     static constexpr std::size_t max_jobs = 64;                         // running and ended ones
-    static constexpr FairPlaces running_places{32};                     // of jobs that run
+    static constexpr FairPlaces running_places{24};                     // of jobs that run
     static constexpr std::size_t max_upgrades = 2;                      // at the same time
-    static constexpr FairPlaces waiting_places{20};                     // of clients that wait for jobs
+    static constexpr FairPlaces waiting_places{16};                     // of clients that wait for jobs
     static constexpr std::size_t max_results = std::size_t{8} << 20;    // bytes of ended jobs; the oldest are dropped first
     static constexpr ano::Duration kept_for = std::chrono::minutes{10};
     static constexpr ano::Duration between_write_backs = std::chrono::minutes{1};    // interval of tries while values are kept

@@ -6,15 +6,16 @@
 
 namespace anogate {
 
-/// Those who may control have places of their own, half as many are for those who only view. Of either sort, a client may take one as long as
-/// more are free than it has: one alone gets half of them, and whoever has none finds one.
+/// Jobs that change a device have places of their own, jobs that read it as many, and those of clients that may only view half as many: no
+/// reading job takes the place of a command. Of each sort, a client may take one as long as more are free than it has: one alone gets half of
+/// them, and whoever has none finds one.
 struct FairPlaces {
     std::size_t of_control;
 
     constexpr std::size_t of(const Requester& requester) const noexcept {
         return requester.controls() ? of_control : of_control / 2;
     }
-    /// `taken`: by all of the requester's right; `own`: by its client.
+    /// `taken`: by all of the requester's sort; `own`: by its client.
     constexpr bool has_one_for(const Requester& requester, std::size_t taken, std::size_t own) const noexcept {
         return taken + own < of(requester);
     }
@@ -25,7 +26,7 @@ template <class All>
 bool has_place_for(const Requester& requester, const FairPlaces& places, const All& all) {
     std::size_t taken = 0, own = 0;
     for (const Requester& one : all) {
-        if (one.controls() != requester.controls()) continue;
+        if (one.controls() != requester.controls() || one.acts != requester.acts) continue;
         ++taken;
         if (one.party == requester.party) ++own;
     }

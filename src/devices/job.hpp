@@ -37,6 +37,7 @@ enum class JobState : std::uint8_t { running, waiting, done, failed, cancelled }
 struct Requester {
     http::Access access = http::Access::control;
     http::Party party{};
+    bool acts = false;    // the job changes the device
     bool operator==(const Requester&) const = default;
     constexpr bool controls() const noexcept { return access == http::Access::control; }
 };

@@ -57,7 +57,7 @@ private:
 std::shared_ptr<WaitingClient> waiting_client(DeviceService& service, const std::shared_ptr<Job>& job,
                                               const http::Request& request) {
     return std::make_shared<WaitingClient>(service, job, request.query_value("while_connected").has_value(),
-                                           requester_of(request));
+                                           requester_of(request, job->is_writing()));
 }
 
 // A line for each change; changes while the client took nothing are combined into one.
@@ -165,7 +165,9 @@ http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<Waiti
 
 }    // namespace
 
-Requester requester_of(const http::Request& request) { return {request.access, http::party_of(request.user, request.door)}; }
+Requester requester_of(const http::Request& request, bool acts) {
+    return {request.access, http::party_of(request.user, request.door), acts};
+}
 
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
     auto client = waiting_client(service, job, request);
@@ -178,7 +180,7 @@ http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& jo
                           unsigned status) {
     const bool wants_messages = http::is_web_socket(request);
     if (!wants_messages && !accepts_lines(request)) return line_answer(status, job_line(*job));
-    if (!service.has_room_for(requester_of(request)))
+    if (!service.has_room_for(requester_of(request, job->is_writing())))
         return http::try_again("too many clients wait for jobs: ask again when one has ended");
     if (!wants_messages) return lines_of(job, waiting_client(service, job, request));
     http::Response response;

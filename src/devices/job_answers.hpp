@@ -8,8 +8,8 @@
 
 namespace anogate {
 
-/// The client of a request: its right, and its party.
-Requester requester_of(const http::Request& request);
+/// The client of a request: its right, its party, and whether its job changes a device.
+Requester requester_of(const http::Request& request, bool acts);
 
 /// Answers when the job has ended, or by lines if the request accepts them.
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request);

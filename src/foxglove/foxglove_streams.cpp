@@ -59,7 +59,7 @@ http::Response FoxgloveStreams::answer(const http::Request& request) {
         return http::error(400, "'encoding' must be cdr or json, not " + ano::in_quotes(encoding));
     http::Response response;
     response.web_socket = std::make_unique<FoxgloveSocket>(
-        *this, ++clients_, subprotocol, is_json ? DecodedEncoding::json : DecodedEncoding::cdr, requester_of(request));
+        *this, ++clients_, subprotocol, is_json ? DecodedEncoding::json : DecodedEncoding::cdr, requester_of(request, false));
     return response;
 }
 

@@ -212,9 +212,18 @@ bool Device::keeps_back_those_that_yield() const noexcept {
     return std::any_of(waiting_.begin(), waiting_.end(), goes_first) || std::any_of(sent_.begin(), sent_.end(), goes_first);
 }
 
+// A device that takes one frame at a time loses a command that comes while it answers: questions on their way end first, and no other begins.
+TimePoint Device::command_may_start_at() const noexcept {
+    TimePoint at = waiting_.front().kept_until();
+    for (const Exchange& e : sent_)    // but not behind zero bytes that are on the line
+        if (e.is_on_its_way() && !is_command(e) && e.last_sent() > line_is_busy_until_)
+            at = std::max(at, std::min(e.due(), e.last_sent() + max_wait_of_commands));
+    return at;
+}
+
 // Commands are sent first, then lost requests. Those that yield come last.
 const Exchange* Device::next_to_send(TimePoint now) const noexcept {
-    if (has_command() && waiting_.front().kept_until() <= now) return &waiting_.front();
+    if (has_command()) return command_may_start_at() <= now ? &waiting_.front() : nullptr;
     if (on_their_way() >= window_.size()) return nullptr;
     const auto may_start = [&](const Exchange& e) {
         const auto at = may_start_at(e);
@@ -300,12 +309,12 @@ void Device::wait_to_leave(TimePoint now) noexcept {
 
 std::optional<TimePoint> Device::due() const noexcept {
     std::optional<TimePoint> first;
-    if (has_command()) first = waiting_.front().kept_until();
-    if (on_their_way() < window_.size()) {
+    if (has_command()) {
+        first = command_may_start_at();
+    } else if (on_their_way() < window_.size()) {
         if (lost() != nullptr) first = std::min(first.value_or(TimePoint::max()), line_is_busy_until_);
         const bool keeps_back = keeps_back_those_that_yield();
         for (const Exchange& exchange : waiting_) {
-            if (is_command(exchange)) continue;
             const auto at = may_start_at(exchange);
             if (at && !(keeps_back && exchange.asker()->yields()))
                 first = std::min(first.value_or(TimePoint::max()), std::max(*at, line_is_busy_until_));

@@ -62,8 +62,10 @@ std::optional<std::size_t> easiest(Visitors visitors, Easy easy) {
     const auto all = [&](Asking asking) {
         return [&, asking](const Visitor& v) { return v.party == *whose && easy(v) && v.asking == asking; };
     };
-    const std::size_t nothing = number_of(visitors, all(Asking::nothing)), half = number_of(visitors, all(Asking::half));
-    return longest(visitors, all(half > nothing ? Asking::half : nothing > 0 ? Asking::nothing : Asking::unheard));
+    Asking sort = Asking::nothing;
+    for (const Asking other : {Asking::half, Asking::unheard})
+        if (number_of(visitors, all(other)) > number_of(visitors, all(sort))) sort = other;
+    return longest(visitors, all(sort));
 }
 
 }    // namespace
@@ -78,6 +80,7 @@ std::optional<std::size_t> gives_way(Visitors visitors, ano::TimePoint connected
         return !is_whole(v) && (v.asking != Asking::unheard || v.since < connected_before);
     };
     if (const auto easy = easiest(visitors, [&](const Visitor& v) { return is_easy(v) && !controls(v); })) return easy;
+    if (const auto easy = easiest(visitors, [&](const Visitor& v) { return is_easy(v) && v.by_address; })) return easy;
     if (const auto easy = easiest(visitors, is_easy)) return easy;
     if (const auto looker = oldest_of_crowd(visitors, 0, looks)) return looker;
     return oldest_of_crowd(visitors, 0, [](const Visitor& v) { return is_whole(v) && v.lasts; });

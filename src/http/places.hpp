@@ -31,7 +31,8 @@ struct Visitor {
     Party party{};
     Asking asking = Asking::nothing;
     ano::TimePoint since{};         // when it connected or last made progress
-    std::optional<Access> may{};    // what it has shown that it may do; std::nullopt: nothing was judged yet
+    std::optional<Access> may{};    // std::nullopt: nothing was judged yet
+    bool by_address = false;        // `may`, because its client controlled before; it has shown nothing itself
     bool streams = false;           // its answer is a stream or a WebSocket, which stays
     bool lasts = false;             // its answer, no stream, has taken more than a moment
 };
@@ -39,9 +40,10 @@ struct Visitor {
 /// All places of a door are taken by `visitors`, and somebody connects. Returns whose place he gets; std::nullopt: nobody's yet, since all
 /// are requests of those who may control, which will soon be answered.
 ///
-/// Who has no complete request leaves first: first those of the party with most of them; clients that may control come last. Of a party's, idle
-/// clients and those with half a request, of these two sorts the one with more clients, so that a crowd of one sort does not displace the
-/// other; then clients not heard yet that connected before `connected_before`. Within a sort, the one that was silent longest. If all have complete requests, one leaves that
+/// Who has no complete request leaves first: first those of the party with most of them; clients that may control come last, and of those the
+/// ones last that have shown a token. Of a party's, there are three sorts: idle, with half a request, not heard yet and connected before
+/// `connected_before`. One of the sort with most clients leaves, so that a crowd of one sort does not displace another; within it, the one
+/// that was silent longest. If all have complete requests, one leaves that
 /// may not control: of the party with most of those, the oldest; and if there is none, one whose answer lasts.
 std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, ano::TimePoint connected_before = ano::TimePoint::max());
 

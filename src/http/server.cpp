@@ -71,7 +71,12 @@ void Server::dismiss_those(const std::function<bool(const Session& session)>& wa
     });
 }
 
-tl::expected<Access, Response> Server::judge(Request& request) { return admission_.judge(request, ano::Clock::now()); }
+// A page of another site reads at most, and has the places of those that read.
+tl::expected<Access, Response> Server::judge(Request& request) {
+    auto access = admission_.judge(request, ano::Clock::now());
+    if (access && admission_.is_foreign(request)) *access = std::min(*access, Access::view);
+    return access;
+}
 
 std::optional<Response> Server::crowded_out(const Party& party, Access access) {
     remember(party, access);

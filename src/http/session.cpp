@@ -38,7 +38,8 @@ void Session::guarded(Function function) {
 }
 
 void Session::start() {
-    if (owner_.may_control(party_, nullptr)) may_ = Access::control;
+    by_address_ = owner_.may_control(party_, nullptr);
+    if (by_address_) may_ = Access::control;
     const bool hello_first = stream_->await_hello([self = shared_from_this()](error_code ec) {
         if (!self->stream_) return;
         if (ec) return self->close();
@@ -86,7 +87,7 @@ Visitor Session::visitor(ano::TimePoint now) const {
     bool stalled = !awaits_turn_ && !part_awaited_ && !answer_awaited_ && now - since_ >= limits_.stalled_after;
     if (const auto socket = web_socket_.lock()) stalled = socket->is_stalled_since(now - limits_.stalled_after);
     const bool lasts = !awaits_turn_ && !streams_ && now - whole_at_ >= limits_.stalled_after;
-    return {party_, stalled ? Asking::nothing : asking_, since_, may_, streams_, lasts};
+    return {party_, stalled ? Asking::nothing : asking_, since_, may_, by_address_, streams_, lasts};
 }
 
 // Some of the next request may be here.
@@ -234,13 +235,17 @@ void Session::came_whole() {
     auto access = owner_.judge(request);
     token_ = std::move(request.token);
     may_ = request.access = access.value_or(Access::open);
+    by_address_ = false;
     if (!access) unanswered_ = std::move(access.error());
     also_ = std::move(request.also);
 }
 
 // Called once a request, so that it is not judged twice.
 bool Session::has_room(Request& head) {
-    if (owner_.may_control(party_, &head)) may_ = Access::control;
+    if (owner_.may_control(party_, &head)) {
+        may_ = Access::control;
+        by_address_ = false;
+    }
     auto room = owner_.room_for_body(head);
     if (!room) refusal_ = std::move(room.error());
     else room_for_body_ = std::move(*room);

@@ -141,6 +141,7 @@ private:
     bool is_of_network_;
     std::string token_{};
     std::optional<Access> may_;             // what the current or the last request may do
+    bool by_address_ = false;               // it is supposed, since others of its client controlled
     std::optional<Request> request_;        // complete, and waits for its turn
     std::optional<Response> unanswered_;    // why it is refused instead
     std::optional<Field> also_;             // a header of its answer

@@ -116,6 +116,7 @@ TEST_F(Jobs, no_more_are_kept_than_there_is_room_for) {
         net.asked("GET", "/devices/0xDC/parameters/" + net.peer);
     }
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 503u);
+    EXPECT_NE(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [16, 0, 2]})").status, 503u) << "a command has one";
     net.pass(1min);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 504u) << "they ended";
 }

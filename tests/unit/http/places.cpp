@@ -39,7 +39,7 @@ TEST(Places, of_one_client_the_connection_that_is_idle_the_longest_gives_way) {
 
 TEST(Places, who_asked_half_a_request_gives_way_before_who_was_not_heard_yet) {
     EXPECT_EQ(gives_way(fill({unheard(1, 1), views(1), half(1, 3), half(1, 2)}, half(1, 5))), 3u);
-    EXPECT_EQ(gives_way(fill({unheard(1, 2), half(1, 9)}, unheard(1, 1))), 1u);
+    EXPECT_EQ(gives_way(fill({unheard(1, 2), half(1, 9)}, views(1))), 1u);
     EXPECT_EQ(gives_way(fill({unheard(1, 2), unheard(1, 1)}, views(1))), 1u) << "and then he does";
 }
 
@@ -58,6 +58,17 @@ TEST(Places, of_two_sorts_the_crowd_gives_way) {
     EXPECT_EQ(gives_way(fill({half(1, 1), idle(1, 2), views(1)}, idle(1, 3))), 1u) << "who floods and is silent";
     EXPECT_EQ(gives_way(fill({half(1, 1), idle(1, 2)}, views(1))), 1u);
     EXPECT_EQ(gives_way(fill({half(2, 1), idle(1, 3), idle(1, 2)}, views(1))), 2u) << "others' are not counted";
+}
+
+// The head of a request came, and its body has not; a crowd of the same address connects and is silent.
+TEST(Places, half_a_request_keeps_its_place_in_a_crowd_that_was_not_heard) {
+    EXPECT_EQ(gives_way(fill({half(1, 1), idle(1, 1)}, unheard(1, 3))), 2u);
+}
+
+TEST(Places, who_showed_a_token_goes_behind_those_who_only_have_its_address) {
+    Visitor silent = with(unheard(1, 5), Access::control);
+    silent.by_address = true;
+    EXPECT_EQ(gives_way(fill({with(half(1, 1), Access::control), with(idle(1, 1), Access::control)}, silent)), 2u);
 }
 
 TEST(Places, who_asks_nothing_gives_way_and_first_those_of_a_crowd) {
