@@ -183,6 +183,22 @@ struct AnoctlCommands : AnsweringDevice {
 
 TEST_F(AnoctlCommands, that_were_read_are_called_by_the_first_frame) {
     be_heard();
+// By number: two have one name, and one has none.
+TEST_F(AnoctlCommands, parameters_whose_names_are_not_unique_are_read_back_at_the_end_as_well) {
+    fake.parameters = {{0, "P", "", {7}}, {0, "P", "", {8}}, {0, "", "", {9}}};
+    hear_of_another();
+    const Ran set = asked({"param", "set", "0=1", "1=2", "2=3"});
+    EXPECT_EQ(set.exit, 0) << set.output;
+    EXPECT_EQ(set.output, "P=1\nP=2\n=3\n");
+    Bytes read_back;
+    for (const Bytes& one : fake.heard) {
+        if (one[3] == 0xE1) read_back.clear();
+        if (one[3] == 0xE0 && one[6] == 2) read_back.push_back(one[7]);
+    }
+    for (const std::uint8_t id : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}})
+        EXPECT_GE(std::count(read_back.begin(), read_back.end(), id), 1) << "after the last write: " << int{id};
+}
+
     const Ran land = asked({"command", "call", "LAND", "--yes"});
     EXPECT_EQ(land.exit, 0) << land.output;
     EXPECT_EQ(ids_heard(), only_the_call);
