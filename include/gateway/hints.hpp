@@ -61,6 +61,8 @@ struct LinkFigures {
     std::vector<std::uint8_t> skipped{};     // the newest bytes that belong to no frame, of one parser
     std::uint64_t gateways = 0;              // other gateways' listening ports that were refused
     std::uint64_t no_place = 0;              // datagrams of strangers that were refused because all places were taken
+    std::uint64_t no_memory = 0;             // the same: there was too little memory
+    std::uint64_t outsiders = 0;             // the same: they are outside `allow`
     ano::Duration up_for{};
     std::optional<ano::Duration> silent_for;     // since the last good frame; std::nullopt: there was none
     std::uint64_t skipped_since = 0;             // bytes that belong to no frame, since then

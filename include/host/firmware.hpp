@@ -27,7 +27,8 @@ struct FirmwareOptions {
 /// Device info, info, erase, each frame until it is "written", all sent, and the device's check of the image. "Erase" has 60 s before it is
 /// sent again: flash is slow, and a loader that gets it twice may start again. "All sent" is waited for 30 s in all.
 ///
-/// The info is repeated for 30 s: a device may restart into its loader first.
+/// The info is repeated for 30 s: a device may restart into its loader first. A device that answers other questions meanwhile, and no info
+/// for `loader_patience`, has no loader: Unsupported.
 ///
 /// The codes are sent in the byte order in which the device accepted the info; before that, nothing with a code is sent.
 ///
@@ -49,6 +50,8 @@ public:
     /// when the connection is lost.
     static constexpr Duration patience = std::chrono::seconds{30};
     static constexpr Duration patience_unheard = std::chrono::seconds{65};
+    /// From the first info on. A restart into the loader takes up to 2.5 s.
+    static constexpr Duration loader_patience = std::chrono::seconds{3};
     /// How long the report on the check is waited for.
     static constexpr Duration check_patience = std::chrono::seconds{30};
     /// When `judged` frames in a row took `hard` sends or more, shorter ones are proposed, down to `least_len`. A lost connection counts
@@ -85,13 +88,14 @@ public:
     bool is_left_in_loader() const noexcept { return erasing_ && !(end() && end()->ending == Ending::done); }
 
 private:
-    enum Step : std::uint32_t { identify, describe, erase, send_frame, check };
+    enum Step : std::uint32_t { identify, describe, erase, send_frame, check, probe };
     enum class Purpose : std::uint8_t { begin, shorten, begin_again };    // of an info
 
     std::string_view half_done() const noexcept override { return erasing_ ? "; it is left in its loader, begin again" : ""; }
     void ask_info(Purpose purpose, std::size_t frame_len, TimePoint now);
     void identified(const Ended& ended, TimePoint now);
     void send_info(TimePoint now);
+    void probed(bool answers, const Ended& ended, TimePoint now);
     void described(std::optional<FirmwareCode> code, const Ended& ended, TimePoint now);
     void check_unanswered(const Ended& ended, TimePoint now);
     void frame_ended(std::uint16_t code, const Ended& ended, TimePoint now);
@@ -117,6 +121,7 @@ private:
     ByteOrder order_ = ByteOrder::little;
     std::size_t asked_len_ = 0;      // in the last info
     TimePoint described_since_{};    // the first of the infos for the same purpose
+    bool answers_probes_ = false;    // the last one
     std::uint32_t frame_ = 0;
     std::vector<std::uint8_t> piece_;    // of the image, in that frame
     unsigned orders_ = 0;                // sends of this step

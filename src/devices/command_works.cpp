@@ -216,14 +216,20 @@ private:
         if (command_) return tell(*task.end(), {{"id", command_->id}, {"name", texts().shown(command_->name)}, {"called", true}});
         if (!agrees_as_read()) return;
         command_ = called(commands());
+        if (!command_ && order_.called) return finish_outdated();
         if (!command_)
             return finish(work_fault(404, "no command is called " + ano::in_quotes(order_.command) + ", or several are"));
         call_it(now);
     }
+    // The client may read the commands and call again: nothing was sent.
+    void finish_outdated() {
+        WorkEnd end = work_fault(409, "command " + order_.command + " is not " + ano::in_quotes(*order_.called) +
+                                          " any more: read the commands again");
+        end.what = "commands_changed";
+        finish(std::move(end));
+    }
     void call_it(TimePoint now) {
-        if (order_.called && !texts().is(command_->name, *order_.called))
-            return finish(work_fault(409, "command " + order_.command + " is not " + ano::in_quotes(*order_.called) +
-                                              " any more: read the commands again"));
+        if (order_.called && !texts().is(command_->name, *order_.called)) return finish_outdated();
         call(*command_, Json::parse(json_), order_.repeat, now);
     }
     std::optional<CommandInfo> called(const std::vector<CommandInfo>& all) const {

@@ -56,7 +56,7 @@ Json devices_list(DeviceService& service) {
         Json& one = all["lost"].emplace_back(Json{{"address", ano::hex_byte(vehicle.address)}});
         if (const auto info = service.info(vehicle.address)) one["name"] = service.texts(vehicle.address).shown(info->name);
         one["age"] = std::round(std::chrono::duration<double>(now - vehicle.heard_at).count() * 10) / 10;
-        one["sflag"] = vehicle.flag;
+        if (vehicle.flag) one["sflag"] = *vehicle.flag;
     }
     return all;
 }

@@ -546,7 +546,16 @@ void DeviceService::hear_value(std::uint8_t source, const ano::Reading& reading,
 }
 
 void DeviceService::hear_mode(ano::FrameView frame, TimePoint now) noexcept {
-    if (const auto mode = ano::as<"mode">(frame)) modes_[frame.source()] = {now, mode->get<"sflag">(), true};
+    hear_telemetry(frame.source(), frame.id(), now);
+    if (const auto mode = ano::as<"mode">(frame)) lives_[frame.source()].flag = mode->get<"sflag">();
+}
+
+void DeviceService::hear_telemetry(std::uint8_t source, std::uint8_t id, TimePoint now) noexcept {
+    if (!is_telemetry(id)) return;
+    Life& life = lives_[source];
+    if (now - life.at > rarest_telemetry) life.intervals = 0;
+    else if (!life.sends_telemetry()) ++life.intervals;
+    life.at = now;
 }
 
 std::vector<LostVehicle> DeviceService::lost(TimePoint now) {
@@ -555,21 +564,22 @@ std::vector<LostVehicle> DeviceService::lost(TimePoint now) {
     const std::vector<HeardAddress> present = heard(now);
     for (unsigned a = 1; a < ano::address::broadcast; ++a) {
         const auto address = static_cast<std::uint8_t>(a);
-        const LastMode& mode = modes_[address];
-        if (!mode.is_known || ano::address::is_host(address)) continue;
+        const Life& life = lives_[address];
+        if ((!life.flag && !life.sends_telemetry()) || ano::address::is_host(address)) continue;
         const auto one = std::find_if(present.begin(), present.end(),
                                       [&](const HeardAddress& h) { return h.address == address; });
-        TimePoint at = mode.at;
+        TimePoint at = life.at;
         if (one != present.end() && one->heard_at) at = std::max(at, *one->heard_at);
         if (known_[address] && known_[address]->heard_at) at = std::max(at, *known_[address]->heard_at);
-        if (now - at < lost_after || (mode.flag == locked && now - at >= tells_locked)) continue;
-        all.push_back({address, at, mode.flag});
+        const Duration silent = now - at;
+        if (silent < (life.flag ? lost_after : rarest_telemetry) || (life.flag == locked && silent >= tells_locked)) continue;
+        all.push_back({address, at, life.flag});
     }
     return all;
 }
 
 void DeviceService::forget_values(std::uint8_t address) {
-    modes_[address] = {};
+    lives_[address] = {};
     alarms_.forget(address, net_.now());
     await_feeds();
 }

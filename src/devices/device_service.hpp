@@ -60,7 +60,7 @@ struct DeviceReport {
 struct LostVehicle {
     std::uint8_t address = 0;
     ano::TimePoint heard_at{};
-    std::uint8_t flag = 0;    // `sflag`: locked, unlocked, airborne
+    std::optional<std::uint8_t> flag{};    // `sflag`: locked, unlocked, airborne; std::nullopt: it never sent a mode
 };
 
 /// Listens from the first request on until there was none for `idle_after`, and longer while a device is present whose descriptions
@@ -78,6 +78,8 @@ public:
     static constexpr ano::Duration between_log_lines = std::chrono::milliseconds{20};    // for those who follow the log
     static constexpr ano::Duration lost_after = std::chrono::seconds{2};                 // of silence
     static constexpr ano::Duration tells_locked = std::chrono::minutes{1};
+    /// Telemetry that is rarer is no sign of life; a device that sends no mode is silent for as long before it is lost.
+    static constexpr ano::Duration rarest_telemetry = std::chrono::seconds{5};
     static constexpr ano::Duration idle_after = std::chrono::minutes{1};
     /// Minimum time between two reports of progress.
     static constexpr ano::Duration between_progress = std::chrono::milliseconds{100};
@@ -150,7 +152,11 @@ public:
     void hear_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now);
     /// To be called for each frame `mode` that passes where its source is at home, whether or not the service listens.
     void hear_mode(ano::FrameView frame, ano::TimePoint now) noexcept;
-    /// The vehicles that are not heard any more, for those who did not see how they were lost. One that was locked is told for
+    /// To be called for each other frame that passes where its source is at home, whether or not the service listens.
+    void hear_telemetry(std::uint8_t source, std::uint8_t id, ano::TimePoint now) noexcept;
+    /// Devices send such messages by themselves: those of the protocol, and flexible ones.
+    static constexpr bool is_telemetry(std::uint8_t id) noexcept { return (id > 0 && id < 0x60) || (id >= 0xF1 && id <= 0xFA); }
+    /// The vehicles, and devices that sent telemetry, that are not heard any more, for those who did not see how they were lost. One that was locked is told for
     /// `tells_locked`, any other one until it is heard again or forget_values().
     std::vector<LostVehicle> lost(ano::TimePoint now);
     /// The device was switched off: none of its values is in alarm until it comes again, and it is not lost.
@@ -237,12 +243,15 @@ private:
     std::optional<ano::TimePoint> log_due_;    // when to wake them
     AlarmLimits limits_;
     AlarmFeed alarms_;
-    struct LastMode {
-        ano::TimePoint at{};
-        std::uint8_t flag = 0;
-        bool is_known = false;
+    struct Life {
+        static constexpr std::uint8_t enough = 2;
+        bool sends_telemetry() const noexcept { return intervals >= enough; }
+
+        ano::TimePoint at{};                   // of the last mode or telemetry
+        std::optional<std::uint8_t> flag{};    // of the last mode
+        std::uint8_t intervals = 0;            // between frames of telemetry, up to `enough`
     };
-    std::array<LastMode, 256> modes_{};
+    std::array<Life, 256> lives_{};
     std::uint8_t own_;
     std::array<std::unique_ptr<Known>, 256> known_;
     std::uint32_t asked_ports_ = 0;    // a bit for each port id that has a device in known_

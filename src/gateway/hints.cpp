@@ -170,9 +170,11 @@ Hint trouble_in(const LinkFigures& link, bool with_time) {
             "somebody forge its address? Restrict `allow` or `interface`, or use WireGuard"};
     if (link.no_place > 0)
         return {"no_place", "strangers were refused, the places of peers are taken: raise max_peers or max_per_address"};
+    if (link.no_memory > 0)
+        return {"no_memory", "senders were refused for lack of memory: free some, or raise the memory limit of the service"};
     if (link.sent.held_back > 0)
         return {"held_back", "a peer outside our networks gets little until it answers: name its network in `trusted`"};
-    if (link.listens && link.channels == 0 && in.denied_in > 0)
+    if (link.listens && link.channels == 0 && link.outsiders > 0)
         return {"senders_denied", "senders outside `allow` were refused: add their network to `allow`"};
     return {};
 }

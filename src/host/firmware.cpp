@@ -22,6 +22,10 @@ constexpr Duration write_time = 100ms;
 // Without an answer to its info, nothing is begun; a bad line may lose several.
 constexpr unsigned info_sends = 8;
 
+// Between two questions whether the device answers anything at all. The info is repeated for longer than these take.
+constexpr unsigned info_sends_before_probe = 2;
+constexpr Patience for_probe{.sends = 1, .wait = 1s};
+
 // A loader that gets "erase" twice may begin it again at the end of the first one, and erase what was written since: so long a wait is
 // sure to be over by then. "All sent" does no such harm, but the check takes its time.
 constexpr Patience for_erase{.sends = 1, .wait = 60s}, for_check{.sends = 1, .wait = 15s},
@@ -88,7 +92,19 @@ void Firmware::send_info(TimePoint now) {
     (void)draft.set<"hw_ver_min">(image_.hw_ver_min);
     (void)draft.set<"hw_ver_max">(image_.hw_ver_max);
     (void)draft.set<"cmd">(image_.cmd);
-    ask(request(draft, describe, {.sends = info_sends, .at_least = write_time}), now);
+    const unsigned sends = purpose_ == Purpose::begin ? info_sends_before_probe : info_sends;
+    ask(request(draft, describe, {.sends = sends, .at_least = write_time}), now);
+}
+
+// Two in a row are answered, and the info between them is not: so the device is neither restarting nor was it when it got that one.
+void Firmware::probed(bool answers, const Ended& ended, TimePoint now) {
+    const bool answered_before = std::exchange(answers_probes_, answers);
+    if (!answers || !answered_before || now - described_since_ < loader_patience) return send_info(now);
+    finish(
+        {Ending::unsupported,
+         hex_of(device().address()) + " answers other questions, but not the description of the image: it has no firmware loader",
+         ended.evidence},
+        now);
 }
 
 // "Erase" or "all sent".
@@ -134,6 +150,7 @@ void Firmware::measure(const Evidence& evidence, bool answered, TimePoint now) {
 
 void Firmware::ended(const Ended& ended, TimePoint now) {
     if (ended.tag == identify) return identified(ended, now);
+    if (ended.tag == probe) return probed(ended.outcome == Outcome::answered, ended, now);
     if (ended.outcome != Outcome::answered) return unanswered(ended, now);
     answered_at_ = now;
     const FirmwareCode answer = firmware_code_in(*ended.answer).value_or(FirmwareCode{});
@@ -155,7 +172,12 @@ void Firmware::ended(const Ended& ended, TimePoint now) {
 void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended, TimePoint now) {
     const bool accepted = answer && answer->code == code::info_accepted;
     const bool may_restart = !answer && purpose_ != Purpose::shorten && ended.evidence.unfit.empty();
-    if (may_restart && now - described_since_ < patience) return send_info(now);
+    if (may_restart && now - described_since_ < patience) {
+        if (purpose_ != Purpose::begin) return send_info(now);
+        Request any = question::device_info(probe);
+        any.patience = for_probe;
+        return ask(any, now);
+    }
     if (!accepted && purpose_ == Purpose::shorten) {
         may_shorten_ = false;
         return ask_frame(now);

@@ -67,6 +67,8 @@ struct UnassignedTraffic {
     std::uint64_t v7_frames = 0;                 // frames of the previous protocol version
     std::uint64_t gateways = 0;                  // other gateways' listening ports that sent here
     std::uint64_t no_place = 0;                  // datagrams of unknown senders refused because max_peers is reached
+    std::uint64_t no_memory = 0;                 // datagrams of unknown senders refused for lack of memory
+    std::uint64_t outsiders = 0;                 // datagrams of unknown senders refused because they are outside `allow`
     const ano::FrameParser* parser = nullptr;    // that refused them; nullptr: none
 };
 

@@ -58,6 +58,7 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"no_answer", "", "while it is up: the peer of ISO-TP does not answer"},
     {"other_gateway", "peer", "while it is up: another gateway listens there and was refused"},
     {"no_place", "count", "while it is up: datagrams of strangers were refused, all places are taken"},
+    {"no_memory", "count", "while it is up: datagrams of strangers were refused, there was too little memory"},
     {"sender_refused", "", "while it is up: senders outside `allow` were refused"},
     {"bus_errors", "interface", "while it is up: the CAN controller counts many errors"},
     {"bus_passive", "interface", "while it is up: the CAN controller is error-passive"},

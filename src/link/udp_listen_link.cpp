@@ -315,7 +315,9 @@ LinkError UdpListenLink::trouble() const {
         return {"other_gateway", "another gateway listens at " + last_gateway_ + " and was refused", {{"peer", last_gateway_}}};
     if (const std::string count = std::to_string(no_place_); no_place_ > 0)
         return {"no_place", count + " datagrams of strangers were refused: all places are taken", {{"count", count}}};
-    if (unassigned_.denied_in == 0 || !peers_.empty()) return {};
+    if (const std::string count = std::to_string(no_memory_); no_memory_ > 0)
+        return {"no_memory", count + " datagrams of strangers were refused: there was too little memory", {{"count", count}}};
+    if (outsiders_ == 0 || !peers_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};
 }
 

@@ -30,7 +30,7 @@ public:
     std::vector<StoredPeer> peers() const override;
     std::optional<TimePoint> listening_since(ChannelId channel) const override { return book_.listening_since(channel); }
     UnassignedTraffic unassigned_traffic() const override {
-        return {unassigned_, probe_.counters().v7_frames, gateways_, no_place_, &probe_};
+        return {unassigned_, probe_.counters().v7_frames, gateways_, no_place_, no_memory_, outsiders_, &probe_};
     }
     std::uint16_t local_port() const override {
         return descriptor_.is_open() ? local_.port : settings().as<UdpListenSettings>().local.port;
@@ -112,6 +112,8 @@ private:
     ListenerCheck check_;
     std::uint64_t gateways_ = 0;       // other gateways that sent here
     std::uint64_t no_place_ = 0;       // datagrams of unknown senders refused: max_peers is reached
+    std::uint64_t no_memory_ = 0;      // the same: there is too little memory for a peer
+    std::uint64_t outsiders_ = 0;      // the same: they are outside `allow`
     std::string last_gateway_;         // the last of them
     std::vector<Network> networks_;    // of our interfaces
     TimePoint networks_read_at_{};

@@ -50,7 +50,11 @@ UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
 
 // An unknown sender must be allowed and must send a V8 frame; it may replace another peer.
 UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now) try {
-    if (!allowed(endpoint, now) || !can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
+    if (!allowed(endpoint, now)) {
+        ++outsiders_;
+        return refuse(datagram), nullptr;
+    }
+    if (!can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
     bool commands = false;
     if (!is_welcome(endpoint, datagram, now, commands)) return nullptr;
     if (check_.is_refused(endpoint)) {    // a gateway that does not know yet that it is refused
@@ -74,6 +78,7 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
     if (!peer) refuse(datagram);
     return peer;
 } catch (const std::bad_alloc&) {
+    ++no_memory_;
     return refuse(datagram), nullptr;    // refuse rather than end the program
 }
 

@@ -17,6 +17,7 @@
 #include <runtime/control_link.hpp>
 #include <runtime/gateway.hpp>
 #include <runtime/gateway_devices.hpp>
+#include <runtime/known_origin.hpp>
 #include <runtime/route_rows.hpp>
 #include <sys/kept_file.hpp>
 #include <sys/state_folder.hpp>
@@ -83,7 +84,9 @@ bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView 
     const bool is_log = frame.id() == ano::id_of<"log"> || frame.id() == ano::id_of<"log_value">;
     const bool is_mode = frame.id() == ano::id_of<"mode">;
     const bool is_watched = service.alarms().watch().wants(frame.source(), frame.id());
-    if ((!is_log && !is_mode && !is_watched) || of_.gateway_.forwarder().router().claims(frame.source(), from.id)) return false;
+    const bool is_telemetry = DeviceService::is_telemetry(frame.id());
+    if ((!is_log && !is_telemetry && !is_watched) || of_.gateway_.forwarder().router().claims(frame.source(), from.id))
+        return false;
     if (is_log) {
         const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
         const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
@@ -92,6 +95,7 @@ bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView 
                          is_known ? DeviceLog::Origin::known : DeviceLog::Origin::anybody);
     }
     if (is_mode) service.hear_mode(frame, of_.gateway_.time());
+    else service.hear_telemetry(frame.source(), frame.id(), of_.gateway_.time());
     if (is_watched)
         service.hear_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), of_.gateway_.time());
     return false;

@@ -162,6 +162,8 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     if (unassigned.parser) add_skipped(f, *unassigned.parser);
     f.gateways = unassigned.gateways;
     f.no_place = unassigned.no_place;
+    f.no_memory = unassigned.no_memory;
+    f.outsiders = unassigned.outsiders;
     for (const ChannelId id : traffic.channels) {
         const Channel& channel = gateway.channel(id);
         add(f.received, channel.received());

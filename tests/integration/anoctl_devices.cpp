@@ -10,11 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <future>
 #include <set>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -181,6 +183,22 @@ struct AnoctlCommands : AnsweringDevice {
     const Bytes only_the_call{0xC0};
 };
 
+// By number: two have one name, and one has none.
+TEST_F(AnoctlCommands, parameters_whose_names_are_not_unique_are_read_back_at_the_end_as_well) {
+    fake.parameters = {{0, "P", "", {7}}, {0, "P", "", {8}}, {0, "", "", {9}}};
+    hear_of_another();
+    const Ran set = asked({"param", "set", "0=1", "1=2", "2=3"});
+    EXPECT_EQ(set.exit, 0) << set.output;
+    EXPECT_EQ(set.output, "P=1\nP=2\n=3\n");
+    Bytes read_back;
+    for (const Bytes& one : fake.heard) {
+        if (one[3] == 0xE1) read_back.clear();
+        if (one[3] == 0xE0 && one[6] == 2) read_back.push_back(one[7]);
+    }
+    for (const std::uint8_t id : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}})
+        EXPECT_GE(std::count(read_back.begin(), read_back.end(), id), 1) << "after the last write: " << int{id};
+}
+
 TEST_F(AnoctlCommands, that_were_read_are_called_by_the_first_frame) {
     be_heard();
     const Ran land = asked({"command", "call", "LAND", "--yes"});
@@ -193,6 +211,30 @@ TEST_F(AnoctlCommands, that_were_read_are_called_by_the_first_frame) {
     const Ran unknown = asked({"command", "call", "HOVER", "--yes"});
     EXPECT_EQ(unknown.exit, 2) << unknown.output;
     EXPECT_EQ(ids_heard()[0], 0xC1) << "it may be new";
+}
+
+// As after a swap of the board: the list that was read is not that of the device any more.
+TEST_F(AnoctlCommands, that_have_other_numbers_now_are_read_again_once_and_called_once) {
+    be_heard();
+    fake.commands = {{{1, 0, 9}, {}, "HOVER", ""}, {{1, 0, 1}, {3}, "TAKE_OFF", ""}, {{1, 0, 8}, {}, "LAND", ""}};
+    const auto speak = [&] {
+        const auto before = gateway.count("peer", "frames_in");
+        peer.send(gateway.port("peer"), frame_of_another());
+        ASSERT_TRUE(wait_until([&] { return gateway.count("peer", "frames_in") > before; }));
+    };
+    const auto since = std::chrono::steady_clock::now();
+    for (int i = 0; i < 30; ++i) speak();
+    std::this_thread::sleep_for(1s + 4 * (std::chrono::steady_clock::now() - since));    // far longer than between these
+    speak();
+    const Ran land = asked({"command", "call", "LAND", "--yes"});
+    EXPECT_EQ(land.exit, 0) << land.output;
+    EXPECT_TRUE(contains(land.output, "has other commands than before: they are read again\n")) << land.output;
+    EXPECT_TRUE(contains(land.output, "LAND: acknowledged\n")) << land.output;
+    std::vector<Bytes> calls;
+    for (const Bytes& one : fake.heard)
+        if (one[2] == 0xDD && one[3] == 0xC0) calls.push_back(one);
+    ASSERT_EQ(calls.size(), 1u) << "never twice";
+    EXPECT_EQ(Bytes(calls[0].begin() + 6, calls[0].begin() + 9), (Bytes{1, 0, 8}));
 }
 
 TEST_F(AnoctlCommands, of_the_page_that_were_read_are_called_by_the_first_frame) {

@@ -38,6 +38,7 @@ const reasons: [RegExp, string][] = [
   [/^(0x\w\w) does not answer: (.+), sent (\d+) times?$/, "$1 没有回答：$2，发了 $3 次"],
   [/^(0x\w\w) fell silent: nothing came for (.+) s$/, "$1 没有数据了：已有 $2 秒什么都没收到"],
   [/^(0x\w\w) fell silent: (.+)$/, "$1 中途没有了回答：$2"],
+  [/^(0x\w\w) answers other questions, but not the description of the image: it has no firmware loader$/, "$1 回答别的询问，但不回答固件信息：它没有引导程序"],
   [/^(0x\w\w) is heard, but does not answer: (.+)$/, "听得到 $1，但它没有回答：$2"],
   [/^(0x\w\w) sent 0xF0 with (.+), which is no answer: (.+)$/, "$1 发来 0xF0 $2，不是应有的回答：$3"],
   [/^(0x\w\w) was not heard, and does not answer$/, "没有听到 $1，问它也没有回答"],

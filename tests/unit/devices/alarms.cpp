@@ -315,6 +315,37 @@ TEST_F(LostVehicles, that_were_locked_are_told_for_a_minute) {
     EXPECT_EQ(lost().at(0).at("address"), "0xDD");
 }
 
+// An optical flow sensor, or a vehicle whose program sends no `mode`.
+TEST_F(LostVehicles, that_never_sent_a_mode_are_told_without_a_state) {
+    for (int i = 0; i < 3; ++i) {
+        net.service.hear_telemetry(0x51, 0x51, net.time);
+        net.pass(2s);
+    }
+    net.pass(2s);
+    EXPECT_EQ(lost(), Json::array()) << "its next frame may come yet";
+    net.pass(2s);
+    EXPECT_EQ(lost(), (Json::array({{{"address", "0x51"}, {"age", 6.0}}})));
+    net.pass(3600s);
+    EXPECT_EQ(lost().size(), 1u);
+    net.service.hear_telemetry(0x51, 0x51, net.time);
+    EXPECT_EQ(lost(), Json::array());
+    net.pass(7s);
+    EXPECT_EQ(lost(), Json::array()) << "a single frame is no telemetry that could end";
+    for (int i = 0; i < 3; ++i) net.service.hear_telemetry(0x51, 0x51, net.time);
+    net.pass(7s);
+    EXPECT_EQ(lost().size(), 1u);
+    net.service.forget_values(0x51);
+    EXPECT_EQ(lost(), Json::array()) << "it was switched off";
+}
+
+TEST_F(LostVehicles, are_none_that_only_answer_or_log) {
+    for (const std::uint8_t id :
+         {std::uint8_t{0xE3}, std::uint8_t{0xE1}, std::uint8_t{0xA0}, std::uint8_t{0xB0}, std::uint8_t{0xFB}})
+        for (int i = 0; i < 9; ++i) net.service.hear_telemetry(0x51, id, net.time), net.pass(1s);
+    net.pass(60s);
+    EXPECT_EQ(lost(), Json::array());
+}
+
 struct LogStream : testing::Test {
     SimulatedNet net;
     std::uint64_t time_ns = 1'000'000'000'000;

@@ -236,6 +236,7 @@ TEST_F(KnownCommands, whose_number_is_that_of_another_one_now_are_not_called) {
     const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/0", R"({"name": "TAKE_OFF", "values": [300]})");
     EXPECT_EQ(status, 409u);
     EXPECT_EQ(error.at("error"), "command 0 is not 'TAKE_OFF' any more: read the commands again");
+    EXPECT_EQ(error.at("what"), "commands_changed") << "a client may read them and call again by itself";
     EXPECT_EQ(calls(), 0u);
 }
 

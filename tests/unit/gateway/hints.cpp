@@ -277,6 +277,19 @@ TEST(Hint, strangers_and_their_tricks_are_named) {
     EXPECT_NE(hint(link).find("a udp: link"), std::string::npos) << "the one that tells most";
 }
 
+TEST(Hint, senders_that_were_refused_are_outside_allow_only_where_that_was_the_cause) {
+    LinkFigures link;
+    link.up = link.listens = true;
+    link.received.denied_in = 3;
+    EXPECT_EQ(hint(link).find("`allow`"), std::string::npos) << hint(link);
+    link.outsiders = 1;
+    EXPECT_EQ(find_hint(link).id, "senders_denied");
+    link.no_memory = 2;
+    EXPECT_EQ(find_hint(link).id, "no_memory");
+    link.channels = 1;
+    EXPECT_EQ(find_hint(link).id, "no_memory") << "a second sender was refused";
+}
+
 TEST(Hint, has_an_id_and_what_its_text_has_beside_words) {
     using namespace std::chrono_literals;
     EXPECT_EQ(find_hint(line_that_sent(1000)).id, "") << "nothing to say";

@@ -261,9 +261,46 @@ TEST_F(Upgrade, a_device_that_restarts_into_its_loader_gets_the_info_again) {
     }
 }
 
-TEST_F(Upgrade, an_info_without_an_answer_ends_it_after_half_a_minute) {
-    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
-        return f.id() == 0xF0 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+// It answers questions again before it is in its loader, and in it.
+TEST_F(Upgrade, a_device_that_answers_questions_before_and_after_its_restart_gets_the_info_again) {
+    for (const Duration begins : {0ms, 300ms, 900ms, 1200ms, 1900ms}) {
+        loader = {};
+        std::optional<TimePoint> asked_at;
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            if (f.id() == 0xF0 && !asked_at) asked_at = simulation.now;
+            if (!asked_at) return std::nullopt;
+            const Duration since = simulation.now - *asked_at;
+            if (since < begins) return f.id() == 0xF0 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+            if (since < begins + 2500ms) return std::vector<Bytes>{};
+            return loader.take(fake, f);
+        };
+        const auto task = run();
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(loader.flash, bytes_of(3000));
+    }
+}
+
+TEST_F(Upgrade, of_a_device_that_answers_everything_but_an_info_ends_within_five_seconds) {
+    for (const bool forced : {false, true}) {
+        FirmwareOptions options;
+        options.force = forced;
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            return f.id() == 0xF0 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+        };
+        const auto task = run(options);
+        EXPECT_EQ(task->end()->ending, Ending::unsupported);
+        EXPECT_EQ(task->end()->what,
+                  "0xDC answers other questions, but not the description of the image: it has no firmware loader");
+        EXPECT_FALSE(task->is_left_in_loader());
+        EXPECT_GE(took, 3s) << "a restart into the loader may take 2.5 s";
+        EXPECT_LE(took, 5s);
+    }
+}
+
+TEST_F(Upgrade, an_info_without_an_answer_of_a_silent_device_ends_it_after_half_a_minute) {
+    fake.instead = [&, is_silent = false](FrameView f) mutable -> std::optional<std::vector<Bytes>> {
+        is_silent = is_silent || f.id() == 0xF0;
+        return is_silent ? std::optional{std::vector<Bytes>{}} : std::nullopt;
     };
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);

@@ -70,10 +70,31 @@ private:
         if (words.empty()) throw UsageError{"which? anoctl command call NAME [VALUE...]"};
         DeviceClient client{options, streams};
         client.must_be_able_to_ask("command call");
-        const Json command = described(client, words[0]);
+        Json command = described(client, words[0]);
         const std::vector<std::string> given{words.begin() + 1, words.end()};
-        const Json body{{"values", command_values(command, given)}, {"repeat", repeat}, {"name", text_at(command, "name")}};
-        return send(client, "/commands/" + text_at(command, "id"), body, with_values(text_at(command, "name"), given), streams);
+        Json body = body_of(command, given);
+        const std::string name = text_at(command, "name"), text = with_values(name, given);
+        if (!is_wanted(client, text, streams)) return failed;
+        Json came;
+        try {
+            came = client.run("POST", client.target("/commands/" + text_at(command, "id")), body.dump());
+        } catch (const Outdated&) {    // once: the board was swapped, for instance
+            if (name.empty()) throw;
+            tell(streams, client.device_words() + " has other commands than before: they are read again");
+            const Json now = client.run("GET", client.target("/commands"));
+            command = command_called(at(now, "commands"), name);    // that the user agreed to, whatever its number
+            body = body_of(command, given);
+            body["name"] = name;
+            came = client.run("POST", client.target("/commands/" + text_at(command, "id")), body.dump());
+        }
+        report(client, text, came, streams);
+        return fine;
+    }
+
+    Json body_of(const Json& command, const std::vector<std::string>& given) const {
+        Json body{{"values", command_values(command, given)}, {"repeat", repeat}, {"name", text_at(command, "name")}};
+        if (!type7.empty()) body["type7"] = type7;
+        return body;
     }
 
     int call_the_cid(Streams& streams) const {
@@ -83,24 +104,26 @@ private:
         at_once.asks_nothing_first = true;
         DeviceClient client{at_once, streams};
         client.must_be_able_to_ask("command call");
-        return send(client, "/commands/by-cid", body, with_values("command " + without_controls(cid), words), streams);
+        if (!type7.empty()) body["type7"] = type7;
+        const std::string text = with_values("command " + without_controls(cid), words);
+        if (!is_wanted(client, text, streams)) return failed;
+        report(client, text, client.run("POST", client.target("/commands/by-cid"), body.dump()), streams);
+        return fine;
     }
 
     static std::string with_values(std::string text, const std::vector<std::string>& values) {
         for (const std::string& word : values) text += " " + without_controls(word);
         return text;
     }
-    int send(DeviceClient& client, const std::string& route, Json body, const std::string& text, Streams& streams) const {
-        if (!type7.empty()) body["type7"] = type7;
-        if (!client.may("Tell " + client.device_words() + ": " + text + "?")) {
-            tell(streams, "nothing was sent");
-            return failed;
-        }
-        const Json came = client.run("POST", client.target(route), body.dump());
+    static bool is_wanted(DeviceClient& client, const std::string& text, Streams& streams) {
+        if (client.may("Tell " + client.device_words() + ": " + text + "?")) return true;
+        tell(streams, "nothing was sent");
+        return false;
+    }
+    void report(DeviceClient& client, const std::string& text, const Json& came, Streams& streams) const {
         if (options.json) streams.out << ano::json_text(came) << '\n';
         else say(streams, client.device_words() + ": " + text + ": acknowledged");
         if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
-        return fine;
     }
 };
 

@@ -174,9 +174,15 @@ private:
         if (!error.empty() && job_.contains("result")) throw JobFailure{error, job_["result"].dump()};
         if (state == "cancelled") throw Failure{"somebody else cancelled it" + what_is_half_done()};
         const bool is_counted = text_at(job_, "kind") == "put_waypoints" && number_at(job_, "total") > 0;
+        if (text_at(job_, "what") == Outdated::what_of_commands) throw Outdated{error};
         if (!error.empty()) throw Failure{error + (is_counted ? what_is_half_done() : "")};
         if (!outcome_->fault.empty()) throw Failure{outcome_->fault};
-        if (outcome_->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome_->answer, loop_.device, options_)};
+        if (const http::Answer& answer = outcome_->answer; answer.status / 100 != 2) {
+            const std::string words = words_of_refusal(answer, loop_.device, options_);
+            const Json refusal = Json::parse(answer.body, nullptr, false);
+            if (text_at(refusal, "what") == Outdated::what_of_commands) throw Outdated{words};
+            throw Failure{words};
+        }
         if (has_job_) throw Failure{"the job ended without a word of how"};
         return parse_answer(outcome_->answer.body);
     }

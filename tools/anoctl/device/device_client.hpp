@@ -10,6 +10,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace anoctl {
@@ -18,6 +19,12 @@ namespace anoctl {
 struct JobFailure : Failure {
     JobFailure(const std::string& why, std::string what_there_is) : Failure{why}, result{std::move(what_there_is)} {}
     std::string result;    // JSON
+};
+
+/// What was read of the device is no longer so, and nothing was sent: the client may read it again.
+struct Outdated : Failure {
+    using Failure::Failure;
+    static constexpr std::string_view what_of_commands = "commands_changed";    // `what` of the answer
 };
 
 struct DeviceOptions {
@@ -44,8 +51,8 @@ public:
 
     /// The response of a route that starts no job. Throws Failure.
     ano::Json ask(const std::string& method, const std::string& target, std::string body = {});
-    /// Starts a job and follows it to its end; returns its result. Throws Failure (JobFailure when there is a result) with the error, and
-    /// Interrupted, with what is half done, when it was cancelled by Ctrl-C.
+    /// Starts a job and follows it to its end; returns its result. Throws Failure (JobFailure when there is a result, Outdated) with the
+    /// error, and Interrupted, with what is half done, when it was cancelled by Ctrl-C.
     ano::Json run(anogate::http::Request request, JobView& view);
     /// The same, with a progress bar on a terminal.
     ano::Json run(const std::string& method, const std::string& target, std::string body = {});

@@ -128,18 +128,10 @@ private:
         const std::vector<Assignment> wanted = assignments(words);
         DeviceClient client{options, streams};
         const Json described = checked_descriptions(client, wanted);
-        if (wanted.size() > 1 && have_names(wanted, described)) return set_all(client, wanted, described, streams);
-        for (auto next = wanted.begin(); next != wanted.end(); ++next) {
-            try {
-                show_set(client.run("PUT", client.target("/parameters/" + percent_encoded(next->name)),
-                                    wanted_value(next->value).dump()),
-                         streams);
-            } catch (const Failure& e) {
-                std::string rest;
-                for (auto later = next + 1; later != wanted.end(); ++later) rest += (rest.empty() ? "" : ", ") + later->name;
-                throw Failure{e.what() + (rest.empty() ? rest : "; not written: " + rest)};
-            }
-        }
+        if (wanted.size() > 1) return set_all(client, wanted, described, streams);
+        show_set(client.run("PUT", client.target("/parameters/" + percent_encoded(wanted[0].name)),
+                            wanted_value(wanted[0].value).dump()),
+                 streams);
         return fine;
     }
     /// As they were read before, if the values fit to these; otherwise as the device describes them now.
@@ -155,20 +147,20 @@ private:
         check(wanted, now);
         return now;
     }
-    /// Whether the wanted parameters can be told apart by their names.
-    static bool have_names(const std::vector<Assignment>& wanted, const Json& described) {
-        return std::all_of(wanted.begin(), wanted.end(), [&](const Assignment& one) {
-            const std::string name = text_at(parameter_called(described, one.name), "name");
-            return !name.empty() && std::count_if(described.begin(), described.end(),
-                                                  [&](const Json& row) { return text_at(row, "name") == name; }) == 1;
-        });
+    /// As /apply calls it: by its name, and with its number where another one has that name or it has none.
+    static std::string name_for_apply(const Json& row, const Json& described) {
+        const std::string name = text_at(row, "name");
+        const auto called_so = std::count_if(described.begin(), described.end(),
+                                             [&](const Json& other) { return text_at(other, "name") == name; });
+        return name.empty() || called_so > 1 ? name + "#" + text_at(row, "id") : name;
     }
-    // One request for all: their old values are read together.
+    // One request for all: their old values are read together, and what was written is read once more at the end.
     int set_all(DeviceClient& client, const std::vector<Assignment>& wanted, const Json& described, Streams& streams) const {
         Json order{{"parameters", Json::object()}, {"goes_on", false}, {"also_the_same", true}};
         if (longer) order["longer"] = true;
         if (force) order["force"] = true;
-        for (const auto& [word, value] : wanted) order["parameters"][text_at(parameter_called(described, word), "name")] = value;
+        for (const auto& [word, value] : wanted)
+            order["parameters"][name_for_apply(parameter_called(described, word), described)] = value;
         Json came;
         std::string why, rest;
         try {
@@ -177,11 +169,14 @@ private:
             came = parse_answer(e.result);
             why = e.what();
         }
+        auto next = wanted.begin();    // the rows are in the same order
         for (const Json& row : at(came, "parameters")) {
+            if (next == wanted.end()) break;
+            const std::string& word = (next++)->name;
             const std::string state = text_at(row, "state"), name = text_at(row, "name");
-            if (state == "waiting") rest += (rest.empty() ? "" : ", ") + name;
+            if (state == "waiting") rest += (rest.empty() ? "" : ", ") + (name.empty() ? word : name);
             if (state != "written" && state != "clamped") continue;
-            const Json& of = parameter_called(described, name);
+            const Json& of = parameter_called(described, word);
             Json shown{{"id", of.value("id", Json{})}, {"name", name}, {"type", of.value("type", Json{})}};
             for (const char* key : {"was", "written", "stored", "clamped"})
                 if (row.contains(key)) shown[key] = row[key];

@@ -61,12 +61,12 @@ export interface Device {
   red_lines?: number; // of its log, since the gateway was started
 }
 
-/** A vehicle that the gateway does not hear any more. */
+/** A vehicle, or a device that sent telemetry, that the gateway does not hear any more. */
 export interface LostVehicle {
   address: string;
   name?: string;
   age: number;
-  sflag: number; // of its last `mode`
+  sflag?: number; // of its last `mode`, if it ever sent one
 }
 
 export const contact = new Store<Contact>("never");
