@@ -57,19 +57,15 @@ void write_members(FrameView frame, const JsonOptions& options, bool inside_a_tu
         out.key(key);
         out.number(std::uint64_t{byte});
     }
-    const auto write_text = [&](std::string_view key, std::string_view text) {
-        out.key(key);
-        out.text(text);
-    };
-    if (reading.message() != nullptr) write_text("name", reading.message()->name);
+    if (reading.message() != nullptr) out.text("name", reading.message()->name);
     // A tunnel frame inside a tunnel frame is data: it is never unwrapped.
-    if (!reading || (inside_a_tunnel && is_tunnel(reading))) return write_text("data", hex(frame.data()));
+    if (!reading || (inside_a_tunnel && is_tunnel(reading))) return out.text("data", hex(frame.data()));
     out.key("fields");
     out.begin_object();
     write_fields(reading, options, out);
     out.end_object();
-    if (!reading.extra().empty()) write_text("extra", hex(reading.extra()));
-    if (!is_restored(frame, reading, options)) write_text("data", hex(frame.data()));
+    if (!reading.extra().empty()) out.text("extra", hex(reading.extra()));
+    if (!is_restored(frame, reading, options)) out.text("data", hex(frame.data()));
 }
 
 void write_frames(Bytes bytes, const JsonOptions& options, JsonWriter& out) {
@@ -110,10 +106,7 @@ void write_fields(const Reading& reading, const JsonOptions& options, JsonWriter
         }
     }
     if (!is_tunnel(reading)) return;
-    if (const std::string rest = hex_between_frames(reading); !rest.empty()) {
-        out.key("data");
-        out.text(rest);
-    }
+    if (const std::string rest = hex_between_frames(reading); !rest.empty()) out.text("data", rest);
 }
 
 std::string hex_between_frames(const Reading& tunnel) {

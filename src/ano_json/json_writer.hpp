@@ -37,6 +37,10 @@ public:
 
     /// In UTF-8; other bytes become U+FFFD.
     void text(std::string_view text);
+    void text(std::string_view name, std::string_view value) {
+        key(name);
+        text(value);
+    }
     /// null unless it is finite.
     void number(double number);
     void number(std::int64_t number);

@@ -72,38 +72,26 @@ bool has_all(std::span<const Field> fields, std::span<const Field> given) noexce
     });
 }
 
-/// Which layout frame_from_json() takes for the fields of another.
-enum class Taken : std::uint8_t { that, another, unknown };
-
-// It takes the first that has all of the fields and is read as itself again.
-Taken taken_for(const Message& row) noexcept {
-    static constexpr std::array<std::uint8_t, 64> zeros{};
+// frame_from_json() takes the first layout that has all of the fields and is read as itself again.
+bool is_first_with_its_fields(const Message& row) noexcept {
     const auto layouts = layouts_of(row.id);
-    for (const Message& before : layouts) {
-        if (&before == &row) break;
-        if (!has_all(before.fields(), row.fields())) continue;
-        const bool by_length = std::none_of(layouts.begin(), layouts.end(),
-                                            [](const Message& m) { return m.selective || m.variant.by_look || m.is_open(); });
-        const bool is_taken = by_length && before.fixed_size <= zeros.size() &&
-                              select_layout(layouts, Bytes{zeros}.first(before.fixed_size)) == &before;
-        return is_taken ? Taken::another : Taken::unknown;
-    }
-    return Taken::that;
+    return std::none_of(layouts.begin(), layouts.end(),
+                        [&](const Message& other) { return &other < &row && has_all(other.fields(), row.fields()); });
 }
 
-Taken taken_for(const FlexibleLayout& layout, FrameView frame, const Reading& reading, const FlexibleLayouts& layouts) {
-    if (layouts.all().size() == 1) return Taken::that;
+bool is_first_with_its_fields(const FlexibleLayout& layout, FrameView frame, const Reading& reading,
+                              const FlexibleLayouts& layouts) {
     std::vector<FlexibleLayouts::Named> numbers;
     for (const Field& f : layout.fields()) {
         const double number = f.count == 1 ? reading.number(f) : -1;
         if (number >= 0 && number <= UINT32_MAX) numbers.push_back({f.name, static_cast<std::uint32_t>(number)});
     }
     for (const FlexibleLayout* first : layouts.layouts_for(frame.id(), frame.source(), numbers))
-        if (has_all(first->fields(), layout.fields())) return first == &layout ? Taken::that : Taken::unknown;
-    return Taken::unknown;
+        if (has_all(first->fields(), layout.fields())) return first == &layout;
+    return false;
 }
 
-bool is_restored_by_reading(FrameView frame, const Reading& reading, const JsonOptions& options) {
+bool comes_back(FrameView frame, Bytes in_fields, const Reading& reading, const JsonOptions& options) {
     std::string text;
     JsonWriter out{text};
     out.begin_object();
@@ -111,7 +99,6 @@ bool is_restored_by_reading(FrameView frame, const Reading& reading, const JsonO
     out.end_object();
     const auto again = data_from_json(frame.id(), frame.source(), Json::parse(text), {options.flexible, Encoding::utf8});
     const auto* data = std::get_if<std::vector<std::uint8_t>>(&again);
-    const Bytes in_fields = frame.data().first(frame.data().size() - reading.extra().size());
     return data != nullptr && std::equal(data->begin(), data->end(), in_fields.begin(), in_fields.end());
 }
 
@@ -122,16 +109,13 @@ bool is_restored(FrameView frame, const Reading& reading, const JsonOptions& opt
     for (const Field& f : reading.fields()) all = std::max(all, kept(f, reading, options));
     if (all == Kept::not_at_all) return false;
     const Bytes in_fields = frame.data().first(frame.data().size() - reading.extra().size());
-    const FlexibleLayout* const flexible = is_flexible(frame.id())
-                                               ? options.flexible->find(frame.id(), frame.source(), frame.data())
-                                               : nullptr;
-    const Taken taken = flexible != nullptr ? taken_for(*flexible, frame, reading, *options.flexible)
-                                            : taken_for(*reading.message());
-    if (taken == Taken::another) return false;
-    // What is behind the fields may have decided.
-    const bool is_again = flexible != nullptr || select_layout(layouts_of(frame.id()), in_fields) == reading.message();
-    if (taken == Taken::unknown || !is_again) return is_restored_by_reading(frame, reading, options);
-    return all == Kept::exactly;
+    const FlexibleLayouts* const flexible = is_flexible(frame.id()) ? options.flexible : nullptr;
+    const bool is_taken = flexible != nullptr
+                              ? is_first_with_its_fields(*flexible->find(frame.id(), frame.source(), frame.data()), frame,
+                                                         reading, *flexible)
+                              : is_first_with_its_fields(*reading.message()) &&
+                                    select_layout(layouts_of(frame.id()), in_fields) == reading.message();
+    return is_taken ? all == Kept::exactly : comes_back(frame, in_fields, reading, options);
 }
 
 }    // namespace ano

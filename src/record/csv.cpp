@@ -158,24 +158,20 @@ void CsvWriter::write_cell(const ano::Reading& reading, const ano::Field& f, int
 std::string recorded_json(const Recorded& item, const ano::JsonOptions& options) {
     std::string text;
     ano::JsonWriter out{text};
-    const auto write_text = [&](std::string_view key, std::string_view value) {
-        out.key(key);
-        out.text(value);
-    };
     out.begin_object();
     if (const auto* loss = std::get_if<RecordedLoss>(&item)) {
         out.key("lost");
         out.number(loss->count);
-        write_text("messages", loss->names);
+        out.text("messages", loss->names);
     } else {
         const auto& frame = std::get<RecordedFrame>(item);
         ano::write_frame(frame.frame, options, out);
         out.key("time");
         out.number(json_seconds(frame.time_ns));
-        write_text("link", frame.link);
-        if (!frame.peer.empty()) write_text("peer", frame.peer);
-        write_text("direction", anogate::text(frame.direction));
-        if (!frame.cause.empty()) write_text("cause", frame.cause);
+        out.text("link", frame.link);
+        if (!frame.peer.empty()) out.text("peer", frame.peer);
+        out.text("direction", anogate::text(frame.direction));
+        if (!frame.cause.empty()) out.text("cause", frame.cause);
     }
     out.end_object();
     return text;

@@ -44,13 +44,9 @@ std::string record_json(const FrameRecord& record, const WatchTables& tables, co
     out.number(json_seconds(record.time_ns));
     write_name("link", name_at(tables.links, record.link));
     if (record.channel != FrameRecord::no_channel) write_name("peer", name_at(tables.peers, record.channel));
-    out.key("direction");
-    out.text(text(record.direction));
+    out.text("direction", text(record.direction));
     const auto causes = frame_causes();
-    if (record.direction == Direction::dropped && record.cause < causes.size()) {
-        out.key("cause");
-        out.text(causes[record.cause]);
-    }
+    if (record.direction == Direction::dropped && record.cause < causes.size()) out.text("cause", causes[record.cause]);
     if (record.is_elsewhere) {
         out.key("elsewhere");
         out.boolean(true);

@@ -132,10 +132,11 @@ TEST(Csv, every_number_of_an_array_has_a_cell) {
 }
 
 TEST(Csv, times_have_nine_digits_behind_the_point) {
-    RecordedFrame frame = recorded(support::frame(1, 2, 0x77));
-    frame.time_ns = 1'000'000'007;
+    const Bytes frame = support::frame(1, 2, 0x77);
+    RecordedFrame early = recorded(frame);
+    early.time_ns = 1'000'000'007;
     std::string out;
-    CsvWriter{0x77, {}}.write(frame, out);
+    CsvWriter{0x77, {}}.write(early, out);
     EXPECT_EQ(out, "1.000000007,fc,,in,,1,2,,\n");
 }
 
