@@ -28,11 +28,20 @@ Bytes random_data(const Message& row, Random& random) {
     Bytes data(size);
     for (auto& byte : data) byte = random.one_in(2) ? 0 : random.byte();
     for (const Field& f : row.fields()) {
-        const std::size_t end = f.is_open() ? size : f.offset + f.size();
+        const auto at = data.begin() + f.offset;
         if (f.type == Type::text && !random.one_in(4)) {
             const auto text = random.of<std::string_view>({"kp", "温度", "\xCE\xC2\xB6\xC8", "é", "\xFF", ""});
-            std::fill(data.begin() + f.offset, data.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{0});
-            std::copy_n(text.begin(), std::min(text.size(), end - f.offset), data.begin() + f.offset);
+            if (f.is_open()) data.resize(f.offset + text.size());
+            else std::fill_n(at, f.size(), std::uint8_t{0});
+            std::copy_n(text.begin(), std::min(text.size(), f.is_open() ? text.size() : f.size()), data.begin() + f.offset);
+        }
+        if (f.type == Type::f32 && random.one_in(8)) std::fill_n(at, f.size(), std::uint8_t{0xFF});
+        if (f.type == Type::frames) {
+            data.resize(f.offset);
+            for (auto parts = random.below(4u); parts > 0; --parts) {
+                const Bytes part = random.one_in(3) ? Bytes{1, 2} : support::frame(1, 2, 0x09, Bytes(4));
+                data.insert(data.end(), part.begin(), part.end());
+            }
         }
         if (!f.selects) continue;
         const std::uint32_t value = f.selects->first + random.below(f.selects->last - f.selects->first + 1);
@@ -77,14 +86,17 @@ TEST(Restored, every_layout_has_data_just_where_its_fields_do_not_make_the_frame
 
 TEST(Restored, so_do_flexible_ones_whose_layouts_have_the_same_fields) {
     FlexibleLayouts layouts;
-    ASSERT_FALSE(layouts.add({.id = 0xF1, .fields = {{"kind", Type::u8}, {"x", Type::f32}}, .when = 1}));
-    ASSERT_FALSE(layouts.add({.id = 0xF1, .fields = {{"kind", Type::u8}, {"x", Type::f32}, {"y", Type::i16, 0.37}}, .when = 2}));
-    ASSERT_FALSE(layouts.add({.id = 0xF1, .fields = {{"kind", Type::u8}}}));
-    ASSERT_FALSE(layouts.add({.id = 0xF1, .source = 5, .fields = {{"kind", Type::u16}, {"x", Type::i8}}, .when = 1}));
+    ASSERT_FALSE(layouts.add({.id = 0xF1, .fields = {{"kind", Type::u8, 1, ""}, {"x", Type::f32, 1, ""}}, .when = 1}));
+    ASSERT_FALSE(layouts.add(
+        {.id = 0xF1, .fields = {{"kind", Type::u8, 1, ""}, {"x", Type::f32, 1, ""}, {"y", Type::i16, 0.37, ""}}, .when = 2}));
+    ASSERT_FALSE(layouts.add({.id = 0xF1, .fields = {{"kind", Type::u8, 1, ""}}}));
+    ASSERT_FALSE(
+        layouts.add({.id = 0xF1, .source = 5, .fields = {{"kind", Type::u16, 1, ""}, {"x", Type::i8, 1, ""}}, .when = 1}));
     for (std::uint64_t seed = 0; seed < support::trials(2000); ++seed) {
         Random random{seed};
         Bytes data(random.below(9u));
-        for (auto& byte : data) byte = random.one_in(2) ? static_cast<std::uint8_t>(random.below(4u)) : random.byte();
+        for (auto& byte : data)
+            byte = random.of({static_cast<std::uint8_t>(random.below(4u)), random.byte(), std::uint8_t{0xFF}});
         expect_data_where_needed(support::frame(random.of<std::uint8_t>({5, 6}), 7, 0xF1, data), {&layouts}, "flexible");
     }
 }
