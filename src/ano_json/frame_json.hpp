@@ -22,17 +22,25 @@ namespace ano {
 /// Keys are in the order of the table.
 using Json = nlohmann::ordered_json;
 
+class JsonWriter;
+
 struct JsonOptions {
     const FlexibleLayouts* flexible = nullptr;    // layouts of flexible messages
     Encoding encoding = Encoding::utf8;           // of text on the wire
     ValueType7 value_type_7 = ValueType7::f32;    // the meaning of value type 7 of commands
 };
 
-/// Never fails, whatever the frame holds; throws std::runtime_error only when the system can't convert `encoding`.
+/// Never fails, whatever the frame holds.
 Json frame_to_json(FrameView frame, const JsonOptions& options = {});
 
-/// Only the `fields` of that; `reading` must have fields.
-Json fields_to_json(const Reading& reading, const JsonOptions& options = {});
+/// The same as text: the members of an object that is open in `out`. Others may follow.
+void write_frame(FrameView frame, const JsonOptions& options, JsonWriter& out);
+/// Only the members of `fields`; `reading` must have fields. `without_null`: none of those that are null.
+void write_fields(const Reading& reading, const JsonOptions& options, JsonWriter& out, bool without_null = false);
+/// Only the value of `field`, one of reading.fields().
+void write_value(const Reading& reading, const Field& field, const JsonOptions& options, JsonWriter& out);
+/// The bytes in the last field of a tunnel that are no frame: `data` in its fields.
+std::string hex_between_frames(const Reading& tunnel);
 
 /// What is wrong with the JSON of a frame.
 struct JsonFault {

@@ -1,13 +1,12 @@
 #include <ano/hex.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
+#include <ano_json/json_writer.hpp>
+#include <ano_json/restored.hpp>
 #include <ano_json/shown_text.hpp>
 #include <ano_json/split_frames.hpp>
 
 #include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <cmath>
 
 namespace ano {
 namespace {
@@ -19,124 +18,113 @@ struct Overloaded : F... {
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;    // for clang 14
 
-Json to_json(FrameView frame, const JsonOptions& options, bool inside_a_tunnel);
+void write_scalar(const Field& f, const Value& value, const JsonOptions& options, JsonWriter& out) {
+    std::visit(Overloaded{
+                   [&](Nothing) { out.null(); },
+                   [&](double number) {
+                       out.number(f.type == Type::f32 && f.scale.is_one() ? widened(static_cast<float>(number)) : number);
+                   },
+                   [&](std::string_view text) {
+                       if (is_ascii(text)) out.text(text);
+                       else out.text(shown_text(text, options.encoding));
+                   },
+                   [&](Bytes bytes) { out.text(hex(bytes)); },
+                   [&](auto integer) { out.number(integer); },
+               },
+               value);
+}
 
-class FieldWriter {
-public:
-    FieldWriter(const Reading& reading, const JsonOptions& options) : reading_{reading}, options_{options} {}
-
-    Json fields() {
-        Json json = Json::object();
-        for (const Field& f : reading_.fields()) write(f, json);
-        return json;
-    }
-    /// The fields hold a null from which the bytes can't be restored.
-    bool lossy() const noexcept { return lossy_; }
-
-private:
-    void write(const Field& f, Json& json) {
-        Json& value = json[std::string{f.name}];
-        switch (f.type) {
-        case Type::ip: value = address(reading_.bytes_of(f)); break;
-        case Type::list: value = elements(); break;
-        case Type::frames: write_frames(reading_.bytes_of(f), json); break;
-        case Type::bytes: value = hex(reading_.bytes_of(f)); break;
-        default:
-            if (is_number(f.type) && f.count > 1) {
-                value = Json::array();
-                const Bytes bytes = reading_.bytes_of(f);
-                for (std::size_t at = 0; at < bytes.size(); at += width(f.type))
-                    value.push_back(scalar(f, value_at(f, bytes.data() + at)));
-            } else {
-                value = scalar(f, reading_.value(f));
-            }
+void write_elements(const Reading& reading, const JsonOptions& options, JsonWriter& out) {
+    out.begin_array();
+    for (std::size_t i = 0; i < reading.element_count(); ++i) {
+        out.begin_object();
+        for (const Field& f : reading.element_fields()) {
+            out.key(f.name);
+            write_scalar(f, reading.element(i, f), options, out);
         }
+        out.end_object();
     }
-
-    Json scalar(const Field& f, const Value& value) {
-        return std::visit(Overloaded{
-                              [](Nothing) -> Json { return nullptr; },
-                              [&](double v) -> Json {
-                                  if (!std::isfinite(v)) {
-                                      lossy_ = true;
-                                      return nullptr;
-                                  }
-                                  if (f.type == Type::f32 && f.scale.is_one()) return widened(static_cast<float>(v));
-                                  return v;
-                              },
-                              [&](std::string_view text) -> Json { return shown_text(text, options_.encoding); },
-                              [](Bytes bytes) -> Json { return hex(bytes); },
-                              [](auto integer) -> Json { return integer; },
-                          },
-                          value);
-    }
-
-    Json elements() {
-        Json list = Json::array();
-        for (std::size_t i = 0; i < reading_.element_count(); ++i) {
-            Json element = Json::object();
-            for (const Field& f : reading_.element_fields()) element[std::string{f.name}] = scalar(f, reading_.element(i, f));
-            list.push_back(std::move(element));
-        }
-        return list;
-    }
-
-    static Json address(Bytes ip) {
-        std::string text;
-        for (const std::uint8_t byte : ip) {
-            if (!text.empty()) text += '.';
-            text += std::to_string(byte);
-        }
-        return text;
-    }
-
-    // Bytes that are not a whole frame are added as `data`, next to the frames.
-    void write_frames(Bytes bytes, Json& json) {
-        Json frames = Json::array();
-        std::string rest;
-        split_frames(
-            bytes, [&](FrameView frame) { frames.push_back(to_json(frame, options_, true)); },
-            [&](std::size_t, Bytes gap) { rest += hex(gap); });
-        json["frames"] = std::move(frames);
-        if (!rest.empty()) json["data"] = rest;
-    }
-
-    const Reading& reading_;
-    const JsonOptions& options_;
-    bool lossy_ = false;
-};
+    out.end_array();
+}
 
 bool is_tunnel(const Reading& reading) noexcept {
     return !reading.fields().empty() && reading.fields().back().type == Type::frames;
 }
 
-// Compared with what a reader without our options would encode.
-bool gives_back(const Json& json, FrameView frame, const JsonOptions& options) {
-    const auto again = frame_from_json(json, {options.flexible, Encoding::utf8});
-    const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&again);
-    return bytes != nullptr && std::equal(bytes->begin(), bytes->end(), frame.bytes().begin(), frame.bytes().end());
+void write_members(FrameView frame, const JsonOptions& options, bool inside_a_tunnel, JsonWriter& out) {
+    const Reading reading = read(frame, options.flexible);
+    for (const auto& [key, byte] : {std::pair{"from", frame.source()}, {"to", frame.destination()}, {"id", frame.id()}}) {
+        out.key(key);
+        out.number(std::uint64_t{byte});
+    }
+    if (reading.message() != nullptr) out.text("name", reading.message()->name);
+    // A tunnel frame inside a tunnel frame is data: it is never unwrapped.
+    if (!reading || (inside_a_tunnel && is_tunnel(reading))) return out.text("data", hex(frame.data()));
+    out.key("fields");
+    out.begin_object();
+    write_fields(reading, options, out);
+    out.end_object();
+    if (!reading.extra().empty()) out.text("extra", hex(reading.extra()));
+    if (!is_restored(frame, reading, options)) out.text("data", hex(frame.data()));
 }
 
-Json to_json(FrameView frame, const JsonOptions& options, bool inside_a_tunnel) {
-    const Reading reading = read(frame, options.flexible);
-    Json json{{"from", frame.source()}, {"to", frame.destination()}, {"id", frame.id()}};
-    if (reading.message() != nullptr) json["name"] = reading.message()->name;
-    // A tunnel frame inside a tunnel frame is data: it is never unwrapped.
-    if (!reading || (inside_a_tunnel && is_tunnel(reading))) {
-        json["data"] = hex(frame.data());
-        return json;
-    }
-    FieldWriter writer{reading, options};
-    json["fields"] = writer.fields();
-    if (!reading.extra().empty()) json["extra"] = hex(reading.extra());
-    if (writer.lossy() || !gives_back(json, frame, options)) json["data"] = hex(frame.data());
-    return json;
+void write_frames(Bytes bytes, const JsonOptions& options, JsonWriter& out) {
+    out.begin_array();
+    split_frames(
+        bytes,
+        [&](FrameView frame) {
+            out.begin_object();
+            write_members(frame, options, true, out);
+            out.end_object();
+        },
+        [](std::size_t, Bytes) {});
+    out.end_array();
 }
 
 }    // namespace
 
-Json frame_to_json(FrameView frame, const JsonOptions& options) { return to_json(frame, options, false); }
+void write_value(const Reading& reading, const Field& f, const JsonOptions& options, JsonWriter& out) {
+    const Bytes bytes = reading.bytes_of(f);
+    if (f.type == Type::ip) return out.text(address_text(bytes));
+    if (f.type == Type::list) return write_elements(reading, options, out);
+    if (f.type == Type::frames) return write_frames(bytes, options, out);
+    if (!is_number(f.type) || f.count == 1) return write_scalar(f, reading.value(f), options, out);
+    out.begin_array();
+    for (std::size_t at = 0; at < bytes.size(); at += width(f.type))
+        write_scalar(f, value_at(f, bytes.data() + at), options, out);
+    out.end_array();
+}
 
-Json fields_to_json(const Reading& reading, const JsonOptions& options) { return FieldWriter{reading, options}.fields(); }
+void write_fields(const Reading& reading, const JsonOptions& options, JsonWriter& out, bool without_null) {
+    for (const Field& f : reading.fields()) {
+        const auto write = [&] { write_value(reading, f, options, out); };
+        if (without_null) {
+            out.member_unless_null(f.name, write);
+        } else {
+            out.key(f.name);
+            write();
+        }
+    }
+    if (!is_tunnel(reading)) return;
+    if (const std::string rest = hex_between_frames(reading); !rest.empty()) out.text("data", rest);
+}
+
+std::string hex_between_frames(const Reading& tunnel) {
+    std::string rest;
+    split_frames(
+        tunnel.bytes_of(tunnel.fields().back()), [](FrameView) {}, [&](std::size_t, Bytes gap) { rest += hex(gap); });
+    return rest;
+}
+
+void write_frame(FrameView frame, const JsonOptions& options, JsonWriter& out) { write_members(frame, options, false, out); }
+
+Json frame_to_json(FrameView frame, const JsonOptions& options) {
+    std::string text;
+    JsonWriter out{text};
+    out.begin_object();
+    write_frame(frame, options, out);
+    out.end_object();
+    return Json::parse(text);
+}
 
 }    // namespace ano

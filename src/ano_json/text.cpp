@@ -168,6 +168,10 @@ bool is_utf8(std::string_view text) noexcept {
     return true;
 }
 
+bool is_ascii(std::string_view text) noexcept {
+    return std::all_of(text.begin(), text.end(), [](char c) { return static_cast<std::uint8_t>(c) < 0x80; });
+}
+
 bool may_be_gbk(std::string_view text) noexcept {
     while (!text.empty()) {
         const bool is_pair = is_gbk_lead(text[0]);
@@ -221,7 +225,15 @@ std::string number_text(double value) {
     return {room.data(), end};
 }
 
+std::string address_text(std::span<const std::uint8_t> ip) {
+    std::string text;
+    for (const std::uint8_t byte : ip) text += (text.empty() ? "" : ".") + std::to_string(byte);
+    return text;
+}
+
 double widened(float value) {
+    constexpr float whole_below = 0x1p24F;    // what has no fraction there prints as it is
+    if (std::abs(value) < whole_below && value == std::trunc(value)) return static_cast<double>(value);
     std::array<char, 32> room;
     const auto end = std::to_chars(room.data(), room.data() + room.size(), value).ptr;
     double wide = 0;

@@ -24,12 +24,15 @@ std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding);
 std::optional<std::string> from_utf8(std::string_view text, Encoding encoding);
 
 bool is_utf8(std::string_view text) noexcept;
+bool is_ascii(std::string_view text) noexcept;
 
 /// A number as it is written in C: -1.5, 1e-7, 0xDC; also nan and inf. A leading 0 is decimal. std::nullopt for
 /// anything else.
 std::optional<Number> parse_number(std::string_view text);
 /// The shortest text that reads as `value` again.
 std::string number_text(double value);
+/// "192.168.0.1"
+std::string address_text(std::span<const std::uint8_t> ip);
 /// The double that prints as `value` does: 0.1 for 0.1f. It is `value` again as a float.
 double widened(float value);
 

@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace anogate {
@@ -23,25 +24,34 @@ public:
     CsvWriter(std::uint8_t id, const ano::JsonOptions& options);
 
     /// Of the frames that follow. The columns stay: where one is missing, the line has all of DATA.
-    void use(const ano::FlexibleLayouts& flexible) noexcept { options_.flexible = &flexible; }
+    void use(const ano::FlexibleLayouts& flexible);
 
     /// Appends the names of the columns.
     void write_heading(std::string& out) const;
     /// Appends a line; `frame` must be of this message.
-    void write(const RecordedFrame& frame, std::string& out) const;
+    void write(const RecordedFrame& frame, std::string& out);
 
 private:
     struct Column {
-        std::string field;
+        std::string_view field;
         int element = -1;    // index in an array; -1: not an array
-        std::string unit;
+        std::string_view unit;
+
+        bool is_of(const ano::Field& f) const { return field == f.name && unit == f.unit; }
+    };
+    /// Which columns the fields of a layout fill.
+    struct Cells {
+        std::vector<const ano::Field*> fields;    // by column; nullptr: the layout lacks it
+        bool are_all = true;                      // every field has a column
     };
     void add_columns(std::span<const ano::Field> fields);
-    bool has_column(std::string_view field) const;
-    bool has_column(const ano::Field& field) const;
+    const Cells& cells_of(std::span<const ano::Field> layout);
+    void write_cell(const ano::Reading& reading, const ano::Field& field, int element, std::string& out);
 
     ano::JsonOptions options_;
     std::vector<Column> columns_;
+    std::unordered_map<const ano::Field*, Cells> cells_;    // by the first field of a layout
+    std::string json_;
 };
 
 /// A frame as one line of JSON, as `anoctl monitor --json` shows it; "lost" for a loss.

@@ -119,16 +119,22 @@ void DecodedChannels::State::decode_standard(const ano::Reading& reading, std::u
 }
 
 std::string_view DecodedChannels::State::encode(const TableMessage& message, const ano::Reading& reading) {
-    if (encoding == DecodedEncoding::json)
-        return json = json_message(reading, {.flexible = &decoding->layouts(), .encoding = ano::Encoding::automatic});
+    if (encoding == DecodedEncoding::json) {
+        json.clear();
+        write_json_message(reading, {.flexible = &decoding->layouts(), .encoding = ano::Encoding::automatic}, json);
+        return json;
+    }
     values.clear();
     message.append_values(reading, values);
     return encoder.encode(message.type(), values.values());
 }
 
 std::string_view DecodedChannels::State::encode_standard(const RosMessage& type, std::size_t number) {
-    if (encoding == DecodedEncoding::json) return standard_json[number] = ros_json(type, values.values());
-    return standard_encoders[number].encode(type, values.values());
+    if (encoding == DecodedEncoding::cdr) return standard_encoders[number].encode(type, values.values());
+    std::string& text = standard_json[number];
+    text.clear();
+    write_ros_json(type, values.values(), text);
+    return text;
 }
 
 // nullptr: a new one would be beyond the limit.

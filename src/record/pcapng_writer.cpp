@@ -84,8 +84,10 @@ PcapngWriter::PcapngWriter(const RecordingHead& head, std::string& out) {
     Block block{section_header};
     block.number(byte_order_magic).number(std::uint16_t{1}).number(std::uint16_t{0});
     block.number(~std::uint64_t{0});    // section length: not known
-    block.option(opt_comment, std::string{unix_mark} + seconds_text(head.time_ns) + std::string{boot_mark} +
-                                  seconds_text(head.boottime_ns) + " s");
+    std::string clocks{unix_mark};
+    append_seconds(head.time_ns, clocks);
+    append_seconds(head.boottime_ns, clocks += boot_mark);
+    block.option(opt_comment, clocks + " s");
     block.option(shb_userappl, text_that_fits(head.program)).end(out);
 }
 

@@ -1,7 +1,7 @@
 #include <record/recording.hpp>
 
 #include <array>
-#include <cstdio>
+#include <charconv>
 
 namespace anogate {
 
@@ -18,11 +18,14 @@ double json_seconds(std::uint64_t ns) noexcept {
     return static_cast<double>(microseconds) / 1e6;
 }
 
-std::string seconds_text(std::uint64_t ns) {
-    std::array<char, 40> text;
-    std::snprintf(text.data(), text.size(), "%llu.%09llu", static_cast<unsigned long long>(ns / 1'000'000'000),
-                  static_cast<unsigned long long>(ns % 1'000'000'000));
-    return text.data();
+void append_seconds(std::uint64_t ns, std::string& out) {
+    constexpr std::uint64_t second = 1'000'000'000;
+    std::array<char, 24> text;
+    char* const end = text.data() + text.size();
+    out.append(text.data(), std::to_chars(text.data(), end, ns / second).ptr);
+    const std::size_t point = out.size();
+    out.append(text.data(), std::to_chars(text.data(), end, second + ns % second).ptr);    // a 1 keeps the zeros
+    out[point] = '.';
 }
 
 }    // namespace anogate

@@ -49,7 +49,7 @@ std::string_view text_that_fits(std::string_view text) noexcept;
 
 /// Seconds in whole microseconds, as in the JSON of frames.
 double json_seconds(std::uint64_t ns) noexcept;
-/// "1763898044.123456789"
-std::string seconds_text(std::uint64_t ns);
+/// Appends "1763898044.123456789".
+void append_seconds(std::uint64_t ns, std::string& out);
 
 }    // namespace anogate

@@ -1,10 +1,9 @@
 #include <ano/messages.hpp>
+#include <ano_json/json_writer.hpp>
 #include <ros/field_comment.hpp>
 #include <ros/json_message.hpp>
 
 #include <nlohmann/json.hpp>
-
-#include <iterator>
 
 namespace anogate {
 namespace {
@@ -69,10 +68,11 @@ std::string json_schema_of(const ano::FlexibleLayout& layout) {
     return text_of(schema);
 }
 
-std::string json_message(const ano::Reading& reading, const ano::JsonOptions& options) {
-    Json fields = ano::fields_to_json(reading, options);
-    for (auto at = fields.begin(); at != fields.end();) at = at->is_null() ? fields.erase(at) : std::next(at);
-    return text_of(fields);
+void write_json_message(const ano::Reading& reading, const ano::JsonOptions& options, std::string& out) {
+    ano::JsonWriter json{out};
+    json.begin_object();
+    ano::write_fields(reading, options, json, true);
+    json.end_object();
 }
 
 }    // namespace anogate

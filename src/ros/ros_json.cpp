@@ -1,11 +1,11 @@
 #include <ano/wire.hpp>
 #include <ano_json/frame_json.hpp>
+#include <ano_json/json_writer.hpp>
 #include <ros/ros_json.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string_view>
 
@@ -17,49 +17,27 @@ using RosShape = RosField::Shape;
 
 std::string base64_of(ano::Bytes bytes) {
     constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
+    std::string text((bytes.size() + 2) / 3 * 4, '=');
+    auto to = text.begin();
     for (std::size_t at = 0; at < bytes.size(); at += 3) {
         const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
         std::uint32_t group = 0;
         for (std::size_t i = 0; i < 3; ++i) group = group << 8 | (i < count ? bytes[at + i] : 0u);
-        for (std::size_t i = 0; i < 4; ++i) text += i <= count ? digits[group >> (18 - 6 * i) & 63] : '=';
+        for (std::size_t i = 0; i < 4; ++i, ++to)
+            if (i <= count) *to = digits[group >> (18 - 6 * i) & 63];
     }
     return text;
-}
-
-Json number_json(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
-
-Json value_json(RosType type, const ano::Value& value) {
-    if (type == RosType::text) {
-        const auto* const text = std::get_if<std::string_view>(&value);
-        return text != nullptr ? std::string{*text} : std::string{};
-    }
-    std::int64_t whole = 0;
-    if (const auto* const real = std::get_if<double>(&value)) return number_json(*real);
-    if (const auto* const number = std::get_if<std::uint64_t>(&value)) {
-        if (type != RosType::boolean) return *number;
-        whole = *number != 0;
-    } else if (const auto* const signed_number = std::get_if<std::int64_t>(&value)) {
-        whole = *signed_number;
-    } else {
-        return nullptr;
-    }
-    return type == RosType::boolean ? Json(whole != 0) : Json(whole);
 }
 
 // Reads the values field by field.
 class RosJson {
 public:
-    explicit RosJson(std::span<const ano::Value> values) : values_{values} {}
+    RosJson(std::span<const ano::Value> values, std::string& out) : values_{values}, out_{out} {}
 
-    Json message(const RosMessage& message) {
-        Json object = Json::object();
-        for (const RosField& field : message.fields) {
-            Json value = field_json(field);
-            if (!value.is_null()) object[field.name] = std::move(value);
-        }
-        return object;
+    void write(const RosMessage& message) {
+        out_.begin_object();
+        for (const RosField& field : message.fields) out_.member_unless_null(field.name, [&] { write_field(field); });
+        out_.end_object();
     }
 
 private:
@@ -70,35 +48,46 @@ private:
         values_ = values_.subspan(1);
         return value;
     }
-    Json one(const RosField& field) {
-        return field.type == RosType::message ? message(*field.message) : value_json(field.type, next());
+    void write_one(const RosField& field) {
+        if (field.type == RosType::message) return write(*field.message);
+        const ano::Value& value = next();
+        if (field.type == RosType::text) {
+            const auto* const text = std::get_if<std::string_view>(&value);
+            return out_.text(text != nullptr ? *text : std::string_view{});
+        }
+        if (const auto* const real = std::get_if<double>(&value)) return out_.number(*real);
+        const auto write_whole = [&](auto whole) {
+            field.type == RosType::boolean ? out_.boolean(whole != 0) : out_.number(whole);
+        };
+        if (const auto* const whole = std::get_if<std::uint64_t>(&value)) return write_whole(*whole);
+        if (const auto* const whole = std::get_if<std::int64_t>(&value)) return write_whole(*whole);
+        out_.null();
     }
-    Json field_json(const RosField& field) {
-        if (field.shape == RosShape::one) return one(field);
+    void write_field(const RosField& field) {
+        if (field.shape == RosShape::one) return write_one(field);
         if (field.type == RosType::uint8) {
             const auto* const bytes = std::get_if<ano::Bytes>(&next());
-            return base64_of(bytes != nullptr ? *bytes : ano::Bytes{});
+            return out_.text(base64_of(bytes != nullptr ? *bytes : ano::Bytes{}));
         }
-        if (field.shape == RosShape::array && !values_.empty() && std::holds_alternative<ano::Bytes>(values_.front()))
-            return array_of(std::get<ano::Bytes>(next()), field.count);
         std::size_t count = field.count;
-        if (field.shape == RosShape::sequence) {
-            const auto* const told = std::get_if<std::uint64_t>(&next());
-            count = std::min<std::size_t>(told != nullptr ? *told : 0, values_.size());
+        out_.begin_array();
+        if (field.shape == RosShape::array && !values_.empty() && std::holds_alternative<ano::Bytes>(values_.front())) {
+            // Of float64 only: no message has other numbers as bytes.
+            const ano::Bytes bytes = std::get<ano::Bytes>(next());
+            for (std::size_t i = 0; i < std::min(count, bytes.size() / sizeof(double)); ++i)
+                out_.number(ano::load<double>(bytes.data() + i * sizeof(double)));
+        } else {
+            if (field.shape == RosShape::sequence) {
+                const auto* const told = std::get_if<std::uint64_t>(&next());
+                count = std::min<std::size_t>(told != nullptr ? *told : 0, values_.size());
+            }
+            for (std::size_t i = 0; i < count; ++i) write_one(field);
         }
-        Json array = Json::array();
-        for (std::size_t i = 0; i < count; ++i) array.push_back(one(field));
-        return array;
-    }
-    // Of float64 only: no message has other numbers as bytes.
-    static Json array_of(ano::Bytes bytes, std::size_t count) {
-        Json array = Json::array();
-        for (std::size_t i = 0; i < count && (i + 1) * sizeof(double) <= bytes.size(); ++i)
-            array.push_back(number_json(ano::load<double>(bytes.data() + i * sizeof(double))));
-        return array;
+        out_.end_array();
     }
 
     std::span<const ano::Value> values_;
+    ano::JsonWriter out_;
 };
 
 Json ros_schema(const RosMessage& message);
@@ -138,8 +127,8 @@ Json ros_schema(const RosMessage& message) {
 
 }    // namespace
 
-std::string ros_json(const RosMessage& message, std::span<const ano::Value> values) {
-    return RosJson{values}.message(message).dump(-1, ' ', false, Json::error_handler_t::replace);
+void write_ros_json(const RosMessage& message, std::span<const ano::Value> values, std::string& out) {
+    RosJson{values, out}.write(message);
 }
 
 std::string ros_json_schema(const RosMessage& message) {

@@ -9,10 +9,10 @@
 
 namespace anogate {
 
-/// `values`: as for CdrEncoder::encode().
-std::string ros_json(const RosMessage& message, std::span<const ano::Value> values);
+/// Appends it. `values`: as for CdrEncoder::encode().
+void write_ros_json(const RosMessage& message, std::span<const ano::Value> values, std::string& out);
 
-/// The JSON Schema of ros_json().
+/// The JSON Schema of that.
 std::string ros_json_schema(const RosMessage& message);
 
 }    // namespace anogate

@@ -47,12 +47,6 @@ std::vector<RosConstant> constants_of(const Field& f, const std::string& name) {
     return constants;
 }
 
-std::string text_of_address(ano::Bytes ip) {
-    std::string text;
-    for (const std::uint8_t byte : ip) text += (text.empty() ? "" : ".") + std::to_string(byte);
-    return text;
-}
-
 void append_text(std::string_view text, ValueList& out) {
     if (ano::is_utf8(text)) return out.push(ano::Value{text});
     out.push_copy(ano::shown_text(text, ano::Encoding::automatic));
@@ -170,7 +164,7 @@ void TableMessage::append_value(const Field& field, const RosField& as, const an
     if (is_number(field.type) && field.count == 1) return out.push(reading.value(field));
     const ano::Bytes bytes = reading.bytes_of(field);
     if (field.type == ano::Type::text) return append_text(std::get<std::string_view>(reading.value(field)), out);
-    if (field.type == ano::Type::ip) return out.push_copy(text_of_address(bytes));
+    if (field.type == ano::Type::ip) return out.push_copy(ano::address_text(bytes));
     if (field.type == ano::Type::list) {
         out.push_count(reading.element_count());
         for (std::size_t i = 0; i < reading.element_count(); ++i)

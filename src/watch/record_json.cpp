@@ -2,6 +2,8 @@
 #include <ano/messages.hpp>
 #include <ano_json/escapes.hpp>
 #include <ano_json/frame_json.hpp>
+#include <ano_json/json_writer.hpp>
+#include <record/recording.hpp>
 #include <watch/record_json.hpp>
 
 #include <nlohmann/json.hpp>
@@ -14,13 +16,14 @@ using Json = nlohmann::ordered_json;
 // The names of links and peers may contain any bytes.
 std::string text_of(const Json& json) { return ano::json_text(json); }
 
-Json name_at(const std::vector<std::string>& names, std::size_t number) {
-    return number < names.size() && !names[number].empty() ? Json(names[number]) : Json(nullptr);
+// Empty: none has this number.
+std::string_view name_at(const std::vector<std::string>& names, std::size_t number) {
+    return number < names.size() ? std::string_view{names[number]} : std::string_view{};
 }
 
 Json list_of(const std::vector<std::string>& names) {
     Json list = Json::array();
-    for (std::size_t i = 0; i < names.size(); ++i) list.push_back(name_at(names, i));
+    for (const std::string& name : names) list.push_back(name.empty() ? Json(nullptr) : Json(name));
     return list;
 }
 
@@ -28,16 +31,28 @@ Json list_of(const std::vector<std::string>& names) {
 
 std::string record_json(const FrameRecord& record, const WatchTables& tables, const ano::FlexibleLayouts& flexible,
                         ano::Encoding encoding) {
-    Json json = ano::frame_to_json(record.frame, {.flexible = &flexible, .encoding = encoding});
-    const std::uint64_t microseconds = record.time_ns / 1000;
-    json["time"] = static_cast<double>(microseconds) / 1e6;
-    json["link"] = name_at(tables.links, record.link);
-    if (record.channel != FrameRecord::no_channel) json["peer"] = name_at(tables.peers, record.channel);
-    json["direction"] = text(record.direction);
+    std::string json;
+    ano::JsonWriter out{json};
+    const auto write_name = [&](std::string_view key, std::string_view name) {
+        out.key(key);
+        if (name.empty()) out.null();
+        else out.text(name);
+    };
+    out.begin_object();
+    ano::write_frame(record.frame, {.flexible = &flexible, .encoding = encoding}, out);
+    out.key("time");
+    out.number(json_seconds(record.time_ns));
+    write_name("link", name_at(tables.links, record.link));
+    if (record.channel != FrameRecord::no_channel) write_name("peer", name_at(tables.peers, record.channel));
+    out.text("direction", text(record.direction));
     const auto causes = frame_causes();
-    if (record.direction == Direction::dropped && record.cause < causes.size()) json["cause"] = causes[record.cause];
-    if (record.is_elsewhere) json["elsewhere"] = true;
-    return text_of(json);
+    if (record.direction == Direction::dropped && record.cause < causes.size()) out.text("cause", causes[record.cause]);
+    if (record.is_elsewhere) {
+        out.key("elsewhere");
+        out.boolean(true);
+    }
+    out.end_object();
+    return ano::with_json_escapes(std::move(json));
 }
 
 std::string lost_json(const LostFrames& lost) {

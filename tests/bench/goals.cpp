@@ -25,7 +25,7 @@ constexpr Goals all[]{
     {"calls", bench::measure_calls},     {"watchers", bench::measure_watchers},
     {"page", bench::measure_page},       {"recording", bench::measure_recording},
     {"replay", bench::measure_replay},   {"simulated", bench::measure_simulated},
-    {"devices", bench::measure_devices},
+    {"devices", bench::measure_devices}, {"tables", bench::measure_tables},
 };
 
 int usage(const char* program) {

@@ -24,6 +24,7 @@ void measure_watchers(Run& run);
 void measure_page(Run& run);
 void measure_recording(Run& run);
 void measure_replay(Run& run);
+void measure_tables(Run& run);
 void measure_simulated(Run& run);
 void measure_devices(Run& run);
 

@@ -69,7 +69,7 @@ Json as_in_the_message(const ano::Reading& reading, const ano::Field& field, con
 /// What differs between what `told` says and what our decoding says; empty: nothing. A field of two units is found by the second name.
 std::string difference(const Json& told, const Bytes& frame) {
     const ano::Reading reading = ano::read(ano::FrameView{frame});
-    const Json own = ano::fields_to_json(reading, {.encoding = ano::Encoding::automatic});
+    const Json own = ano::frame_to_json(ano::FrameView{frame}, {.encoding = ano::Encoding::automatic})["fields"];
     std::set<std::string> said;
     for (const ano::Field& f : reading.fields()) {
         std::string name{f.name};

@@ -122,6 +122,24 @@ TEST(Csv, a_flexible_message_has_the_columns_of_its_layouts) {
     EXPECT_EQ(out, first_columns + "frame_extra,frame_data\n");
 }
 
+TEST(Csv, every_number_of_an_array_has_a_cell) {
+    ano::FlexibleLayouts layouts;
+    ASSERT_FALSE(layouts.add({.id = 0xF1, .fields = {{"a", ano::Type::i16, 0.1, "V", 3}, {"b", ano::Type::f32, 1, ""}}}));
+    const Bytes frame = support::frame(5, 0xFE, 0xF1, {1, 0, 0xFE, 0xFF, 100, 0, 0xCD, 0xCC, 0xCC, 0x3D});
+    std::string out;
+    CsvWriter{0xF1, {&layouts}}.write(recorded(frame), out);
+    EXPECT_TRUE(out.ends_with(",5,254,0.1,-0.2,10,0.1,,\n")) << out;
+}
+
+TEST(Csv, times_have_nine_digits_behind_the_point) {
+    const Bytes frame = support::frame(1, 2, 0x77);
+    RecordedFrame early = recorded(frame);
+    early.time_ns = 1'000'000'007;
+    std::string out;
+    CsvWriter{0x77, {}}.write(early, out);
+    EXPECT_EQ(out, "1.000000007,fc,,in,,1,2,,\n");
+}
+
 TEST(Csv, what_has_no_column_is_in_the_data_of_the_frame) {
     ano::FlexibleLayouts first, then;
     ASSERT_FALSE(first.add({.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}}}));

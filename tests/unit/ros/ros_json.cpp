@@ -26,6 +26,12 @@ RosMessage message_of(std::vector<RosField> fields) {
     return {.package = "a_msgs", .name = "Any", .comment = {}, .fields = std::move(fields)};
 }
 
+std::string ros_json(const RosMessage& message, std::span<const ano::Value> values) {
+    std::string text;
+    write_ros_json(message, values, text);
+    return text;
+}
+
 RosField field(RosType type, const char* name, Shape shape = Shape::one, std::size_t count = 1) {
     return {.type = type, .name = name, .shape = shape, .count = count};
 }
