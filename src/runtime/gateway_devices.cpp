@@ -1,5 +1,4 @@
 #include <ano/address.hpp>
-#include <ano/control.hpp>
 #include <ano/conversation.hpp>
 #include <ano/hex.hpp>
 #include <ano/reading.hpp>
