@@ -214,7 +214,7 @@ bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
 
 std::string GatewayDevices::send(ano::FrameView frame) {
     ControlLink* const link = gateway_.control();
-    if (!link) return "all 64 links are in use: there is no place for the link 'control'";
+    if (!link) return std::string{no_control_link};
     if (frame.destination() == gateway_.settings().gateway.id) {
         if (!is_device(gateway_.settings().gateway)) return ano::hex_byte(frame.destination()) + " is the gateway itself";
         if (ano::is_control(frame) && !gateway_.settings().control.manage)
