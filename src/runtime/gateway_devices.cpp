@@ -34,9 +34,6 @@
 namespace anogate {
 namespace {
 
-// The number of bytes that the profile's parser has for a text.
-constexpr std::size_t vendor_text = 29;
-
 constexpr std::size_t max_note = 64 * 1024;
 constexpr std::string_view unfinished = ".new";    // keep_file()
 
@@ -400,7 +397,8 @@ DeviceManners GatewayDevices::manners(std::uint8_t address) {
     for (const LinkState& state : gateway_.links()) {
         if (!links.contains(state.link->id())) continue;
         const LinkSettings& link = state.link->settings();
-        if (link.profile == Profile::vendor) manners.text.max_bytes = vendor_text, manners.expects_gbk = true;
+        if (const auto most = link.max_text()) manners.text.max_bytes = most;
+        manners.expects_gbk = manners.expects_gbk || link.profile == Profile::vendor;
         if (const auto stated = link.stated_type_7()) manners.value_type_7 = stated;
         if (link.encoding) manners.encoding = encoding_of(*link.encoding);
         manners.max_data = std::min<std::size_t>(manners.max_data, link.effective_max_data_out());
