@@ -3,6 +3,7 @@
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
 #include <ano/reading.hpp>
+#include <ano_json/compact_json.hpp>
 #include <ano_json/text.hpp>
 
 #include <nlohmann/json.hpp>
@@ -120,7 +121,7 @@ std::string recorded_json(const Recorded& item, const ano::JsonOptions& options)
         json["direction"] = text(frame.direction);
         if (!frame.cause.empty()) json["cause"] = frame.cause;
     }
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return ano::compact_json(json);
 }
 
 }    // namespace anogate

@@ -1,4 +1,5 @@
 #include <ano/wire.hpp>
+#include <ano_json/compact_json.hpp>
 #include <ano_json/frame_json.hpp>
 #include <ros/ros_json.hpp>
 
@@ -139,11 +140,9 @@ Json ros_schema(const RosMessage& message) {
 }    // namespace
 
 std::string ros_json(const RosMessage& message, std::span<const ano::Value> values) {
-    return RosJson{values}.message(message).dump(-1, ' ', false, Json::error_handler_t::replace);
+    return ano::compact_json(RosJson{values}.message(message));
 }
 
-std::string ros_json_schema(const RosMessage& message) {
-    return ros_schema(message).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string ros_json_schema(const RosMessage& message) { return ano::compact_json(ros_schema(message)); }
 
 }    // namespace anogate
