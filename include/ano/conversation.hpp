@@ -1,13 +1,14 @@
-// Which frame asks a device, which one answers, and which one acts on it (protocol text, sections 3 and 4).
+// Which frame asks a device, which one answers, and which one acts on it or writes to it (protocol text, sections 3 and 4). The only
+// place that says so.
 #pragma once
 #include <ano/address.hpp>
-#include <ano/control.hpp>
 #include <ano/frame.hpp>
 #include <ano/messages.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <span>
 
@@ -20,80 +21,153 @@ enum class Intent : std::uint8_t {
     acts,       // a command, sticks, or a write: it moves a vehicle or changes a device
 };
 
-/// A question that a device answers with data: who is asked, and how the answer is recognised.
-struct Question {
-    std::uint8_t asked = 0;    // 0xFF and port ids stand for any device
-    std::uint8_t answer_id = 0;
-    std::uint16_t about = 0;    // the number of a parameter, command or waypoint; 0 where only one answer is possible
-    friend constexpr bool operator==(Question, Question) noexcept = default;
-};
+/// Who answers with a check frame (0x00), and when.
+enum class Acknowledged : std::uint8_t { no, yes, as_write };
 
 namespace conversation {
 
-/// A question of the id `asks` whose DATA begins with `first`, and how it is answered.
+enum class Does : std::uint8_t {
+    asks,
+    acts,
+    writes,    // acts as well; one host at a time may do it
+};
+using enum Does;
+
+/// Frames of one id, or those of it whose DATA begins with `first`.
 struct Row {
-    std::uint8_t asks, first;
-    std::uint8_t answer;
-    std::uint8_t about_at = 0;      // where DATA of the question has the number that the answer repeats; 0: there is none
-    bool like_an_answer = false;    // an answer of a device may look the same
+    std::uint8_t id;
+    std::uint16_t first;
+    Does does;
+    std::uint16_t answer;    // the id of the answer
+    std::uint8_t from = 0,
+                 size = 0;    // the bytes of DATA with which DATA of the answer begins; of an acknowledgement: see Answer
 };
-inline constexpr std::uint8_t waypoint_read = id_of<"waypoint_read">, command_query = id_of<"command_query">,
-                              parameter_command = id_of<"parameter_command">;
-inline constexpr std::uint8_t how_many = 0xFF;    // waypoints; any other number asks for the waypoint of that number
+inline constexpr std::uint16_t other = 0x100;      // as `first`: any byte that no row above has, and no byte
+inline constexpr std::uint16_t nothing = 0x100;    // as `answer`
 
+inline constexpr std::uint8_t check = id_of<"check">, waypoint_read = id_of<"waypoint_read">, waypoint = id_of<"waypoint">,
+                              command_query = id_of<"command_query">, parameter_command = id_of<"parameter_command">,
+                              parameter_value = id_of<"parameter_value">, firmware = id_of<"firmware">;
+
+// clang-format off
 inline constexpr Row rows[] = {
-    {waypoint_read, how_many, waypoint_read, 0, true},  {command_query, 0, command_query, 0, true},
-    {command_query, 1, id_of<"command_info">, 1},       {parameter_command, 0, id_of<"device_info">},
-    {parameter_command, 1, parameter_command, 0, true}, {parameter_command, 2, id_of<"parameter_value">, 1},
-    {parameter_command, 3, id_of<"parameter_info">, 1},
+    {id_of<"remote_control">, other, acts, nothing},                 // section 3: a stream
+    {id_of<"realtime_control">, other, acts, nothing},               // section 3: a stream
+    {waypoint_read, 0xFF, asks, waypoint_read},                      // section 4, 0x60: how many
+    {waypoint_read, other, asks, waypoint, 0, 1},                    // section 4, 0x60: waypoint n
+    {waypoint, other, writes, check},                                // section 3; as an answer it goes to a host
+    {id_of<"command">, other, acts, check},                          // section 3
+    {command_query, 0, asks, command_query, 0, 1},                   // section 4, 0xC1: how many
+    {command_query, 1, asks, id_of<"command_info">, 1, 2},           // section 4, 0xC1: describe command val
+    {parameter_command, 0, asks, id_of<"device_info">},              // section 4, 0xE0
+    {parameter_command, 1, asks, parameter_command, 0, 1},           // section 4, 0xE0: how many
+    {parameter_command, 2, asks, parameter_value, 1, 2},             // section 4, 0xE0: value of val
+    {parameter_command, 3, asks, id_of<"parameter_info">, 1, 2},     // section 4, 0xE0: description of val
+    {parameter_command, 0x10, acts, check},                          // section 3
+    {parameter_command, other, acts, nothing},                       // not listed, so it may do anything
+    {parameter_value, other, writes, check},                         // section 3; as an answer it goes to a host
+    {firmware, other, writes, firmware},                             // section 3: answered by its own codes
 };
+// clang-format on
 
-consteval std::array<bool, 256> asking_ids() {
-    std::array<bool, 256> all{};
-    for (const Row& row : rows) all[row.asks] = true;
+/// What rows say of all frames of one id.
+struct OfId {
+    std::uint8_t first_row = 0, rows = 0;
+    bool may_ask = false, may_act = false, may_be_acknowledged = false, answers = false;
+    std::uint8_t repeats = 0;    // bytes with which an answer of this id begins
+    std::uint8_t least = 0;      // bytes of DATA; fewer are malformed
+};
+consteval std::array<OfId, 256> by_id() {
+    std::array<OfId, 256> all{};
+    for (std::size_t i = std::size(rows); i-- > 0;) {
+        const Row& row = rows[i];
+        OfId& of = all[row.id];
+        of.first_row = static_cast<std::uint8_t>(i);
+        ++of.rows;
+        (row.does == asks ? of.may_ask : of.may_act) = true;
+        of.may_be_acknowledged = of.may_be_acknowledged || row.answer == check;
+        if (row.answer == nothing) continue;
+        all[row.answer].answers = true;
+        all[row.answer].repeats = row.answer == check ? std::uint8_t{3} : row.size;
+    }
+    for (const Message& message : messages)
+        if (message.is_base()) all[message.id].least = static_cast<std::uint8_t>(message.fixed_size);
     return all;
 }
-inline constexpr std::array<bool, 256> may_ask = asking_ids();
-
-constexpr std::uint16_t number_at(std::span<const std::uint8_t> data, std::size_t at) noexcept {
-    return static_cast<std::uint16_t>(data[at] | data[at + 1] << 8);
-}
+inline constexpr std::array<OfId, 256> of_id = by_id();
 
 constexpr const Row* row_of(FrameView frame) noexcept {
+    const OfId& of = of_id[frame.id()];
     const auto data = frame.data();
-    if (data.size() < (frame.id() == waypoint_read ? 1u : 3u)) return nullptr;
-    for (const Row& row : rows)
-        if (row.asks == frame.id() && row.first == data[0]) return &row;
+    for (std::size_t i = of.first_row; i < std::size_t{of.first_row} + of.rows; ++i)
+        if (rows[i].first == other || (!data.empty() && rows[i].first == data[0])) return &rows[i];
     return nullptr;
 }
 
 }    // namespace conversation
 
+/// By what an answer is recognised: its id, and what it repeats of the frame that it answers. That is the number of a parameter, command
+/// or waypoint, nothing where only one answer is possible, or, of an acknowledgement, the id and both check bytes.
+struct Answer {
+    std::uint32_t bits = 0;
+
+    constexpr Answer() noexcept = default;
+    constexpr Answer(std::uint8_t id, std::span<const std::uint8_t> repeats) noexcept : bits{id} {
+        for (std::size_t i = 0; i < repeats.size(); ++i) bits |= std::uint32_t{repeats[i]} << (8 + 8 * i);
+    }
+    constexpr std::uint8_t id() const noexcept { return static_cast<std::uint8_t>(bits); }
+    constexpr bool is_acknowledgement() const noexcept { return id() == conversation::check; }
+    friend constexpr bool operator==(Answer, Answer) noexcept = default;
+};
+
+/// Whether DATA has the fixed part of the base layout: a shorter one is malformed (protocol text, section 4).
+constexpr bool is_whole(FrameView frame) noexcept { return frame.data().size() >= conversation::of_id[frame.id()].least; }
+
+namespace conversation {
+
+constexpr std::optional<Answer> answer_by(const Row* row, FrameView frame) noexcept {
+    if (row == nullptr || row->answer == nothing || (row->does == asks && !is_whole(frame))) return std::nullopt;
+    if (row->answer != check) return Answer{static_cast<std::uint8_t>(row->answer), frame.data().subspan(row->from, row->size)};
+    const std::uint8_t repeats[] = {frame.id(), frame.checks().sum, frame.checks().add};
+    return Answer{check, repeats};
+}
+
+}    // namespace conversation
+
+/// What answers `frame`, which goes to a device; std::nullopt when nothing does, and for a malformed question.
+constexpr std::optional<Answer> answer_to(FrameView frame) noexcept {
+    return conversation::answer_by(conversation::row_of(frame), frame);
+}
+
+/// What `frame`, which comes from a device, answers by its content; std::nullopt when it is no answer.
+constexpr std::optional<Answer> answer_in(FrameView frame) noexcept {
+    const conversation::OfId& of = conversation::of_id[frame.id()];
+    if (!of.answers || frame.data().size() < of.repeats) return std::nullopt;
+    return Answer{frame.id(), frame.data().first(of.repeats)};
+}
+
+/// Whether frames of this id may answer something.
+constexpr bool may_answer(std::uint8_t id) noexcept { return conversation::of_id[id].answers; }
+/// Whether frames of this id may ask or act; to a host they are answers, or nothing.
+constexpr bool is_for_devices(std::uint8_t id) noexcept { return conversation::of_id[id].rows != 0; }
+/// Whether a device may answer frames of this id with a check frame (0x00).
+constexpr bool may_be_acknowledged(std::uint8_t id) noexcept { return conversation::of_id[id].may_be_acknowledged; }
+
+/// A question that a device answers with data: who is asked, and how the answer is recognised.
+struct Question {
+    std::uint8_t asked = 0;    // 0xFF and port ids stand for any device
+    Answer answer{};
+    friend constexpr bool operator==(Question, Question) noexcept = default;
+};
+
 /// The question that `frame` asks: 0x60, 0xC1, and 0xE0 with the commands 0 to 3. std::nullopt for any other frame: a write or a
 /// command is not a question, and a frame to a host is an answer, which in 0x60, 0xC1 and 0xE0 1 looks the same.
 constexpr std::optional<Question> question_in(FrameView frame) noexcept {
-    namespace c = conversation;
-    const std::uint8_t to = frame.destination();
-    if (!c::may_ask[frame.id()] || address::is_host(to)) return std::nullopt;
-    if (const c::Row* row = c::row_of(frame))
-        return Question{to, row->answer, row->about_at == 0 ? std::uint16_t{0} : c::number_at(frame.data(), row->about_at)};
-    if (frame.id() == c::waypoint_read && !frame.data().empty()) return Question{to, id_of<"waypoint">, frame.data()[0]};
-    return std::nullopt;
-}
-
-/// Whether DATA of `frame` answers `question`, whoever sent it.
-constexpr bool answers_data_of(FrameView frame, Question question) noexcept {
-    namespace c = conversation;
-    const auto data = frame.data();
-    if (frame.id() != question.answer_id) return false;
-    switch (frame.id()) {
-    case id_of<"device_info">:
-    case c::waypoint_read: return true;
-    case id_of<"waypoint">: return !data.empty() && data[0] == question.about;
-    case c::command_query: return !data.empty() && data[0] == 0;
-    case c::parameter_command: return !data.empty() && data[0] == 1;
-    default: return data.size() >= 2 && c::number_at(data, 0) == question.about;
-    }
+    if (!conversation::of_id[frame.id()].may_ask || address::is_host(frame.destination())) return std::nullopt;
+    const conversation::Row* row = conversation::row_of(frame);
+    if (row == nullptr || row->does != conversation::asks) return std::nullopt;
+    const auto answer = conversation::answer_by(row, frame);
+    return answer ? std::optional{Question{frame.destination(), *answer}} : std::nullopt;
 }
 
 /// Whether `source` may answer for the address that was asked.
@@ -102,23 +176,50 @@ constexpr bool may_answer_for(std::uint8_t source, std::uint8_t asked) noexcept 
 }
 
 constexpr bool answers(FrameView frame, Question question) noexcept {
-    return may_answer_for(frame.source(), question.asked) && answers_data_of(frame, question);
+    return may_answer_for(frame.source(), question.asked) && answer_in(frame) == question.answer;
+}
+
+/// A frame that commands or changes a vehicle: remote and realtime control, a command, a parameter or waypoint written, firmware, and
+/// 0xE0 unless it is one of the listed questions. Whatever its destination is: to a host, the same ids are answers.
+constexpr bool is_control(FrameView frame) noexcept {
+    const conversation::OfId& of = conversation::of_id[frame.id()];
+    if (!of.may_ask) return of.may_act;
+    const conversation::Row* row = conversation::row_of(frame);
+    return row != nullptr && row->does != conversation::asks;
+}
+
+/// Parameters, waypoints or firmware for a device.
+constexpr bool writes(FrameView frame) noexcept {
+    const conversation::Row* row = conversation::row_of(frame);
+    return row != nullptr && row->does == conversation::writes && !address::is_host(frame.destination());
 }
 
 /// Frames to a host never ask or act: there the same ids are answers.
 constexpr Intent intent_of(FrameView frame) noexcept {
-    const bool may_act = table::controls_of[frame.id()] != Controls::no;
-    if (!may_act && !conversation::may_ask[frame.id()]) return Intent::informs;
-    if (address::is_host(frame.destination())) return Intent::informs;
-    if (may_act && is_control(frame)) return Intent::acts;
-    return question_in(frame) ? Intent::asks : Intent::informs;
+    const conversation::OfId& of = conversation::of_id[frame.id()];
+    if (of.rows == 0 || address::is_host(frame.destination())) return Intent::informs;
+    if (!of.may_ask) return Intent::acts;
+    const conversation::Row* row = conversation::row_of(frame);
+    if (row == nullptr) return Intent::informs;
+    if (row->does != conversation::asks) return Intent::acts;
+    return is_whole(frame) ? Intent::asks : Intent::informs;
 }
 
 /// A question that can't be an answer: only hosts send it, whatever their address is.
 constexpr bool is_of_a_host(FrameView frame) noexcept {
-    if (!conversation::may_ask[frame.id()] || frame.id() == conversation::waypoint_read) return false;
+    if (!conversation::of_id[frame.id()].may_ask || frame.id() == conversation::waypoint_read) return false;
     const conversation::Row* row = conversation::row_of(frame);
-    return row != nullptr && !row->like_an_answer;
+    return row != nullptr && row->does == conversation::asks && row->answer != row->id && is_whole(frame);
+}
+
+/// Whether frames of this layout are acknowledged.
+constexpr Acknowledged acknowledged(const Message& layout) noexcept {
+    for (const conversation::Row& row : conversation::rows) {
+        if (row.id != layout.id || row.answer != conversation::check) continue;
+        if (row.first != conversation::other && layout.fields()[0].selects.value_or(Only{0, 0}).first != row.first) continue;
+        return row.does == conversation::writes ? Acknowledged::as_write : Acknowledged::yes;
+    }
+    return Acknowledged::no;
 }
 
 }    // namespace ano

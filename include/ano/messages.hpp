@@ -21,8 +21,6 @@ inline constexpr Traffic sensor{TrafficClass::telemetry, Replaces::same_id};
 inline constexpr Traffic sensor_by_kind{TrafficClass::telemetry, Replaces::same_first_byte};
 inline constexpr Traffic report{TrafficClass::telemetry, Replaces::nothing};
 inline constexpr Traffic bulk{TrafficClass::bulk, Replaces::nothing};
-using enum Acknowledged;
-inline constexpr Controls controls = Controls::yes, controls_unless_listed = Controls::unless_listed;
 
 inline constexpr Meaning sflags[]{{0, "locked"}, {1, "unlocked"}, {2, "airborne"}};
 inline constexpr Meaning attitude_modes[]{{1, "Euler angles"}};
@@ -69,7 +67,7 @@ inline constexpr Meaning default_port[]{{0, "default"}};
 
 // clang-format off
 inline constexpr Message messages[] = {
-    // id, name, what it says, traffic, acknowledged, controls, fields, variant
+    // id, name, what it says, traffic, fields, variant
 
     {0x00, "check", "Acknowledges a frame by its check bytes", urgent, {
         {"id_get", u8, Role::code}, {"sc_get", u8, Role::code}, {"ac_get", u8, Role::code}}},
@@ -169,13 +167,13 @@ inline constexpr Message messages[] = {
         {"id", u8, nothing_found}, {"x", i16, range(-1000, 1000), note("from the centre, right is positive")},
         {"y", i16, range(-1000, 1000), note("from the centre, up is positive")},
         {"angle", u16, "°", note("clockwise from up")}}},
-    {0x40, "remote_control", "Remote control channels", sticks, no, controls, {
+    {0x40, "remote_control", "Remote control channels", sticks, {
         {"rol", i16, range(1000, 2000), no_link}, {"pit", i16, range(1000, 2000), no_link},
         {"thr", i16, range(1000, 2000), no_link}, {"yaw", i16, range(1000, 2000), no_link},
         {"aux1", i16, range(1000, 2000), no_link}, {"aux2", i16, range(1000, 2000), no_link},
         {"aux3", i16, range(1000, 2000), no_link}, {"aux4", i16, range(1000, 2000), no_link},
         {"aux5", i16, range(1000, 2000), no_link}, {"aux6", i16, range(1000, 2000), no_link}}},
-    {0x41, "realtime_control", "Control in real time; the flight mode decides which fields count", sticks, no, controls, {
+    {0x41, "realtime_control", "Control in real time; the flight mode decides which fields count", sticks, {
         {"ctrl_rol", i16, times(100), "°", range(-90, 90)}, {"ctrl_pit", i16, times(100), "°", range(-90, 90)},
         {"ctrl_thr", i16, times(10), "%", range(0, 100)}, {"ctrl_yaw_dps", i16, "°/s", range(-200, 200)},
         {"ctrl_spd_x", i16, "cm/s"}, {"ctrl_spd_y", i16, "cm/s"}, {"ctrl_spd_z", i16, "cm/s"}}},
@@ -192,7 +190,7 @@ inline constexpr Message messages[] = {
 
     {0x60, "waypoint_read", "Asks for a waypoint or for their number, and tells the number", urgent, {
         {"num", u8, waypoint_requests}}},
-    {0x61, "waypoint", "One waypoint", urgent, as_write, controls, {
+    {0x61, "waypoint", "One waypoint", urgent, {
         {"num", u8, home}, {"lng", i32, times(1e7), "°"}, {"lat", i32, times(1e7), "°"}, {"alt", i32, "cm"},
         {"spd", u16, "cm/s"}, {"yaw", u16, "°", range(0, 359), headings, note("from north")}, {"fun", u8},
         {"cmd1", u8}, {"cmd2", u8}, {"cmd3", u8}, {"cmd4", u8}}},
@@ -209,18 +207,18 @@ inline constexpr Message messages[] = {
         {"src", u8, note("last byte, filled in by the radio")}, {"dst", u8, note("last byte")}, {"port", u16, default_port},
         {"frames", frames}}},
 
-    {0xC0, "command", "Runs a command", urgent, yes, controls, {
+    {0xC0, "command", "Runs a command", urgent, {
         {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"values", bytes, Role::values, note("types as told by command_info")}}},
     {0xC1, "command_query", "Asks for commands, and tells their number", urgent, {
         {"cmd", u8, command_queries}, {"val", u16}}},
     {0xC2, "command_info", "Describes a command", urgent, {
         {"cmd_id", u16}, {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"val_type", u8[8], value_types, Role::value_types, note("7 is u64 on current devices")}, {"name", text[20]},
         {"info", text}}},
-    {0xE0, "parameter_command", "Asks for parameters, and tells their number", urgent, no, controls_unless_listed, {
+    {0xE0, "parameter_command", "Asks for parameters, and tells their number", urgent, {
         {"cmd", u8, parameter_queries}, {"val", u16}}},
-    {0xE0, "parameter_command", "Acts on all parameters", urgent, yes, controls, {
+    {0xE0, "parameter_command", "Acts on all parameters", urgent, {
         {"cmd", u8, only(0x10), parameter_action}, {"val", u16, actions}}, Variant{"action"}},
-    {0xE1, "parameter_value", "The value of a parameter", urgent, as_write, controls, {
+    {0xE1, "parameter_value", "The value of a parameter", urgent, {
         {"par_id", u16}, {"value", bytes, Role::value, note("type as told by parameter_info")}}},
     {0xE2, "parameter_info", "Describes a parameter", urgent, {
         {"par_id", u16}, {"par_type", u8, parameter_types, range(0, 10)}, {"name", text[20]}, {"info", text}}},
@@ -232,26 +230,26 @@ inline constexpr Message messages[] = {
     {0xE3, "device_info", "Who a device is", urgent, {
         {"dev_id", u8, Role::code}, {"hw_ver", u16}, {"sw_ver", u16}, {"bl_ver", u16}, {"pt_ver", u16}, {"name", text}}},
 
-    {0xF0, "firmware", "A step of a firmware upgrade", urgent, no, controls, {
+    {0xF0, "firmware", "A step of a firmware upgrade", urgent, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, firmware_codes}}},
     // Some devices send codes high byte first. 01 10 is "erase" then, and "frame failed" of all others: the length tells.
-    {0xF0, "firmware", "A step of a firmware upgrade, with the code high byte first", urgent, no, controls, {
+    {0xF0, "firmware", "A step of a firmware upgrade, with the code high byte first", urgent, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, ByteOrder::big, only(0x0102, 0x0112), firmware_codes}},
         Variant{"reading", 3}},
-    {0xF0, "firmware", "What became of a frame of the image", urgent, no, controls, {
+    {0xF0, "firmware", "What became of a frame of the image", urgent, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, only(0x1001, 0x1002), firmware_frame_codes},
         {"frame_num", u16}}, Variant{"written"}},
-    {0xF0, "firmware", "What became of a frame of the image, with the code high byte first", urgent, no, controls, {
+    {0xF0, "firmware", "What became of a frame of the image, with the code high byte first", urgent, {
         {"iap_cmd", u8, only(0x00), firmware_commands},
         {"code", u16, ByteOrder::big, only(0x1001, 0x1002), firmware_frame_codes}, {"frame_num", u16}},
         Variant{"reading_written", 5}},
-    {0xF0, "firmware", "The check of the image, with the code high byte first", urgent, no, controls, {
+    {0xF0, "firmware", "The check of the image, with the code high byte first", urgent, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, ByteOrder::big, only(0x1011, 0x1012), firmware_codes}},
         Variant{"reading_check", 3}},
-    {0xF0, "firmware", "Describes the image", urgent, no, controls, {
+    {0xF0, "firmware", "Describes the image", urgent, {
         {"iap_cmd", u8, only(0x01), firmware_commands}, {"bin_len", u32}, {"frame_len", u16}, {"bin_crc", u16},
         {"bin_ver", u16}, {"hw_type", u8}, {"hw_ver_min", u16}, {"hw_ver_max", u16}, {"cmd", u32}}, Variant{"info"}},
-    {0xF0, "firmware", "A frame of the image", urgent, no, controls, {
+    {0xF0, "firmware", "A frame of the image", urgent, {
         {"iap_cmd", u8, only(0x10), firmware_commands}, {"frame_num", u16}, {"data", bytes}}, Variant{"image"}},
 
     // Their layouts come from the configuration: see flexible.hpp.

@@ -208,17 +208,6 @@ enum class Replaces : std::uint8_t {
     same_first_byte,    // and with the same first byte of DATA
 };
 
-/// Who answers with a check frame (0x00), and when.
-enum class Acknowledged : std::uint8_t { no, yes, as_write };
-
-/// Whether a frame commands or changes a vehicle (protocol text, sections 3 and 4): an inhibit switch blocks such frames. The
-/// value of the base layout applies to all layouts of the message.
-enum class Controls : std::uint8_t {
-    no,
-    yes,
-    unless_listed,    // yes, unless the first field has one of its listed meanings: then the frame is a question
-};
-
 /// How a queue treats the frames of a message (protocol text, section 5).
 struct Traffic {
     TrafficClass traffic_class = TrafficClass::bulk;
@@ -248,8 +237,6 @@ struct Message {
     std::uint16_t fixed_size = 0;      // bytes of DATA without the field of open length
     std::uint16_t element_size = 0;    // bytes of each element
     Traffic traffic{};
-    Acknowledged acknowledged = Acknowledged::no;
-    Controls controls = Controls::no;
     Variant variant{};    // no label: the base layout
     std::string_view name{};
     std::string_view title{};
@@ -257,17 +244,7 @@ struct Message {
 
     consteval Message(std::uint8_t id_, std::string_view name_, std::string_view title_, Traffic traffic_,
                       std::initializer_list<Field> list, Variant variant_ = {})
-        : Message{id_, name_, title_, traffic_, Acknowledged::no, Controls::no, list, variant_} {}
-
-    consteval Message(std::uint8_t id_, std::string_view name_, std::string_view title_, Traffic traffic_,
-                      Acknowledged acknowledged_, Controls controls_, std::initializer_list<Field> list, Variant variant_ = {})
-        : id{id_},
-          traffic{traffic_},
-          acknowledged{acknowledged_},
-          controls{controls_},
-          variant{variant_},
-          name{name_},
-          title{title_} {
+        : id{id_}, traffic{traffic_}, variant{variant_}, name{name_}, title{title_} {
         for (const Field& field : list) add(field);
         if (ends_in_list() && elements == 0) table_error::a_list_needs_elements_of_fixed_size();
     }

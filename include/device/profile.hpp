@@ -1,6 +1,7 @@
 // Where devices in the field differ from the protocol text: programs that talk to devices must handle all of this.
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/limits.hpp>
 #include <ano/time.hpp>
 #include <ano/values.hpp>
 
@@ -9,7 +10,7 @@
 
 namespace ano::device {
 
-inline constexpr std::size_t max_sent = 198;    // bytes of DATA: every parser in the field takes as many
+inline constexpr std::size_t max_sent = vendor_max_data;    // bytes of DATA: every parser in the field takes as many
 
 /// How a device differs from the protocol text. The defaults are the protocol text with its rulings.
 struct Profile {
@@ -34,8 +35,8 @@ struct Profile {
     static constexpr Profile vendor() noexcept {
         using std::chrono::milliseconds;
         Profile profile;
-        profile.max_data = 198;
-        profile.max_string = 29;
+        profile.max_data = vendor_max_data;
+        profile.max_string = vendor_max_text;
         profile.value_type_7 = ValueType7::u64;
         profile.acknowledges_unknown = true;
         profile.reads_behind_the_end = true;

@@ -65,35 +65,43 @@ struct TunnelCounters {
     std::uint64_t tunnel_send_failed{};
 };
 
+enum class Counts : std::uint8_t {
+    traffic,    // what passed, or damage
+    losses,     // what was refused before it was a frame of a channel
+    drops,      // whole frames that went no further
+};
+
 template <class Counters>
 struct CounterRow {
     std::string_view name;
     std::uint64_t Counters::*value;
     std::string_view help;
+    Counts counts = Counts::drops;
 };
 
 inline constexpr CounterRow<ReceiveCounters> receive_counters[] = {
-    {"frames_in", &ReceiveCounters::frames_in, "good frames received"},
-    {"bytes_in", &ReceiveCounters::bytes_in, "bytes received"},
-    {"bad_check", &ReceiveCounters::bad_check, "frames refused because a check byte does not hold"},
-    {"bad_length", &ReceiveCounters::bad_length, "frames refused because LEN is above max_data"},
-    {"skipped_bytes", &ReceiveCounters::skipped_bytes, "received bytes that belong to no good frame"},
-    {"expired", &ReceiveCounters::expired, "frames whose end never came"},
+    {"frames_in", &ReceiveCounters::frames_in, "good frames received", Counts::traffic},
+    {"bytes_in", &ReceiveCounters::bytes_in, "bytes received", Counts::traffic},
+    {"bad_check", &ReceiveCounters::bad_check, "frames refused because a check byte does not hold", Counts::traffic},
+    {"bad_length", &ReceiveCounters::bad_length, "frames refused because LEN is above max_data", Counts::traffic},
+    {"skipped_bytes", &ReceiveCounters::skipped_bytes, "received bytes that belong to no good frame", Counts::traffic},
+    {"expired", &ReceiveCounters::expired, "frames whose end never came", Counts::traffic},
     {"denied_in", &ReceiveCounters::denied_in, "received, refused by a filter or by allow"},
     {"inhibited", &ReceiveCounters::inhibited, "received, kept off by an inhibit switch"},
     {"looped", &ReceiveCounters::looped, "frames that went round and came back"},
     {"duplicate", &ReceiveCounters::duplicate, "copies that came by another link of the group already"},
     {"no_route", &ReceiveCounters::no_route, "good frames that had no taker"},
-    {"over_share", &ReceiveCounters::over_share, "datagrams dropped because their peer sent more than its share"},
-    {"suspended", &ReceiveCounters::suspended,
-     "frames refused for a second because their peer asked as a listening gateway does"},
+    {"over_share", &ReceiveCounters::over_share, "datagrams dropped because their peer sent more than its share", Counts::losses},
+    {"suspended", &ReceiveCounters::suspended, "frames refused for a second because their peer asked as a listening gateway does",
+     Counts::losses},
 };
 
 inline constexpr CounterRow<SendCounters> send_counters[] = {
-    {"frames_out", &SendCounters::frames_out, "frames sent"},
-    {"bytes_out", &SendCounters::bytes_out, "bytes of the frames sent"},
-    {"empty_out", &SendCounters::empty_out, "frames sent that have no DATA"},
-    {"flush_bytes", &SendCounters::flush_bytes, "zero bytes sent to a device that may wait inside a damaged frame"},
+    {"frames_out", &SendCounters::frames_out, "frames sent", Counts::traffic},
+    {"bytes_out", &SendCounters::bytes_out, "bytes of the frames sent", Counts::traffic},
+    {"empty_out", &SendCounters::empty_out, "frames sent that have no DATA", Counts::traffic},
+    {"flush_bytes", &SendCounters::flush_bytes, "zero bytes sent to a device that may wait inside a damaged frame",
+     Counts::traffic},
     {"superseded", &SendCounters::superseded, "replaced by a newer frame while waiting"},
     {"queue_full", &SendCounters::queue_full, "dropped because the queue was full"},
     {"stale", &SendCounters::stale, "dropped because they had waited too long"},
@@ -142,10 +150,15 @@ constexpr void add(ReceiveCounters& a, const ano::ParserCounters& b) noexcept {
     a.expired += b.expired;
 }
 
-/// Frames that were offered and neither left nor were dropped for a counted cause: those that wait.
-constexpr std::uint64_t unaccounted(const SendCounters& c) noexcept {
-    return c.offered - c.frames_out - c.superseded - c.queue_full - c.stale - c.limited - c.denied_out - c.link_down - c.too_big -
-           c.send_failed - c.held_back;
+constexpr std::uint64_t sum_of_losses(const auto& counters, const auto& table) noexcept {
+    std::uint64_t sum = 0;
+    for (const auto& row : table) sum += row.counts == Counts::traffic ? 0 : counters.*row.value;
+    return sum;
 }
+constexpr std::uint64_t losses(const ReceiveCounters& c) noexcept { return sum_of_losses(c, receive_counters); }
+constexpr std::uint64_t losses(const SendCounters& c) noexcept { return sum_of_losses(c, send_counters); }
+
+/// Frames that were offered and neither left nor were dropped: those that wait.
+constexpr std::uint64_t unaccounted(const SendCounters& c) noexcept { return c.offered - c.frames_out - losses(c); }
 
 }    // namespace anogate

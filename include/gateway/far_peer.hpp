@@ -1,6 +1,7 @@
 // Limits what is sent to a peer outside our networks before it has shown that it receives: a datagram of 8 bytes with a forged
 // source must not cause a stream to the owner of that address.
 #pragma once
+#include <ano/conversation.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 
@@ -47,10 +48,8 @@ public:
 
 private:
     struct Sent {
-        std::uint8_t id = 0;
-        ano::Checks checks{};
+        std::optional<ano::Answer> answer{};    // an acknowledgement
         TimePoint at{};
-        bool waits = false;    // an acknowledgement is expected
     };
 
     void roll(TimePoint now) noexcept;

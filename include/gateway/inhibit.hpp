@@ -1,19 +1,11 @@
 // A switch that blocks commands to the vehicle: which frames are commands, and from which links they are blocked.
 #pragma once
-#include <ano/control.hpp>
-#include <ano/frame.hpp>
 #include <gateway/ids.hpp>
 
 #include <cstddef>
 #include <vector>
 
 namespace anogate {
-
-using ano::is_control;
-
-/// Whether this is a tunnel frame that is forwarded unopened and may contain a control frame: one is inside, or the content can't
-/// be read (bytes that are not a whole good frame, another tunnel frame). False for every other frame.
-bool may_bring_control(ano::FrameView tunnel_frame) noexcept;
 
 /// Inhibit switches and the links they block. A switch is on until it is set off: one that can't be read is on.
 class Inhibit {

@@ -1,5 +1,6 @@
 // Shows every host to the devices of a link under one address, because some devices answer 0xFE only.
 #pragma once
+#include <ano/conversation.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 
@@ -63,7 +64,7 @@ private:
     };
 
     void remember(ano::FrameView sent, ano::FrameView original, ano::TimePoint now) noexcept;
-    const Question* asked(std::uint32_t key, std::uint8_t device, ano::TimePoint now) noexcept;
+    const Question* asked(ano::Answer answer, std::uint8_t device, ano::TimePoint now) noexcept;
     std::optional<std::uint8_t> updater(std::uint8_t device, ano::TimePoint now) const noexcept;
     bool reaches(std::uint8_t destination, std::uint8_t device) const noexcept {
         return destination == device || everybody_[destination];
@@ -78,9 +79,9 @@ private:
     std::uint64_t last_number_ = 0;
     std::size_t last_size_ = 0;    // of the frame in out_
 
-    // The questions from first_ to end_, each at its number modulo the capacity. The keys of their answers are stored apart, since
+    // The questions from first_ to end_, each at its number modulo the capacity. Their answers are stored apart, since
     // a search reads only these of the questions that do not match.
-    std::unique_ptr<std::uint32_t[]> keys_;
+    std::unique_ptr<ano::Answer[]> answers_;
     std::unique_ptr<Question[]> questions_;
     std::size_t first_ = 0, end_ = 0;
     std::unique_ptr<Session[]> sessions_;    // by the address that the firmware was sent to

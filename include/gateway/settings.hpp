@@ -4,6 +4,7 @@
 #include <ano/address.hpp>
 #include <ano/attitude.hpp>
 #include <ano/flexible.hpp>
+#include <ano/limits.hpp>
 #include <ano/time.hpp>
 #include <ano/values.hpp>
 #include <gateway/filter.hpp>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <any>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -37,9 +39,7 @@ enum class Profile : std::uint8_t {
 using ano::ValueType7;
 enum class TextEncoding : std::uint8_t { utf8, gbk };
 
-/// Maximum of DATA that a device of Profile::vendor takes, in bytes.
-inline constexpr std::uint16_t vendor_max_data = 198;
-/// The same of Profile::old.
+/// Maximum of DATA that a device of Profile::old takes, in bytes.
 inline constexpr std::uint16_t old_max_data = 60;
 
 /// The settings that only links of one kind have: a struct whose type only this kind knows.
@@ -114,7 +114,11 @@ struct LinkSettings {
     /// The effective values, with the defaults of the profile.
     std::uint16_t effective_max_data_out() const noexcept {
         if (max_data_out || profile == Profile::none) return max_data_out.value_or(max_data);
-        return std::min(max_data, profile == Profile::old ? old_max_data : vendor_max_data);
+        return std::min(max_data, profile == Profile::old ? old_max_data : ano::vendor_max_data);
+    }
+    /// The most bytes of a text that the devices there keep; std::nullopt: not known.
+    std::optional<std::size_t> max_text() const noexcept {
+        return profile == Profile::vendor ? std::optional{ano::vendor_max_text} : std::nullopt;
     }
     /// std::nullopt: neither the key nor the profile states it.
     std::optional<ValueType7> stated_type_7() const noexcept {

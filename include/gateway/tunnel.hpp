@@ -61,6 +61,10 @@ private:
     bool empty_;
 };
 
+/// Whether this is a tunnel frame that may contain a frame that `is_meant`: one is inside, or the content can't be read (bytes that are
+/// not a whole good frame, another tunnel frame). False for every other frame.
+bool may_contain(ano::FrameView frame, bool (*is_meant)(ano::FrameView inner)) noexcept;
+
 /// Makes one tunnel frame at a time in memory of its own. Allocates once.
 class TunnelWriter {
 public:

@@ -1,5 +1,6 @@
 // What ends a request (protocol text, section 3).
 #pragma once
+#include <ano/conversation.hpp>
 #include <ano/frame.hpp>
 
 #include <cstdint>
@@ -19,33 +20,28 @@ public:
     /// Whether `frame` is of the kind that ends the request, and does not: an acknowledgement of the right id with other check bytes, or a
     /// step of an upgrade that is no answer to this one.
     bool is_missed_by(FrameView frame) const noexcept;
-    /// Whether a frame with this id can end any request at all. Most frames of devices are sent without a request and can't.
-    static bool may_be_met_by(std::uint8_t id) noexcept;
-    bool is_acknowledgement() const noexcept { return kind_ == Kind::acknowledgement; }
+    bool is_acknowledgement() const noexcept { return answer_.is_acknowledgement(); }
     /// A write, a command or a step of an upgrade: a device gets one of these at a time.
-    bool is_alone() const noexcept { return kind_ == Kind::acknowledgement || kind_ >= Kind::firmware_info; }
+    bool is_alone() const noexcept { return is_acknowledgement() || kind_ != Kind::answer; }
 
     friend bool operator==(const Expectation&, const Expectation&) = default;
 
 private:
     enum class Kind : std::uint8_t {
-        acknowledgement,
-        device_info,
-        parameter_count,
-        parameter_value,
-        parameter_info,
-        command_count,
-        command_info,
-        waypoint_count,
-        waypoint,
+        answer,    // as in the table of conversations
         firmware_info,
         firmware_erase,
         firmware_frame,
         firmware_check,
     };
 
-    Expectation(FrameView request, Kind kind, std::uint16_t about = 0) noexcept
-        : asked_{request.destination()}, asker_{request.source()}, kind_{kind}, about_{about} {}
+    Expectation(FrameView request, Kind kind, Answer answer, std::uint16_t frame_num = 0) noexcept
+        : asked_{request.destination()},
+          asker_{request.source()},
+          id_{request.id()},
+          kind_{kind},
+          answer_{answer},
+          frame_num_{frame_num} {}
     static std::optional<Expectation> of_firmware(FrameView request) noexcept;
     bool is_for_it(FrameView frame) const noexcept;
     bool fits(FrameView frame) const noexcept;
@@ -53,9 +49,10 @@ private:
 
     std::uint8_t asked_;
     std::uint8_t asker_;
+    std::uint8_t id_;
     Kind kind_;
-    std::uint16_t about_;    // the number of a parameter, command, waypoint or frame; of an acknowledgement the id of the request
-    Checks checks_{};        // of an acknowledgement
+    Answer answer_;
+    std::uint16_t frame_num_;    // of a frame of the image
 };
 
 /// Whether a frame from `source` can be of the device that was asked at `asked`: a port id stands for any device behind the port. The

@@ -5,6 +5,7 @@
 //          upgrade.progress(), upgrade.bytes_a_second(now), upgrade.time_left(now), upgrade.repeats()
 #pragma once
 #include <ano/firmware_codes.hpp>
+#include <ano/limits.hpp>
 #include <host/firmware_image.hpp>
 #include <host/task.hpp>
 
@@ -18,9 +19,8 @@
 namespace ano::host {
 
 struct FirmwareOptions {
-    bool force = false;    // skips the check against the hardware that the device reports
-    std::size_t frame_len =
-        195;    // bytes of image in a frame: device parsers take 198 bytes of DATA; less where the line takes less
+    bool force = false;                             // skips the check against the hardware that the device reports
+    std::size_t frame_len = vendor_max_data - 3;    // bytes of image in a frame; less where the line takes less
     std::optional<DeviceInfo> info{};    // read earlier, for a device that was left in its loader and may not report it
 };
 

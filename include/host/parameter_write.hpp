@@ -17,7 +17,7 @@ namespace ano::host {
 
 struct WriteLimits {
     bool longer = false;                       // a text may be longer than the one that it replaces
-    std::optional<std::size_t> max_bytes{};    // of any text: 29 where the device has the vendor's parser
+    std::optional<std::size_t> max_bytes{};    // of any text: vendor_max_text where the device has the vendor's parser
     bool beyond_range = false;                 // a number may lie outside of the range that the device states for it
 };
 

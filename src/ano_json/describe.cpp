@@ -1,3 +1,4 @@
+#include <ano/conversation.hpp>
 #include <ano/messages.hpp>
 #include <ano_json/describe.hpp>
 
@@ -46,7 +47,7 @@ Json describe(const Message& row) {
     json["size"] = row.fixed_size;
     json["class"] = name_of(row.traffic.traffic_class);
     json["replaces"] = replaces[static_cast<std::size_t>(row.traffic.replaces)];
-    json["acknowledged"] = acknowledged[static_cast<std::size_t>(row.acknowledged)];
+    json["acknowledged"] = acknowledged[static_cast<std::size_t>(ano::acknowledged(row))];
     json["fields"] = fields_json(row.fields());
     for (const Field& f : row.element()) json["element"].push_back(field_json(f));
     return json;

@@ -1,3 +1,4 @@
+#include <ano_json/compact_json.hpp>
 #include <ano_json/escapes.hpp>
 #include <ano_json/text.hpp>
 
@@ -57,8 +58,6 @@ std::string with_escapes(std::string_view text) { return has_any(text, true) ? e
 
 std::string with_json_escapes(std::string json) { return has_any(json, false) ? escaped(json, false) : std::move(json); }
 
-std::string json_text(const nlohmann::ordered_json& json) {
-    return with_json_escapes(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-}
+std::string json_text(const nlohmann::ordered_json& json) { return with_json_escapes(compact_json(json)); }
 
 }    // namespace ano

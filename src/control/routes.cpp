@@ -155,8 +155,7 @@ void add_devices(http::Routes& routes, const std::shared_ptr<GatewayDevices>& de
 http::Response join_link(Gateway& gateway, const http::Request& request) {
     if (http::Response fault = http::web_socket_fault(request); fault.status != 200) return fault;
     ControlLink* const link = gateway.control();
-    return link ? link->join(request, gateway.settings().gateway.id)
-                : http::error(503, "all 64 links are in use: there is no place for the link 'control'");
+    return link ? link->join(request, gateway.settings().gateway.id) : http::error(503, no_control_link);
 }
 
 }    // namespace

@@ -148,7 +148,7 @@ http::Response send_request(Gateway& gateway, const http::Request& request) {
     if (const auto* wrong = std::get_if<std::string>(&read)) return http::error(400, *wrong);
     const ano::FrameView frame{std::get<FrameBytes>(read)};
     ControlLink* const link = gateway.control();
-    if (!link) return http::error(503, "all 64 links are in use: there is no place for the link 'control'");
+    if (!link) return http::error(503, no_control_link);
     if (const std::size_t most = ano::max_data_of(frame.id(), link->settings().max_data); frame.data().size() > most)
         return http::error(400, "the frame has more DATA than any link takes, " + std::to_string(most));
     Fate fate;

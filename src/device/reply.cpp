@@ -1,4 +1,4 @@
-#include <ano/control.hpp>
+#include <ano/conversation.hpp>
 #include <device/reply.hpp>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 #include <ano/hex.hpp>
+#include <ano_json/compact_json.hpp>
 #include <devices/calibration_work.hpp>
 #include <devices/device_json.hpp>
 #include <devices/unit_note.hpp>
@@ -137,7 +138,7 @@ private:
         WorkEnd end = end_of(*task.end(), texts());
         Json result{{"written_back", true}, {"kept", kept}};
         if (text != nullptr) result["values"] = note_json(*text).value("parameters", Json{});
-        end.result = result.dump(-1, ' ', false, Json::error_handler_t::replace);
+        end.result = ano::compact_json(result);
         end.error = "wrote back the old calibration values, because their calibration never ended: " + kept +
                     "; read back and equal, so " + name_ + " is removed";
         place().notes.forget(name_);
@@ -245,12 +246,11 @@ private:
         Json json = unit_json(place(), place().device.info());
         json["parameters"] = values_json(calibration_->old_values());
         json["bytes"] = bytes_json(calibration_->old_values());
-        place().notes.keep(note_, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
-                           [kept = kept_, &net = place().net](std::string fault) {
-                               kept->fault = std::move(fault);
-                               kept->is_done = true;
-                               net.wake(net.now());
-                           });
+        place().notes.keep(note_, ano::compact_json(json) + "\n", [kept = kept_, &net = place().net](std::string fault) {
+            kept->fault = std::move(fault);
+            kept->is_done = true;
+            net.wake(net.now());
+        });
     }
     void forget() {
         if (!note_.empty()) place().notes.forget(note_);

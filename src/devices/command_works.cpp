@@ -1,4 +1,5 @@
 #include <ano/hex.hpp>
+#include <ano_json/compact_json.hpp>
 #include <ano_json/text.hpp>
 #include <devices/command_works.hpp>
 #include <devices/device_json.hpp>
@@ -128,7 +129,7 @@ protected:
         Json whole = result;
         if (!change_.empty()) whole["note"] = change_;
         else if (ended.evidence.by_port) whole["note"] = ended.what;
-        end.result = whole.dump(-1, ' ', false, Json::error_handler_t::replace);
+        end.result = ano::compact_json(whole);
         finish(std::move(end));
     }
 

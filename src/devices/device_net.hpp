@@ -3,6 +3,7 @@
 #include <ano/flexible.hpp>
 #include <ano/flush.hpp>
 #include <ano/frame.hpp>
+#include <ano/limits.hpp>
 #include <ano/time.hpp>
 #include <ano/values.hpp>
 #include <ano_json/text.hpp>
@@ -39,7 +40,7 @@ struct DeviceManners {
     std::optional<ano::ValueType7> value_type_7{};    // as stated for the link; std::nullopt: by the device's descriptions
     std::optional<ano::Encoding> encoding{};          // of its texts; std::nullopt: found out from them
     bool expects_gbk = false;                         // its link has profile=vendor
-    std::size_t max_data = 198;                       // maximum bytes of DATA in a frame to it
+    std::size_t max_data = ano::vendor_max_data;      // maximum bytes of DATA in a frame to it
 };
 
 /// DeviceService calls it from its own functions. No function may call the service back directly, except that send() may lead to

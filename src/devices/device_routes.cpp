@@ -1,5 +1,6 @@
 #include <ano/address.hpp>
 #include <ano/hex.hpp>
+#include <ano_json/compact_json.hpp>
 #include <ano_json/json_line.hpp>
 #include <ano_json/lower_case.hpp>
 #include <ano_json/nearest.hpp>
@@ -109,7 +110,7 @@ Response scan_answer(DeviceService& service, const Request& request) {
         return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
     JobOrder order{JobKind::scan, Deed::read, std::nullopt, false, client_of(request), scan};
     order.requester = requester_of(request, false);
-    order.result = [&service] { return devices_list(service).dump(-1, ' ', false, Json::error_handler_t::replace); };
+    order.result = [&service] { return ano::compact_json(devices_list(service)); };
     const auto begun = service.begin(std::move(order), net.now());
     if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
     return answer_of(service, std::get<std::shared_ptr<Job>>(begun), request);

@@ -141,7 +141,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
 }
 
 void DeviceService::hear_elsewhere(ano::FrameView frame, const std::string& place) {
-    if (frame.destination() != own_ || !ano::host::Expectation::may_be_met_by(frame.id())) return;
+    if (frame.destination() != own_ || !ano::may_answer(frame.id())) return;
     for (const auto& job : jobs_)
         if (!job->is_over() && job->order.address == frame.source() && job->conflict.empty())
             job->conflict = "answers in the name of " + ano::hex_byte(frame.source()) + " came by " + place +

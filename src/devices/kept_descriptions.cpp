@@ -1,4 +1,5 @@
 #include <ano/hex.hpp>
+#include <ano_json/compact_json.hpp>
 #include <devices/kept_descriptions.hpp>
 #include <devices/unit_note.hpp>
 
@@ -67,7 +68,7 @@ std::string descriptions_text(const WorkPlace& place, const std::vector<Paramete
     json["format"] = format_of_descriptions;
     json["descriptions"] = RowJson::array();
     for (const ParameterInfo& info : all) json["descriptions"].push_back(row_json(info));
-    return json.dump(-1, ' ', false, RowJson::error_handler_t::replace) + "\n";
+    return ano::compact_json(json) + "\n";
 }
 
 std::optional<std::vector<ParameterInfo>> descriptions_in(const std::string& text, const WorkPlace& place,

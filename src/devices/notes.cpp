@@ -1,4 +1,5 @@
 #include <ano/hex.hpp>
+#include <ano_json/compact_json.hpp>
 #include <devices/calibration_work.hpp>
 #include <devices/device_json.hpp>
 #include <devices/notes.hpp>
@@ -46,8 +47,7 @@ void Notes::forget(const std::string& name) {
 bool is_loader_note(std::string_view name) { return is_unit_note_name(name, "firmware"); }
 
 void keep_loader_note(const WorkPlace& place, const std::optional<ano::host::DeviceInfo>& info) {
-    place.notes.keep(unit_note_name("firmware", place, info),
-                     unit_json(place, info).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
+    place.notes.keep(unit_note_name("firmware", place, info), ano::compact_json(unit_json(place, info)) + "\n",
                      [](const std::string&) {});
 }
 
@@ -66,8 +66,8 @@ bool is_type_7_note(std::string_view name) { return is_unit_note_name(name, "typ
 void keep_type_7(const WorkPlace& place, ano::ValueType7 seven) {
     Json note = unit_json(place, place.device.info());
     note["type7"] = text_of_type_7(seven);
-    place.notes.keep(unit_note_name("type7", place, place.device.info()),
-                     note.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", [](const std::string&) {});
+    place.notes.keep(unit_note_name("type7", place, place.device.info()), ano::compact_json(note) + "\n",
+                     [](const std::string&) {});
 }
 
 std::optional<ano::ValueType7> kept_type_7(const WorkPlace& place) {

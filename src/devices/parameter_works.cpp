@@ -1,3 +1,4 @@
+#include <ano_json/compact_json.hpp>
 #include <ano_json/text.hpp>
 #include <devices/calibration_work.hpp>
 #include <devices/device_json.hpp>
@@ -33,7 +34,7 @@ bool has_controls(std::string_view text) {
 }
 
 WorkEnd with_result(WorkEnd end, const Json& result) {
-    end.result = result.dump(-1, ' ', false, Json::error_handler_t::replace);
+    end.result = ano::compact_json(result);
     return end;
 }
 

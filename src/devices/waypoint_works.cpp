@@ -1,3 +1,4 @@
+#include <ano_json/compact_json.hpp>
 #include <devices/waypoint_works.hpp>
 #include <host/waypoints.hpp>
 
@@ -49,7 +50,7 @@ private:
         WorkEnd end = end_of(*task.end(), texts());
         Json result{{"written", put_->stored().size()}};
         if (!end.error.empty()) result["note"] = end.error;
-        end.result = result.dump(-1, ' ', false, Json::error_handler_t::replace);
+        end.result = ano::compact_json(result);
         finish(std::move(end));
     }
 

@@ -1,3 +1,4 @@
+#include <ano_json/compact_json.hpp>
 #include <ano_json/strict_json.hpp>
 #include <ano_json/text.hpp>
 #include <foxglove/foxglove_messages.hpp>
@@ -13,8 +14,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t max_question_id = 256;    // bytes
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::optional<std::uint32_t> number_in(const Json& json) {
     if (!json.is_number_unsigned()) return std::nullopt;
@@ -144,11 +143,11 @@ Said read(std::string_view text) {
 }
 
 std::string server_info(const ServerInfo& server) {
-    return text_of({{"op", "serverInfo"},
-                    {"name", server.name},
-                    {"capabilities", {"parameters", "parametersSubscribe"}},
-                    {"metadata", Json::object()},
-                    {"sessionId", server.session}});
+    return ano::compact_json(Json{{"op", "serverInfo"},
+                                  {"name", server.name},
+                                  {"capabilities", {"parameters", "parametersSubscribe"}},
+                                  {"metadata", Json::object()},
+                                  {"sessionId", server.session}});
 }
 
 std::string advertise(std::span<const Channel> channels) {
@@ -160,17 +159,17 @@ std::string advertise(std::span<const Channel> channels) {
                         {"schemaName", channel.schema_name},
                         {"schema", channel.schema},
                         {"schemaEncoding", channel.schema_encoding}});
-    return text_of({{"op", "advertise"}, {"channels", std::move(list)}});
+    return ano::compact_json(Json{{"op", "advertise"}, {"channels", std::move(list)}});
 }
 
 std::string unadvertise(std::span<const std::uint32_t> channels) {
     Json list = Json::array();
     for (const std::uint32_t channel : channels) list.push_back(channel);
-    return text_of({{"op", "unadvertise"}, {"channelIds", std::move(list)}});
+    return ano::compact_json(Json{{"op", "unadvertise"}, {"channelIds", std::move(list)}});
 }
 
 std::string status(Level level, std::string_view words) {
-    return text_of({{"op", "status"}, {"level", static_cast<unsigned>(level)}, {"message", words}});
+    return ano::compact_json(Json{{"op", "status"}, {"level", static_cast<unsigned>(level)}, {"message", words}});
 }
 
 std::string parameter_values(std::span<const Parameter> parameters, const std::optional<std::string>& id) {
@@ -182,7 +181,7 @@ std::string parameter_values(std::span<const Parameter> parameters, const std::o
     }
     Json json{{"op", "parameterValues"}, {"parameters", std::move(list)}};
     if (id) json["id"] = *id;
-    return text_of(json);
+    return ano::compact_json(json);
 }
 
 std::string message_data(std::uint32_t subscription, std::uint64_t time_ns, std::string_view payload) {

@@ -1,5 +1,7 @@
 #include <foxglove/parameter_book.hpp>
 
+#include <ano_json/compact_json.hpp>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -36,7 +38,7 @@ std::vector<foxglove::Parameter> ParameterBook::learn(const Job& job, const std:
         const Json value = told_value(row);
         std::string name = prefix + row["name"].get<std::string>();
         if (value.is_null() || (values_.size() >= max_values && !values_.contains(name))) return;
-        std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+        std::string text = ano::compact_json(value);
         values_.insert_or_assign(name, text);
         learned.push_back({std::move(name), std::move(text)});
     };

@@ -1,5 +1,5 @@
 #include <ano/address.hpp>
-#include <ano/control.hpp>
+#include <ano/conversation.hpp>
 #include <gateway/alias.hpp>
 
 #include <algorithm>

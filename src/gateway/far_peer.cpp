@@ -1,5 +1,5 @@
 #include <ano/address.hpp>
-#include <ano/control.hpp>
+#include <ano/conversation.hpp>
 #include <gateway/far_peer.hpp>
 
 namespace anogate {
@@ -9,9 +9,6 @@ namespace {
 constexpr std::uint8_t first_address = ano::address::last_port_id + 1, last_address = 199;
 
 bool is_user_address(std::uint8_t a) noexcept { return a >= first_address && a <= last_address; }
-
-// Protocol text, section 3: writes and actions are acknowledged, questions are not.
-bool is_acknowledged(ano::FrameView frame) noexcept { return ano::may_be_acknowledged(frame.id()) && ano::is_control(frame); }
 
 }    // namespace
 
@@ -45,8 +42,9 @@ std::optional<FarPeer::Question> FarPeer::question(const std::function<std::uint
 }
 
 void FarPeer::sent(ano::FrameView frame, TimePoint now) noexcept {
-    if (!is_acknowledged(frame)) return;
-    sent_[next_] = {frame.id(), frame.checks(), now, true};
+    const auto answer = ano::answer_to(frame);
+    if (!answer || !answer->is_acknowledgement()) return;
+    sent_[next_] = {*answer, now};
     next_ = (next_ + 1) % sent_.size();
 }
 
@@ -65,10 +63,10 @@ bool FarPeer::heard(ano::FrameView frame, TimePoint now) noexcept {
 }
 
 void FarPeer::acknowledges(ano::FrameView frame, TimePoint now) noexcept {
-    const auto data = frame.data();
-    if (data.size() < 3 || wrong_ >= max_wrong_acknowledgements) return;
+    const auto answer = ano::answer_in(frame);
+    if (!answer || wrong_ >= max_wrong_acknowledgements) return;
     for (const Sent& s : sent_)
-        if (s.waits && s.id == data[0] && s.checks == ano::Checks{data[1], data[2]} && now - s.at <= acknowledged_within) {
+        if (s.answer == answer && now - s.at <= acknowledged_within) {
             is_there_ = true;
             return;
         }

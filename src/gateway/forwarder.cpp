@@ -1,4 +1,5 @@
 #include <ano/address.hpp>
+#include <ano/conversation.hpp>
 #include <gateway/forwarder.hpp>
 #include <gateway/tunnel.hpp>
 
@@ -107,13 +108,14 @@ bool Forwarder::admit(Channel& from, ano::FrameView frame) {
     LinkEntry& link = entry(from.link);
     if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
     if (link.rules && !link.rules->takes(frame)) return drop(from, frame, &ReceiveCounters::denied_in), false;
-    if (inhibit_.links().contains(from.link) && is_control(frame)) return drop(from, frame, &ReceiveCounters::inhibited), false;
+    if (inhibit_.links().contains(from.link) && ano::is_control(frame))
+        return drop(from, frame, &ReceiveCounters::inhibited), false;
     return true;
 }
 
 // The content of a tunnel frame that is forwarded unopened is checked nowhere else.
 bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
-    if (!inhibit_.links().contains(from.link) || !may_bring_control(frame)) return true;
+    if (!inhibit_.links().contains(from.link) || !may_contain(frame, ano::is_control)) return true;
     drop(from, frame, &ReceiveCounters::inhibited);
     return false;
 }

@@ -7,28 +7,18 @@
 namespace anogate {
 namespace {
 
-// Counters that are no cause of dropping a whole frame.
-constexpr ReceiveCause not_dropped_in[] = {
-    &ReceiveCounters::frames_in,     &ReceiveCounters::bytes_in, &ReceiveCounters::bad_check,  &ReceiveCounters::bad_length,
-    &ReceiveCounters::skipped_bytes, &ReceiveCounters::expired,  &ReceiveCounters::over_share, &ReceiveCounters::suspended};
-constexpr SendCause not_dropped_out[] = {&SendCounters::frames_out, &SendCounters::bytes_out, &SendCounters::empty_out,
-                                         &SendCounters::flush_bytes};
-
-template <class Cause, std::size_t N>
-constexpr bool is_among(Cause cause, const Cause (&others)[N]) {
-    return std::find(std::begin(others), std::end(others), cause) != std::end(others);
+constexpr std::size_t drops_in(const auto& table) {
+    return static_cast<std::size_t>(
+        std::count_if(std::begin(table), std::end(table), [](const auto& row) { return row.counts == Counts::drops; }));
 }
 
-constexpr std::size_t count = 1 + std::size(receive_counters) - std::size(not_dropped_in) + std::size(send_counters) -
-                              std::size(not_dropped_out);
-
-constexpr std::array<std::string_view, count> names = [] {
-    std::array<std::string_view, count> all;
+constexpr auto names = [] {
+    std::array<std::string_view, 1 + drops_in(receive_counters) + drops_in(send_counters)> all;
     std::size_t n = 1;
     for (const auto& row : receive_counters)
-        if (!is_among(row.value, not_dropped_in)) all[n++] = row.name;
+        if (row.counts == Counts::drops) all[n++] = row.name;
     for (const auto& row : send_counters)
-        if (!is_among(row.value, not_dropped_out)) all[n++] = row.name;
+        if (row.counts == Counts::drops) all[n++] = row.name;
     return all;
 }();
 

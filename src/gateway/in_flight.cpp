@@ -74,6 +74,7 @@ void InFlight::dropped(ano::FrameView frame) noexcept {
 }
 
 bool InFlight::hear(ano::FrameView frame) noexcept {
+    if (!ano::may_answer(frame.id())) return false;
     Slot* slot = oldest(State::left, [&](const Slot& s) { return answers(frame, s.question); });
     if (slot) *slot = {};
     return slot != nullptr;

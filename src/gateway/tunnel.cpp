@@ -40,6 +40,17 @@ std::optional<ano::FrameView> InnerFrames::next() noexcept {
     return frame;
 }
 
+bool may_contain(ano::FrameView frame, bool (*is_meant)(ano::FrameView inner)) noexcept {
+    if (!is_tunnel_frame(frame)) return false;
+    const auto content = unwrap(frame, {});
+    if (!content) return true;
+    if (content->inner.empty()) return false;
+    InnerFrames frames{content->inner};
+    while (const auto inner = frames.next())
+        if (is_meant(*inner) || is_tunnel_frame(*inner)) return true;
+    return !frames.good();
+}
+
 void TunnelWriter::begin(std::uint8_t id, std::uint8_t source, std::uint8_t destination, std::size_t max_data) noexcept {
     ano::write_header({buffer_.get(), ano::header_size}, source, destination, id, 0);
     end_ = inner_at();

@@ -1,4 +1,4 @@
-#include <ano/address.hpp>
+#include <ano/conversation.hpp>
 #include <ano/typed.hpp>
 #include <host/air_guard.hpp>
 
@@ -7,16 +7,11 @@ namespace {
 
 constexpr std::uint8_t locked = 0;
 
-bool writes(FrameView frame) noexcept {
-    return frame.id() == id_of<"firmware"> || frame.id() == id_of<"parameter_value"> || frame.id() == id_of<"waypoint">;
-}
-
 }    // namespace
 
-// Frames with the same ids to a host are answers, not writes.
 void AirGuard::hear(FrameView frame, TimePoint now) noexcept {
     if (const auto mode = as<"mode">(frame)) devices_[frame.source()].in_the_air = mode->get<"sflag">() != locked;
-    if (!writes(frame) || address::is_host(frame.destination())) return;
+    if (!writes(frame)) return;
     const auto is_written = [&](DeviceState& device) {
         device.writer = frame.source();
         device.written_at = now;

@@ -1,3 +1,4 @@
+#include <ano/conversation.hpp>
 #include <ano/typed.hpp>
 #include <host/device.hpp>
 
@@ -19,10 +20,7 @@ bool is_command(const Exchange& exchange) noexcept { return exchange.frame().id(
 
 }    // namespace
 
-bool is_question_for_info(FrameView frame) noexcept {
-    const auto query = as<"parameter_command">(frame);
-    return query && query->get<"cmd">() == 0;
-}
+bool is_question_for_info(FrameView frame) noexcept { return answer_to(frame) == Answer{id_of<"device_info">, {}}; }
 
 bool Device::ask(const Request& request, Asker& asker) {
     Exchange exchange{request, own_, address_, &asker};
@@ -51,7 +49,7 @@ Taken Device::take(FrameView frame, TimePoint now) {
     const bool is_its_own = may_be_of(frame.source(), address_);
     if (!is_its_own && !(frame.id() == id_of<"check"> && address::is_port_id(frame.source()))) return Taken::nothing;
     if (is_its_own) hear(frame, now);
-    if (!Expectation::may_be_met_by(frame.id())) return Taken::nothing;
+    if (!may_answer(frame.id())) return Taken::nothing;
     const auto met = std::find_if(sent_.begin(), sent_.end(), [&](const Exchange& e) { return e.expects().is_met_by(frame); });
     if (met == sent_.end()) {
         const Taken taken = past(frame);
@@ -104,7 +102,7 @@ void Device::note_telemetry(FrameView frame, TimePoint now) noexcept {
     const bool was_heard_since = info_asked_at_ && heard_at_ && *heard_at_ > *info_asked_at_;
     if (frame.id() == id_of<"device_info"> && was_heard_since && now - *heard_at_ > max_pause) ++doubts_;
     const bool is_log = frame.id() == id_of<"log"> || frame.id() == id_of<"log_value">;
-    if (is_log || Expectation::may_be_met_by(frame.id())) return;
+    if (is_log || may_answer(frame.id())) return;
     const auto since = telemetry_at_ ? telemetry_at_ : heard_at_;    // how often it sends is not known at first
     if (interval_ ? pauses(now) : since && now - *since > max_pause) ++doubts_;
     if (telemetry_at_) {

@@ -10,8 +10,6 @@
 namespace anogate {
 namespace {
 
-constexpr Duration look_again = std::chrono::seconds{1};    // interfaces and routes change
-
 // Not in the list of kinds: it can't be configured as a link.
 constinit const LinkKind tunnel_kind{.name = "tunnel", .carries = Carries::datagrams, .listens = true};
 
@@ -106,10 +104,9 @@ void TunnelLink::delivered() {
 }
 
 void TunnelLink::refresh_networks(TimePoint now) {
-    if (looked_at_ != TimePoint{} && now - looked_at_ < look_again) return;
-    looked_at_ = now;
+    if (!seen_networks_.refresh(now)) return;
     last_way_.reset();
-    tunnel_.set_networks(own_networks());
+    tunnel_.set_networks(seen_networks_.all());
 }
 
 std::optional<IpAddress> TunnelLink::our_address(const IpAddress& there) {

@@ -54,8 +54,8 @@ private:
     Tunnel tunnel_;
     std::vector<Target> wrap_to_;
     TunnelCounters before_stranger_;
-    bool took_ = false;    // a frame of this datagram was accepted
-    TimePoint looked_at_{};
+    bool took_ = false;              // a frame of this datagram was accepted
+    OwnNetworks seen_networks_;      // its own, so that refresh_networks() notices each time that they are read
     std::optional<Way> last_way_;    // until refresh_networks() looks again
 };
 

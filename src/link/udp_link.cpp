@@ -18,7 +18,6 @@
 namespace anogate {
 namespace {
 
-constexpr Duration networks_age = std::chrono::seconds{5};
 constexpr Duration join_again = std::chrono::seconds{3};
 constexpr Duration join_slack = std::chrono::seconds{1};
 constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may recover without ever sending anything
@@ -203,12 +202,7 @@ bool UdpLink::own(const sockaddr_storage& sender, TimePoint now) {
     const Endpoint from = endpoint_of(sender);
     if (from.port != local_.port) return false;
     if (from.address == local_.address) return true;
-    if (!local_.address.is_any()) return false;
-    if (networks_.empty() || now - networks_read_at_ > networks_age) {
-        networks_ = own_networks();
-        networks_read_at_ = now;
-    }
-    return std::any_of(networks_.begin(), networks_.end(), [&](const Network& n) { return n.address == from.address; });
+    return local_.address.is_any() && networks_.have(from.address, now);
 }
 
 // Notices of a listening gateway are ignored: this link may be connected to one.

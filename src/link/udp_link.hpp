@@ -4,6 +4,7 @@
 #include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
+#include <link/own_networks.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
 #include <link/udp_settings.hpp>
@@ -62,8 +63,7 @@ private:
     SocketAddress to_;
     unsigned to_interface_ = 0;    // of the peer's address; 0: none
     Endpoint local_;
-    std::vector<Network> networks_;    // our own, to recognise our own datagrams that come back
-    TimePoint networks_read_at_{};
+    OwnNetworks networks_;    // to recognise our own datagrams that come back
     std::uint64_t refused_ = 0;
     LinkError trouble_;
     TimePoint trouble_at_{};

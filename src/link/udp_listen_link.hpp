@@ -7,6 +7,7 @@
 #include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
+#include <link/own_networks.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
 #include <link/udp_settings.hpp>
@@ -85,7 +86,6 @@ private:
     void say(const Endpoint& to, const std::optional<ListeningNotice>& notice);
     void forget(Peer& peer);
     void forget_overdue_peers();
-    bool is_near(const IpAddress& address, TimePoint now);
     bool take_reports();
     void expire(Peer& peer);
     void await_rest(Peer& peer);
@@ -110,13 +110,12 @@ private:
     PeerBook book_;
     std::function<std::uint64_t()> random_;
     ListenerCheck check_;
-    std::uint64_t gateways_ = 0;       // other gateways that sent here
-    std::uint64_t no_place_ = 0;       // datagrams of unknown senders refused: max_peers is reached
-    std::uint64_t no_memory_ = 0;      // the same: there is too little memory for a peer
-    std::uint64_t outsiders_ = 0;      // the same: they are outside `allow`
-    std::string last_gateway_;         // the last of them
-    std::vector<Network> networks_;    // of our interfaces
-    TimePoint networks_read_at_{};
+    std::uint64_t gateways_ = 0;     // other gateways that sent here
+    std::uint64_t no_place_ = 0;     // datagrams of unknown senders refused: max_peers is reached
+    std::uint64_t no_memory_ = 0;    // the same: there is too little memory for a peer
+    std::uint64_t outsiders_ = 0;    // the same: they are outside `allow`
+    std::string last_gateway_;       // the last of them
+    OwnNetworks networks_;
     std::function<bool()> take_reports_;
     Endpoint local_;
 };

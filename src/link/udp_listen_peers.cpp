@@ -9,7 +9,6 @@
 namespace anogate {
 namespace {
 
-constexpr Duration networks_kept = std::chrono::seconds{1};    // an unknown network makes us look again at most this often
 constexpr Duration read_first = std::chrono::seconds{1};
 
 }    // namespace
@@ -89,7 +88,7 @@ void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
 
 // A peer needs about 100 KB, so there may be no memory for it.
 UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now, PeerBook::Rank rank) {
-    const bool near = is_near(endpoint.address, now), far = is_far(endpoint.address, now);
+    const bool near = networks_.contain(endpoint.address, now), far = is_far(endpoint.address, now);
     Channel* channel = context_.host.open_channel(*this, endpoint.text());
     if (!channel) return nullptr;
     try {
@@ -109,12 +108,10 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
 
 // Neither our own socket nor another of our links can be a peer.
 bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
-    const bool near = is_near(sender.address, now);    // updates networks_ if necessary
-    if (!anogate::can_be_peer(sender, networks_)) return false;
+    const bool near = networks_.contain(sender.address, now);
+    if (!anogate::can_be_peer(sender, networks_.all())) return false;
     if (!near || !context_.host.is_own_port(sender.port)) return true;
-    return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
-        return network.address == sender.address;
-    });
+    return !sender.address.is_loopback() && !networks_.have(sender.address, now);
 }
 
 PeerBook::Rank UdpListenLink::rank_of(const Endpoint& endpoint, bool commands) const {
@@ -124,22 +121,13 @@ PeerBook::Rank UdpListenLink::rank_of(const Endpoint& endpoint, bool commands) c
 
 bool UdpListenLink::is_far(const IpAddress& address, TimePoint now) {
     const UdpListenSettings& udp = settings().as<UdpListenSettings>();
-    return !joins_gateways() && !udp.trusted_any && !contains(udp.trusted, address) && !is_near(address, now);
+    return !joins_gateways() && !udp.trusted_any && !contains(udp.trusted, address) && !networks_.contain(address, now);
 }
 
 bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
     const UdpListenSettings& udp = settings().as<UdpListenSettings>();
     if (udp.allow_any || contains(udp.allow, sender.address)) return true;
-    return udp.allow.empty() && is_near(sender.address, now);
-}
-
-bool UdpListenLink::is_near(const IpAddress& address, TimePoint now) {
-    if (contains(networks_, address)) return true;
-    // Our networks may have changed since we opened.
-    if (networks_read_at_ != TimePoint{} && now - networks_read_at_ < networks_kept) return false;
-    networks_read_at_ = now;
-    networks_ = own_networks();
-    return contains(networks_, address);
+    return udp.allow.empty() && networks_.contain(sender.address, now);
 }
 
 // `commands` becomes true when it holds a command of a host.

@@ -1,5 +1,5 @@
 #include <ano/address.hpp>
-#include <ano/control.hpp>
+#include <ano/conversation.hpp>
 #include <ano/hex.hpp>
 #include <ano/typed.hpp>
 #include <managed/gateway_device.hpp>

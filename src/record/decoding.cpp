@@ -1,3 +1,4 @@
+#include <ano_json/compact_json.hpp>
 #include <ano_json/flexible_json.hpp>
 #include <ano_json/strict_json.hpp>
 #include <gateway/settings.hpp>
@@ -36,7 +37,7 @@ std::string Decoding::text() const {
     for (const auto& [link, texts] : texts_)
         for (const auto& [one, word] : words_of_texts)
             if (one == texts) json["encoding"][link] = word;
-    return json.dump(-1, ' ', false, ano::Json::error_handler_t::replace);
+    return ano::compact_json(json);
 }
 
 DecodingPtr Decoding::parse(std::string_view text) {

@@ -1,3 +1,4 @@
+#include <ano_json/compact_json.hpp>
 #include <ano_json/strict_json.hpp>
 #include <record/recording_counts.hpp>
 
@@ -116,7 +117,7 @@ std::string RecordingCounts::json() const {
     for (const auto& [name, link] : links) json["links"].push_back(json_of(name, link));
     for (std::size_t id = 0; id < messages.size(); ++id)
         if (messages[id].frames > 0) json["messages"].push_back(json_of(id, messages[id]));
-    return json.dump(-1, ' ', false, CountsJson::error_handler_t::replace);
+    return ano::compact_json(json);
 }
 
 std::optional<RecordingCounts> RecordingCounts::of_json(std::string_view text) try {

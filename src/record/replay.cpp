@@ -1,7 +1,7 @@
 #include <record/replay.hpp>
 
 #include <ano/address.hpp>
-#include <ano/control.hpp>
+#include <ano/conversation.hpp>
 #include <gateway/tunnel.hpp>
 
 #include <algorithm>
@@ -30,15 +30,8 @@ std::string seconds_text(ano::Duration time) {
     return text + " s";
 }
 
-// A tunnel frame that can't be read may contain anything.
-bool may_hide_a_risk(ano::FrameView tunnel_frame) noexcept {
-    const auto content = unwrap(tunnel_frame, {});
-    if (!content) return true;
-    if (content->inner.empty()) return false;
-    InnerFrames frames{content->inner};
-    while (const auto inner = frames.next())
-        if (ano::address::is_host(inner->source()) || ano::is_control(*inner) || is_tunnel_frame(*inner)) return true;
-    return !frames.good();
+bool is_of_host_or_control(ano::FrameView frame) noexcept {
+    return ano::address::is_host(frame.source()) || ano::is_control(frame);
 }
 
 }    // namespace
@@ -46,7 +39,7 @@ bool may_hide_a_risk(ano::FrameView tunnel_frame) noexcept {
 Risk risk_of(ano::FrameView frame) noexcept {
     if (ano::address::is_host(frame.source())) return Risk::of_host;
     if (ano::is_control(frame)) return Risk::command;
-    return is_tunnel_frame(frame) && may_hide_a_risk(frame) ? Risk::tunnel : Risk::none;
+    return may_contain(frame, is_of_host_or_control) ? Risk::tunnel : Risk::none;
 }
 
 ano::Duration ReplayClock::elapsed(const RecordedFrame& frame) noexcept {

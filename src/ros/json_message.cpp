@@ -1,4 +1,5 @@
 #include <ano/messages.hpp>
+#include <ano_json/compact_json.hpp>
 #include <ano_json/json_writer.hpp>
 #include <ros/field_comment.hpp>
 #include <ros/json_message.hpp>
@@ -44,8 +45,6 @@ void add_field(const ano::Field& f, std::span<const ano::Field> element, Json& p
     if (f.type == ano::Type::frames) properties["data"] = {{"type", "string"}, {"description", "hex; what is no whole frame"}};
 }
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 Json schema_called(std::string_view name, std::string_view title) {
     Json schema{{"title", name}, {"description", title}};
     schema.update(object_schema());
@@ -58,14 +57,14 @@ std::string json_schema_of(std::span<const ano::Message> layouts) {
     Json schema = schema_called(layouts.front().name, layouts.front().title);
     for (const ano::Message& row : layouts)
         for (const ano::Field& f : row.fields()) add_field(f, row.element(), schema["properties"]);
-    return text_of(schema);
+    return ano::compact_json(schema);
 }
 
 std::string json_schema_of(const ano::FlexibleLayout& layout) {
     const ano::Message& base = *ano::find_message(layout.id());
     Json schema = schema_called(base.name, base.title);
     for (const ano::Field& f : layout.fields()) add_field(f, {}, schema["properties"]);
-    return text_of(schema);
+    return ano::compact_json(schema);
 }
 
 void write_json_message(const ano::Reading& reading, const ano::JsonOptions& options, std::string& out) {

@@ -1,4 +1,5 @@
 #include <ano/wire.hpp>
+#include <ano_json/compact_json.hpp>
 #include <ano_json/frame_json.hpp>
 #include <ano_json/json_writer.hpp>
 #include <ros/ros_json.hpp>
@@ -131,8 +132,6 @@ void write_ros_json(const RosMessage& message, std::span<const ano::Value> value
     RosJson{values, out}.write(message);
 }
 
-std::string ros_json_schema(const RosMessage& message) {
-    return ros_schema(message).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string ros_json_schema(const RosMessage& message) { return ano::compact_json(ros_schema(message)); }
 
 }    // namespace anogate

@@ -8,9 +8,13 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace anogate {
+
+/// Why Gateway::control() has none.
+inline constexpr std::string_view no_control_link = "all 64 links are in use: there is no place for the link 'control'";
 
 class LinkSocket;
 

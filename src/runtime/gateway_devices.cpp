@@ -1,5 +1,4 @@
 #include <ano/address.hpp>
-#include <ano/control.hpp>
 #include <ano/conversation.hpp>
 #include <ano/hex.hpp>
 #include <ano/reading.hpp>
@@ -35,9 +34,6 @@
 
 namespace anogate {
 namespace {
-
-// The number of bytes that the profile's parser has for a text.
-constexpr std::size_t vendor_text = 29;
 
 constexpr std::size_t max_note = 64 * 1024;
 constexpr std::string_view unfinished = ".new";    // keep_file()
@@ -219,7 +215,7 @@ bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
 
 std::string GatewayDevices::send(ano::FrameView frame) {
     ControlLink* const link = gateway_.control();
-    if (!link) return "all 64 links are in use: there is no place for the link 'control'";
+    if (!link) return std::string{no_control_link};
     if (frame.destination() == gateway_.settings().gateway.id) {
         if (!is_device(gateway_.settings().gateway)) return ano::hex_byte(frame.destination()) + " is the gateway itself";
         if (ano::is_control(frame) && !gateway_.settings().control.manage)
@@ -405,7 +401,8 @@ DeviceManners GatewayDevices::manners(std::uint8_t address) {
     for (const LinkState& state : gateway_.links()) {
         if (!links.contains(state.link->id())) continue;
         const LinkSettings& link = state.link->settings();
-        if (link.profile == Profile::vendor) manners.text.max_bytes = vendor_text, manners.expects_gbk = true;
+        if (const auto most = link.max_text()) manners.text.max_bytes = most;
+        manners.expects_gbk = manners.expects_gbk || link.profile == Profile::vendor;
         if (const auto stated = link.stated_type_7()) manners.value_type_7 = stated;
         if (link.encoding) manners.encoding = encoding_of(*link.encoding);
         manners.max_data = std::min<std::size_t>(manners.max_data, link.effective_max_data_out());

@@ -23,19 +23,6 @@ constexpr GatewayDevice::Link link_of_ourselves = ano::device::every_link - 1;
 
 constexpr std::size_t max_waiting_saves = 8;
 
-std::uint64_t dropped_of(const LinkFigures& figures) {
-    std::uint64_t dropped = 0;
-    for (const auto& row : send_counters)
-        if (row.value != &SendCounters::frames_out && row.value != &SendCounters::bytes_out &&
-            row.value != &SendCounters::empty_out && row.value != &SendCounters::flush_bytes)
-            dropped += figures.sent.*row.value;
-    for (const ReceiveCause cause :
-         {&ReceiveCounters::denied_in, &ReceiveCounters::inhibited, &ReceiveCounters::looped, &ReceiveCounters::duplicate,
-          &ReceiveCounters::no_route, &ReceiveCounters::over_share, &ReceiveCounters::suspended})
-        dropped += figures.received.*cause;
-    return dropped;
-}
-
 }    // namespace
 
 OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, WrittenValues kept)
@@ -247,7 +234,8 @@ std::vector<LinkSummary> OwnDevice::summaries() {
             const auto is = state.up           ? LinkSummary::State::up
                             : settings.enabled ? LinkSummary::State::waiting
                                                : LinkSummary::State::disabled;
-            all.push_back({is, figures.received.frames_in, figures.sent.frames_out, dropped_of(figures)});
+            all.push_back(
+                {is, figures.received.frames_in, figures.sent.frames_out, losses(figures.received) + losses(figures.sent)});
         }
     return all;
 }

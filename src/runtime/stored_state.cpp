@@ -1,4 +1,5 @@
 #include <ano/hex.hpp>
+#include <ano_json/compact_json.hpp>
 #include <ano_json/strict_json.hpp>
 #include <link/ip_socket.hpp>
 #include <runtime/gateway.hpp>
@@ -161,8 +162,7 @@ std::string text_of(const StoredState& state) {
     for (const StoredState::OfLink& link : state.links) links.push_back(json_of(link));
     const nlohmann::json unread_since{nanoseconds(state.unread_since.now), nanoseconds(state.unread_since.boot),
                                       nanoseconds(state.unread_since.real)};
-    return nlohmann::json{{"format", format}, {"unread_since", unread_since}, {"links", std::move(links)}}.dump(
-        -1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return ano::compact_json(nlohmann::json{{"format", format}, {"unread_since", unread_since}, {"links", std::move(links)}});
 }
 
 std::optional<StoredState> parse_stored_state(std::string_view text, const ClockReading& now) try {

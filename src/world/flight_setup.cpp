@@ -48,7 +48,7 @@ void FlightController::add_own_parameters() {
     add("SIM_P_ATTITUDE", settings_.gains.attitude, "1/s", 3.0f, 10.0f);
     add("SIM_P_RATE", settings_.gains.rate, "1/s", 10.0f, 25.0f);
     parameters.add("SIM_BORN", other_.born, {.info = "seconds since 1970", .min = {}, .max = {}});
-    parameters.add("SIM_NOTE", other_.note, {.info = "anything", .max_size = 29});
+    parameters.add("SIM_NOTE", other_.note, {.info = "anything", .max_size = vendor_max_text});
     Parameter serial{.name = "SIM_SERIAL", .type = Type::u64, .initial = other_.serial, .info = "can't be written"};
     serial.get = [this] { return Value{other_.serial}; };
     parameters.add(serial);

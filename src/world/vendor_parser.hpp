@@ -1,6 +1,7 @@
 // The parser of the vendor's device libraries, which other devices in the field copied.
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/limits.hpp>
 #include <ano/wire.hpp>
 
 #include <cstddef>
@@ -14,7 +15,7 @@ namespace ano::world {
 class VendorParser {
 public:
     /// A header whose LEN is above `max_data` is skipped.
-    explicit VendorParser(std::size_t max_data = 198) : max_data_{max_data} {}
+    explicit VendorParser(std::size_t max_data = vendor_max_data) : max_data_{max_data} {}
 
     /// Calls `take` with each good frame; it is valid during the call.
     template <class Take>

@@ -1,5 +1,5 @@
 // A device, whatever it hears: it answers a frame at most once, and what it acknowledges it has stored, or the nearest that it may.
-#include <ano/control.hpp>
+#include <ano/conversation.hpp>
 #include <ano/reading.hpp>
 #include <ano/wire.hpp>
 #include <device/device.hpp>

@@ -147,7 +147,7 @@ FramePrinter::FramePrinter(Streams& streams, const FrameOptions& options)
 
 void FramePrinter::use(const anogate::DecodingPtr& decoding) {
     decoding_ = decoding;
-    if (finds_layouts_) layouts_ = FlexibleLayouts{decoding->flexible()};
+    if (finds_layouts_) options_.flexible = &decoding->layouts();
 }
 
 void FramePrinter::print(FrameView frame, const Passage& passage) {
@@ -189,7 +189,7 @@ void FramePrinter::print(const Passage& passage, std::ostream& out) const {
 
 // 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: `encode` accepts the part after the id.
 void FramePrinter::plain(FrameView frame, const Json& json) {
-    const Reading reading = read(frame, &layouts_);
+    const Reading reading = read(frame, &layouts());
     streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id()) << ' '
                  << json.value("name", "-");
     if (json.contains("fields"))
@@ -201,7 +201,7 @@ void FramePrinter::plain(FrameView frame, const Json& json) {
 }
 
 void FramePrinter::columns(FrameView frame, const Json& json, std::ostream& out) const {
-    const Reading reading = read(frame, &layouts_);
+    const Reading reading = read(frame, &layouts());
     const auto who = [](std::uint8_t a) { return hex_byte(a) + " " + std::string{address::who(a)}; };
     out << padded(who(frame.source()), 22) << " → " << padded(who(frame.destination()), 22) << ' '
         << colored(dim, hex_byte(frame.id())) << ' ' << colored(cyan, padded(json.value("name", "-"), 18));
@@ -218,7 +218,7 @@ void FramePrinter::columns(FrameView frame, const Json& json, std::ostream& out)
     }
     for (const char* key : {"extra", "data"})
         if (json.contains(key)) out << ' ' << colored(dim, key) << ' ' << json[key].get<std::string>();
-    const std::string wrong = undecoded(frame, layouts_);
+    const std::string wrong = undecoded(frame, layouts());
     if (!wrong.empty()) out << ' ' << colored(red, wrong);
 }
 

@@ -47,7 +47,7 @@ public:
     void print(ano::FrameView frame, const Passage& passage = {});
     /// The frames that follow are decoded with this, except for what the options state.
     void use(const anogate::DecodingPtr& decoding);
-    const ano::FlexibleLayouts& layouts() const noexcept { return layouts_; }
+    const ano::FlexibleLayouts& layouts() const noexcept { return *options_.flexible; }
 
 private:
     void print(const Passage& passage, std::ostream& out) const;
@@ -57,7 +57,7 @@ private:
 
     Streams& streams_;
     bool json_;
-    ano::FlexibleLayouts layouts_;
+    ano::FlexibleLayouts layouts_;    // of the options
     ano::JsonOptions options_;
     bool finds_encoding_;    // none was given
     bool finds_layouts_;     // the same

@@ -18,11 +18,11 @@ using ano::Json;
 
 constexpr std::size_t line_width = 80;
 
-template <class Rows>
-std::vector<std::string> names_of(const Rows& rows, std::initializer_list<std::string_view> but) {
+template <class Rows, class Wanted>
+std::vector<std::string> names_of(const Rows& rows, Wanted is_wanted) {
     std::vector<std::string> names;
     for (const auto& row : rows)
-        if (std::find(but.begin(), but.end(), row.name) == but.end()) names.emplace_back(row.name);
+        if (is_wanted(row)) names.emplace_back(row.name);
     return names;
 }
 
@@ -126,7 +126,8 @@ std::string list_text(const std::string& head, const std::vector<std::string>& i
 }
 
 const std::vector<std::string>& drop_causes() {
-    static const auto names = names_of(anogate::send_counters, {"frames_out", "bytes_out", "empty_out", "flush_bytes"});
+    static const auto names = names_of(anogate::send_counters,
+                                       [](const auto& row) { return row.counts != anogate::Counts::traffic; });
     return names;
 }
 const std::vector<std::string>& counts_of_kinds() {
@@ -147,11 +148,11 @@ const std::vector<std::string>& counts_of_kinds() {
     return names;
 }
 const std::vector<std::string>& causes_in() {
-    static const auto names = names_of(anogate::receive_counters, {"frames_in"});
+    static const auto names = names_of(anogate::receive_counters, [](const auto& row) { return row.name != "frames_in"; });
     return names;
 }
 const std::vector<std::string>& causes_out() {
-    static const auto names = names_of(anogate::send_counters, {"frames_out"});
+    static const auto names = names_of(anogate::send_counters, [](const auto& row) { return row.name != "frames_out"; });
     return names;
 }
 

@@ -1,5 +1,6 @@
 #include "reference.hpp"
 
+#include <ano/conversation.hpp>
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
 #include <ano_json/text.hpp>
@@ -62,8 +63,8 @@ void write_layout(std::ostream& out, const Message& row) {
     if (row.is_base() && row.variant.length != 0) out << " The base layout";
     out << taken_for(row);
     if (!row.is_base() || row.variant.length != 0) out << '.';
-    if (row.acknowledged == Acknowledged::yes) out << " Acknowledged.";
-    if (row.acknowledged == Acknowledged::as_write) out << " Acknowledged as a write; not as the answer to a read.";
+    if (acknowledged(row) == Acknowledged::yes) out << " Acknowledged.";
+    if (acknowledged(row) == Acknowledged::as_write) out << " Acknowledged as a write; not as the answer to a read.";
     if (row.fields().empty()) {
         out << " The layout comes from the configuration.\n";
         return;

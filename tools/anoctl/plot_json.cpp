@@ -1,7 +1,7 @@
 #include "plot_json.hpp"
 
 #include <ano/hex.hpp>
-
+#include <ano_json/compact_json.hpp>
 #include <nlohmann/json.hpp>
 
 #include <utility>
@@ -28,8 +28,6 @@ Json numbers_of(const Json& value) {
     return has_any ? kept : Json{};
 }
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 }    // namespace
 
 std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options,
@@ -43,20 +41,21 @@ std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link
     Json plot{{"timestamp", time}};
     Json& place = plot[link == "timestamp" ? "link timestamp" : link][ano::hex_byte(frame.source())][name];
     place = Json::object();
-    const std::size_t around = text_of(plot).size();
+    const std::size_t around = ano::compact_json(plot).size();
     std::vector<std::string> objects;
     std::size_t size = around;
     for (auto field = numbers.begin(); field != numbers.end(); ++field) {
-        const std::size_t more = text_of(Json{{field.key(), field.value()}}).size() - 1;    // a brace is replaced by a comma
+        const std::size_t more = ano::compact_json(Json{{field.key(), field.value()}}).size() -
+                                 1;    // a brace is replaced by a comma
         if (size + more > max_bytes && !place.empty()) {
-            objects.push_back(text_of(plot));
+            objects.push_back(ano::compact_json(plot));
             place = Json::object();
             size = around;
         }
         place[field.key()] = std::move(field.value());
         size += more;
     }
-    objects.push_back(text_of(plot));
+    objects.push_back(ano::compact_json(plot));
     return objects;
 }
 

@@ -9,6 +9,7 @@
 #include "table.hpp"
 #include "watch.hpp"
 
+#include <ano_json/compact_json.hpp>
 #include <ano_json/text.hpp>
 #include <link/clocks.hpp>
 #include <record/recording_writer.hpp>
@@ -217,12 +218,11 @@ private:
         const double seconds = recorder.seconds();
         if (json) {
             std::ostream& out = file == "-" ? streams.err : streams.out;
-            out << ano::Json{{"file", file},
-                             {"frames", recorder.frames},
-                             {"bytes", output.size()},
-                             {"seconds", std::round(seconds * 1000) / 1000},
-                             {"lost", recorder.lost}}
-                       .dump(-1, ' ', false, ano::Json::error_handler_t::replace)
+            out << ano::compact_json(ano::Json{{"file", file},
+                                               {"frames", recorder.frames},
+                                               {"bytes", output.size()},
+                                               {"seconds", std::round(seconds * 1000) / 1000},
+                                               {"lost", recorder.lost}})
                 << '\n';
             return;
         }

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <ano/conversation.hpp>
 #include <ano/messages.hpp>
 #include <ano/traffic.hpp>
 
@@ -124,8 +125,8 @@ TEST(Messages, say_what_values_mean) {
 TEST(Messages, tell_which_are_acknowledged) {
     std::map<std::string, Acknowledged> told;
     for (const Message& row : messages)
-        if (row.acknowledged != Acknowledged::no)
-            told[std::string{row.name} + "/" + std::string{row.variant.label}] = row.acknowledged;
+        if (acknowledged(row) != Acknowledged::no)
+            told[std::string{row.name} + "/" + std::string{row.variant.label}] = acknowledged(row);
     const std::map<std::string, Acknowledged> expected{{"waypoint/", Acknowledged::as_write},
                                                        {"command/", Acknowledged::yes},
                                                        {"parameter_command/action", Acknowledged::yes},

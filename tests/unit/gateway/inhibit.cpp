@@ -1,4 +1,6 @@
+#include <ano/conversation.hpp>
 #include <gateway/inhibit.hpp>
+#include <gateway/tunnel.hpp>
 #include <support/bytes.hpp>
 
 #include <gtest/gtest.h>
@@ -15,13 +17,13 @@ namespace {
 
 bool control(std::uint8_t id, const Bytes& data = {}) {
     const Bytes bytes = support::frame(0xFE, 0xDC, id, data);
-    return is_control(ano::FrameView{bytes});
+    return ano::is_control(ano::FrameView{bytes});
 }
 
 Bytes tunnel(const Bytes& inner, std::uint8_t id = 0xB1) {
     return support::frame(0xFE, 0xE6, id, Bytes(id == 0xB1 ? 10 : 4) + inner);
 }
-bool brings(const Bytes& bytes) { return may_bring_control(ano::FrameView{bytes}); }
+bool brings(const Bytes& bytes) { return may_contain(ano::FrameView{bytes}, ano::is_control); }
 
 const Bytes command = support::frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
 const Bytes attitude = support::frame(0xDC, 0xFE, 0x03, Bytes(7));

@@ -31,11 +31,9 @@ using anogate::error_code;
 
 constexpr auto time_to_open = std::chrono::seconds{5};    // for the link to open, before a request fails
 
-// The parser of that profile limits the bytes of a text.
 anogate::DeviceManners manners_of(const anogate::LinkSettings& settings) {
-    constexpr std::size_t vendor_text = 29;
     anogate::DeviceManners manners;
-    if (settings.profile == anogate::Profile::vendor) manners.text.max_bytes = vendor_text;
+    manners.text.max_bytes = settings.max_text();
     manners.expects_gbk = settings.profile == anogate::Profile::vendor;
     manners.value_type_7 = settings.stated_type_7();
     if (settings.encoding)

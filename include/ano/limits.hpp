@@ -1,0 +1,13 @@
+// Limits of the vendor's newest device library, which other devices in the field copied (protocol text, section 1).
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace ano {
+
+/// The most bytes of DATA that its parser takes.
+inline constexpr std::uint16_t vendor_max_data = 198;
+/// The most bytes of a text parameter that it keeps.
+inline constexpr std::size_t vendor_max_text = 29;
+
+}    // namespace ano
