@@ -63,7 +63,7 @@ system='sys/[a-z]+\.h[>"]|netinet/|arpa/|net/|linux/|termios|unistd|fcntl'
 forbid "$third_party|$system" include/ano src/ano include/device src/device include/host src/host
 forbid "boost/|spdlog/|CLI/|gpiod|$system" src/world src/ano_json src/ros src/record src/config src/devices src/managed
 forbid "boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
-forbid "CLI/|spdlog/" src/link src/sys tools/anoctl/*.hpp
+forbid "CLI/|spdlog/" src/link src/sys tools/anoctl/*.hpp tools/anoctl/*/*.hpp
 forbid "nlohmann/|CLI/|spdlog/" src/http
 forbid "boost/beast" --include='*.hpp' src/http
 
@@ -72,17 +72,17 @@ no_more_of() {
     if grep -rnE '^ *# *include *[<"]http/' "$1" | grep -vE "<http/($2)\.hpp>"; then bad=1; fi
 }
 no_more_of src/devices 'large_body|places|producer|request|response|routes|web_socket'
-no_more_of tools/anoctl 'answer|asio|certificate|client|producer|request|response|routes|socket_path|web_socket'    # the client's side
+no_more_of tools/anoctl 'answer|asio|client/certificate|client/client|producer|request|response|routes|socket_path|web_socket'    # the client's side
 no_more_of src/gpio 'response'
 
 # only_in FILES INCLUDE: no other file has such an #include; FILES is a pattern.
 only_in() {
     if grep -rlE "^ *# *include *<($2)" include src tools tests --include='*.?pp' | grep -vxE "$1"; then bad=1; fi
 }
-forbid "sys/asio\.hpp" src/link/*.hpp    # asio_fwd.hpp: otherwise everybody who knows a link would compile it
+forbid "sys/asio\.hpp" src/link/*.hpp src/link/*/*.hpp    # asio_fwd.hpp: otherwise everybody who knows a link would compile it
 only_in 'src/(sys|http)/asio(_ssl)?\.hpp' 'boost/asio'
-only_in 'src/http/(tls|certificate)\.cpp' 'openssl/|http/asio_ssl'
-only_in 'src/http/[a-z_]+\.cpp' 'boost/beast'
+only_in 'src/http/(tls|client/certificate)\.cpp' 'openssl/|http/asio_ssl'
+only_in 'src/http/[a-z_/]+\.cpp' 'boost/beast'
 only_in 'src/gpio/gpio_line\.cpp' 'gpiod'
 only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'
 only_in 'src/record/zstd\.cpp' 'zstd\.h'

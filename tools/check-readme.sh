@@ -22,14 +22,14 @@ explained_in() {
     ((count)) || fault "no names were found that $* should explain"
 }
 hints() {
-    { cat src/gateway/hints.cpp include/gateway/hints.hpp; grep -hE '\.(nothing_yet|no_frames|no_frames_any_more) = ' src/link/*_link.cpp || true; } |
+    { cat src/gateway/hints.cpp include/gateway/hints.hpp; grep -hE '\.(nothing_yet|no_frames|no_frames_any_more) = ' src/link/*/*_link.cpp src/link/*_link.cpp || true; } |
         grep -oE '"[^"]{20,}"' | tr -d '"' | grep -vxE '[a-z_]+'    # those are ids
 }
 # The ids of hints, as the page translates them; each is the anchor of its row.
 hint_anchors() { sed -n '/^export const hints:/,/^};/s/^  \([a-z0-9_]*\): .*/<a id="\1">/p' src/web/src/words_of_gateway.ts; }
 counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &\(Receive\|Send\)Counters.*/\1/p' include/gateway/counters.hpp; }
 tunnel_counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &TunnelCounters.*/\1/p' include/gateway/counters.hpp; }
-kinds() { sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p; s/^    \.name = "\([a-z-]*\)",$/\1:/p' src/link/kinds.cpp src/link/*_link.cpp; }
+kinds() { sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p; s/^    \.name = "\([a-z-]*\)",$/\1:/p' src/link/kinds.cpp src/link/*_link.cpp src/link/*/*_link.cpp; }
 
 for language in '' .zh-CN; do
     lines=$(wc -l <"README$language.md")

@@ -24,7 +24,7 @@
 #include <gateway/router.hpp>
 #include <gateway/same_device.hpp>
 #include <gateway/settings.hpp>
-#include <gateway/tunnel_port.hpp>
+#include <gateway/tunnel/tunnel_port.hpp>
 
 #include <array>
 #include <bitset>

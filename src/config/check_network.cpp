@@ -1,6 +1,6 @@
 #include <config/check_network.hpp>
 #include <config/link_kind.hpp>
-#include <gateway/tunnel_policy.hpp>
+#include <gateway/tunnel/tunnel_policy.hpp>
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 #include <config/read_files.hpp>
-#include <sys/read_file.hpp>
+#include <sys/files/read_file.hpp>
 
 #include <algorithm>
 #include <filesystem>

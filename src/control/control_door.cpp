@@ -2,13 +2,13 @@
 #include <control/login_route.hpp>
 #include <foxglove/foxglove_messages.hpp>
 #include <http/body_file.hpp>
+#include <http/doors/tcp_door.hpp>
+#include <http/doors/token_file.hpp>
 #include <http/socket_path.hpp>
-#include <http/tcp_door.hpp>
-#include <http/token_file.hpp>
 #include <log/log_line.hpp>
 #include <sys/device_permission.hpp>
+#include <sys/files/state_folder.hpp>
 #include <sys/rooms.hpp>
-#include <sys/state_folder.hpp>
 
 #include <climits>
 #include <filesystem>

@@ -5,7 +5,7 @@
 #include <log/log_line.hpp>
 #include <runtime/gateway.hpp>
 #include <runtime/kept_parameters.hpp>
-#include <sys/kept_file.hpp>
+#include <sys/files/kept_file.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 // Login with a token: the browser gets a cookie, which it sends with all later requests.
 #pragma once
 #include <ano/time.hpp>
-#include <http/admission.hpp>
+#include <http/doors/admission.hpp>
 
 namespace anogate {
 

@@ -1,5 +1,5 @@
 #include <control/page.hpp>
-#include <http/accept.hpp>
+#include <http/doors/accept.hpp>
 
 #include <fstream>
 #include <optional>

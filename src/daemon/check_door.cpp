@@ -1,8 +1,8 @@
 #include <control/control_door.hpp>
 #include <daemon/check_door.hpp>
+#include <http/doors/token_file.hpp>
 #include <http/tls.hpp>
-#include <http/token_file.hpp>
-#include <sys/state_folder.hpp>
+#include <sys/files/state_folder.hpp>
 
 #include <cerrno>
 #include <filesystem>

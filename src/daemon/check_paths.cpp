@@ -1,6 +1,6 @@
 #include <daemon/check_paths.hpp>
-#include <link/port_identity.hpp>
-#include <sys/own_folder.hpp>
+#include <link/serial/port_identity.hpp>
+#include <sys/files/own_folder.hpp>
 
 #include <filesystem>
 

@@ -8,8 +8,8 @@
 #include <daemon/command_line.hpp>
 #include <daemon/service.hpp>
 #include <http/socket_path.hpp>
-#include <link/ip_socket.hpp>
 #include <link/kinds.hpp>
+#include <link/udp/ip_socket.hpp>
 
 #include <CLI/CLI.hpp>
 

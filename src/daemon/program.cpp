@@ -7,7 +7,7 @@
 #include <daemon/command_line.hpp>
 #include <daemon/first_line.hpp>
 #include <daemon/program.hpp>
-#include <link/ip_socket.hpp>
+#include <link/udp/ip_socket.hpp>
 #include <log/log.hpp>
 #include <log/log_line.hpp>
 #include <recording/recordings.hpp>
@@ -17,9 +17,9 @@
 #include <runtime/own_device.hpp>
 #include <runtime/reload.hpp>
 #include <status/status.hpp>
+#include <sys/files/state_folder.hpp>
 #include <sys/notify.hpp>
 #include <sys/rooms.hpp>
-#include <sys/state_folder.hpp>
 #include <sys/ticker.hpp>
 
 #include <csignal>

@@ -1,5 +1,5 @@
 #include <daemon/service.hpp>
-#include <sys/own_folder.hpp>
+#include <sys/files/own_folder.hpp>
 
 #include <algorithm>
 #include <filesystem>

@@ -4,11 +4,11 @@
 #include <ano_json/frame_json.hpp>
 #include <ano_json/strict_json.hpp>
 #include <ano_json/text.hpp>
-#include <devices/calibration_work.hpp>
 #include <devices/device_json.hpp>
 #include <devices/device_service.hpp>
 #include <devices/kept_descriptions.hpp>
 #include <devices/unit_note.hpp>
+#include <devices/works/calibration_work.hpp>
 #include <host/parameter_info.hpp>
 #include <http/response.hpp>
 

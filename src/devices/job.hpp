@@ -1,7 +1,7 @@
 // One request to a device, from its beginning to its result.
 #pragma once
 #include <ano/time.hpp>
-#include <devices/work.hpp>
+#include <devices/works/work.hpp>
 #include <host/air_guard.hpp>
 #include <http/places.hpp>
 

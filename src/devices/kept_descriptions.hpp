@@ -1,6 +1,6 @@
 // Descriptions of parameters that an earlier run has read, so that the line is not busy with them again. No I/O.
 #pragma once
-#include <devices/work.hpp>
+#include <devices/works/work.hpp>
 #include <host/parameter_info.hpp>
 
 #include <cstdint>

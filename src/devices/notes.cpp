@@ -1,10 +1,10 @@
 #include <ano/hex.hpp>
 #include <ano_json/compact_json.hpp>
-#include <devices/calibration_work.hpp>
 #include <devices/device_json.hpp>
 #include <devices/notes.hpp>
 #include <devices/unit_note.hpp>
-#include <devices/work.hpp>
+#include <devices/works/calibration_work.hpp>
+#include <devices/works/work.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,6 @@
 // Builds a JSON object with a long list a few rows at a time, so as not to hold up the loop.
 #pragma once
-#include <devices/work.hpp>
+#include <devices/works/work.hpp>
 
 #include <nlohmann/json_fwd.hpp>
 

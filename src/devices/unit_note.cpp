@@ -2,7 +2,7 @@
 #include <ano_json/strict_json.hpp>
 #include <devices/device_json.hpp>
 #include <devices/unit_note.hpp>
-#include <devices/work.hpp>
+#include <devices/works/work.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
 #include <foxglove/foxglove_session.hpp>
-#include <record/mcap_items.hpp>
+#include <record/mcap/mcap_items.hpp>
 
 #include <algorithm>
 

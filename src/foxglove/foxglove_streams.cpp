@@ -1,7 +1,7 @@
 #include <ano_json/text.hpp>
 #include <devices/device_service.hpp>
 #include <devices/job_answers.hpp>
-#include <devices/parameter_works.hpp>
+#include <devices/works/parameter_works.hpp>
 #include <foxglove/foxglove_socket.hpp>
 #include <foxglove/foxglove_streams.hpp>
 #include <link/clocks.hpp>

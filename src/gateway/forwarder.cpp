@@ -1,7 +1,7 @@
 #include <ano/address.hpp>
 #include <ano/conversation.hpp>
 #include <gateway/forwarder.hpp>
-#include <gateway/tunnel.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // Frames of a recording that are sent again.
 #include <gateway/forwarder.hpp>
-#include <gateway/tunnel.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 
 namespace anogate {
 

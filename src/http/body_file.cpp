@@ -1,7 +1,7 @@
 #include <http/body_file.hpp>
 #include <sys/asio.hpp>
 #include <sys/errors.hpp>
-#include <sys/state_folder.hpp>
+#include <sys/files/state_folder.hpp>
 
 #include <fcntl.h>
 #include <sys/stat.h>

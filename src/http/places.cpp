@@ -1,4 +1,4 @@
-#include <http/client_network.hpp>
+#include <http/client/client_network.hpp>
 #include <http/places.hpp>
 #include <http/request.hpp>
 

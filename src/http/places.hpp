@@ -1,7 +1,7 @@
 // Who has a place at the server, and who leaves for another.
 #pragma once
 #include <ano/time.hpp>
-#include <http/door.hpp>
+#include <http/doors/door.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // A complete HTTP request.
 #pragma once
 #include <ano/time.hpp>
-#include <http/door.hpp>
+#include <http/doors/door.hpp>
 #include <http/large_body.hpp>
 
 #include <cstdint>

@@ -1,5 +1,5 @@
+#include <http/doors/tcp_door.hpp>
 #include <http/server.hpp>
-#include <http/tcp_door.hpp>
 #include <sys/descriptors_left.hpp>
 
 #include <sys/socket.h>

@@ -1,10 +1,10 @@
 // The HTTP server: accepts connections, gives them places and turns, and closes them.
 #pragma once
-#include <http/admission.hpp>
 #include <http/asio.hpp>
-#include <http/farewell.hpp>
-#include <http/listener.hpp>
-#include <http/local_socket.hpp>
+#include <http/doors/admission.hpp>
+#include <http/doors/farewell.hpp>
+#include <http/doors/listener.hpp>
+#include <http/doors/local_socket.hpp>
 #include <http/routes.hpp>
 #include <http/session.hpp>
 #include <http/tls.hpp>

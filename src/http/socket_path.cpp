@@ -1,6 +1,6 @@
 #include <http/socket_path.hpp>
 #include <sys/errors.hpp>
-#include <sys/own_folder.hpp>
+#include <sys/files/own_folder.hpp>
 
 #include <unistd.h>
 

@@ -1,7 +1,7 @@
 // A connection of bytes in both directions, of any sort.
 #pragma once
 #include <http/asio.hpp>
-#include <http/door.hpp>
+#include <http/doors/door.hpp>
 
 #include <array>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // Watches the interface of a link-local address: it may go, and come back with another index.
 #pragma once
-#include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/reconnect.hpp>
+#include <link/udp/ip_socket.hpp>
 #include <sys/alarm.hpp>
 
 #include <functional>

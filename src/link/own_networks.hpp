@@ -2,7 +2,7 @@
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ip.hpp>
-#include <link/ip_socket.hpp>
+#include <link/udp/ip_socket.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -2,7 +2,7 @@
 #pragma once
 #include <gateway/arrival.hpp>
 #include <gateway/ip.hpp>
-#include <gateway/peer_book.hpp>
+#include <gateway/peers/peer_book.hpp>
 #include <sys/unique_fd.hpp>
 
 #include <poll.h>

@@ -1,7 +1,7 @@
 #include <config/link_kind.hpp>
 #include <gateway/loop_guard.hpp>
 #include <link/tunnel_link.hpp>
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 
 #include <algorithm>
 #include <cerrno>

@@ -1,9 +1,9 @@
 // The tunnel port: sends tunnel frames of devices as datagrams; what it receives is unwrapped, wrapped or routed.
 #pragma once
 #include <gateway/forwarder.hpp>
-#include <gateway/tunnel.hpp>
-#include <gateway/tunnel_port.hpp>
-#include <link/udp_listen_link.hpp>
+#include <gateway/tunnel/tunnel.hpp>
+#include <gateway/tunnel/tunnel_port.hpp>
+#include <link/udp/udp_listen_link.hpp>
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #include <log/log.hpp>
 #include <log/log_writer.hpp>
-#include <sys/own_folder.hpp>
+#include <sys/files/own_folder.hpp>
 
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/rotating_file_sink.h>

@@ -1,5 +1,5 @@
 #include <ano/wire.hpp>
-#include <record/mcap_reader.hpp>
+#include <record/mcap/mcap_reader.hpp>
 #include <record/pcapng_format.hpp>
 #include <record/pcapng_reader.hpp>
 #include <record/recording_glance.hpp>

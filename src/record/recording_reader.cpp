@@ -1,4 +1,4 @@
-#include <record/mcap_reader.hpp>
+#include <record/mcap/mcap_reader.hpp>
 #include <record/pcapng_reader.hpp>
 #include <record/recording_reader.hpp>
 

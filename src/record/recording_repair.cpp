@@ -1,4 +1,4 @@
-#include <record/mcap_repair.hpp>
+#include <record/mcap/mcap_repair.hpp>
 #include <record/pcapng_reader.hpp>
 #include <record/pcapng_writer.hpp>
 #include <record/recording_repair.hpp>

@@ -1,4 +1,4 @@
-#include <record/mcap_writer.hpp>
+#include <record/mcap/mcap_writer.hpp>
 #include <record/pcapng_writer.hpp>
 #include <record/recording_writer.hpp>
 

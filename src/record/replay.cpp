@@ -2,7 +2,7 @@
 
 #include <ano/address.hpp>
 #include <ano/conversation.hpp>
-#include <gateway/tunnel.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 
 #include <algorithm>
 #include <chrono>

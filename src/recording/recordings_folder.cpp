@@ -1,6 +1,6 @@
 #include <ano_json/nearest.hpp>
 #include <http/served_file.hpp>
-#include <record/mcap_index.hpp>
+#include <record/mcap/mcap_index.hpp>
 #include <record/recording_glance.hpp>
 #include <record/recording_repair.hpp>
 #include <recording/recording_file.hpp>

@@ -4,10 +4,10 @@
 #include <gateway/forwarder.hpp>
 #include <gateway/settings.hpp>
 #include <gpio/gpio.hpp>
-#include <link/datagram_batch.hpp>
-#include <link/datagram_sender.hpp>
 #include <link/link_context.hpp>
 #include <link/tunnel_link.hpp>
+#include <link/udp/datagram_batch.hpp>
+#include <link/udp/datagram_sender.hpp>
 #include <record/decoding.hpp>
 #include <runtime/config_state.hpp>
 #include <runtime/loop_beat.hpp>

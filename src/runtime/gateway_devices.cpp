@@ -6,9 +6,9 @@
 #include <config/link_kind.hpp>
 #include <config/wire.hpp>
 #include <devices/alarm_limits.hpp>
-#include <devices/calibration_work.hpp>
-#include <devices/scan_work.hpp>
 #include <devices/unit_note.hpp>
+#include <devices/works/calibration_work.hpp>
+#include <devices/works/scan_work.hpp>
 #include <gateway/hints.hpp>
 #include <http/socket_path.hpp>
 #include <log/log_line.hpp>
@@ -18,8 +18,8 @@
 #include <runtime/gateway_devices.hpp>
 #include <runtime/known_origin.hpp>
 #include <runtime/route_rows.hpp>
-#include <sys/kept_file.hpp>
-#include <sys/state_folder.hpp>
+#include <sys/files/kept_file.hpp>
+#include <sys/files/state_folder.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #include <runtime/kept_config.hpp>
-#include <sys/kept_file.hpp>
-#include <sys/state_folder.hpp>
+#include <sys/files/kept_file.hpp>
+#include <sys/files/state_folder.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -5,7 +5,7 @@
 #include <runtime/own_device.hpp>
 #include <runtime/reload.hpp>
 #include <sys/asio.hpp>
-#include <sys/kept_file.hpp>
+#include <sys/files/kept_file.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 #include <ano/hex.hpp>
 #include <ano_json/compact_json.hpp>
 #include <ano_json/strict_json.hpp>
-#include <link/ip_socket.hpp>
+#include <link/udp/ip_socket.hpp>
 #include <runtime/gateway.hpp>
 #include <runtime/stored_state.hpp>
 

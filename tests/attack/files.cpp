@@ -1,5 +1,5 @@
 // Files that are something else than they should be, damaged or left half written.
-#include <http/certificate.hpp>
+#include <http/client/certificate.hpp>
 #include <support/process.hpp>
 #include <support/small_disk.hpp>
 #include <support/temp_dir.hpp>

@@ -9,7 +9,7 @@
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 #include <sys/asio.hpp>
-#include <sys/path_claim.hpp>
+#include <sys/files/path_claim.hpp>
 
 #include <gtest/gtest.h>
 

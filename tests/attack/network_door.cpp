@@ -1,5 +1,5 @@
 // The control interface over TCP, as strangers and browsers reach it.
-#include <http/certificate.hpp>
+#include <http/client/certificate.hpp>
 #include <support/child.hpp>
 #include <support/process.hpp>
 #include <support/sanitized.hpp>

@@ -1,6 +1,6 @@
 // Peers of a listening UDP port that send more to everybody than the gateway can copy, and what that does to the commands of others.
 // tests/README.md has the figures; ANOGATE_FLOOD=50000 is the rate of each peer in frames a second, ANOGATE_COMMANDS=1000 how many.
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>
 #include <support/vendor_frames.hpp>

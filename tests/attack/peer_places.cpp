@@ -1,5 +1,5 @@
 // Who holds the places of peers, and who gets one later. tests/README.md has the figures.
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>

@@ -1,5 +1,5 @@
 // Who attacks a listening UDP port with forged sources, new ports and closed ones, and what it gets. tests/README.md has the figures.
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>

@@ -1,5 +1,5 @@
 // Any bytes as an MCAP file: read from begin to end, by its index, and repaired.
-#include <record/mcap_index.hpp>
+#include <record/mcap/mcap_index.hpp>
 #include <record/recording_repair.hpp>
 #include <support/recorded.hpp>
 

@@ -1,5 +1,5 @@
 // Any bytes as the DATA of a tunnel frame, out and in: nothing but what is inside comes out, whole frames only, once.
-#include <gateway/tunnel.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 
 #include <algorithm>
 #include <cstdint>

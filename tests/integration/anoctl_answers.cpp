@@ -6,7 +6,7 @@
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // Readers that are slow, or stop: whole frames in their order, bounded memory, every drop counted.
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>

@@ -1,5 +1,5 @@
 // Devices by the control interface of a whole gateway: a simulated flight controller, several clients, a ground station.
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 #include <support/asked.hpp>
 #include <support/fake_loader.hpp>
 #include <support/http.hpp>

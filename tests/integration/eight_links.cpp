@@ -1,6 +1,6 @@
 // Ten million random frames through eight links that go up and down: what is delivered is what was sent, in the order of its
 // source, destination and class, nothing twice; and every frame that was offered is accounted for.
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/random.hpp>
 #include <support/running_gateway.hpp>

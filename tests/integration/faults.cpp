@@ -1,6 +1,6 @@
 // Whatever the kernel answers to writes: only whole frames leave, in order, none twice, and every frame that was
 // offered is counted.
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <support/failing_calls.hpp>
 #include <support/pty_device.hpp>
 #include <support/random.hpp>

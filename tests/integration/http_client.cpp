@@ -1,5 +1,5 @@
 // The client of the control interface, against the server and against what is none.
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 #include <http/server.hpp>
 #include <support/loop.hpp>
 #include <support/temp_dir.hpp>

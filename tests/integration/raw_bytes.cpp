@@ -1,6 +1,6 @@
 // The raw bytes of links: GET /links/L/raw, `anoctl terminal`, and pauses between frames.
 #include <link/raw_port.hpp>
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <support/control_door.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>

@@ -1,5 +1,5 @@
 // What the gateway records itself as MCAP: by its configuration, when asked, of the last while, and cut by force.
-#include <record/mcap_format.hpp>
+#include <record/mcap/mcap_format.hpp>
 #include <support/recorded.hpp>
 #include <support/recording_gateway.hpp>
 

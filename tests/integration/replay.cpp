@@ -1,6 +1,6 @@
 // replay:FILE: what devices said is said again, beside those who speak now.
 #include <link/replay_file.hpp>
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <status/status.hpp>
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>

@@ -1,5 +1,5 @@
 // Where frames go, over real links: the Router's rules as users see them.
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>

@@ -1,5 +1,5 @@
 // Serial ports with all that happens in use: pseudo-terminals stand for the devices, everything else is real.
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <support/child.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>

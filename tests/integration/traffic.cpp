@@ -1,5 +1,5 @@
 // The effect of keys on the frames of a running gateway: aliases, filters, limits, rate, age, packing.
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>

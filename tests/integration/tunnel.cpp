@@ -1,5 +1,5 @@
 // Two gateways in two network namespaces joined by a cable, a device on a pty behind each.
-#include <gateway/tunnel.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 #include <support/namespaces.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>

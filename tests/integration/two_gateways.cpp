@@ -1,6 +1,6 @@
 // Two gateways joined by two UDP links, each direction with its own delay: every broadcast arrives, nothing goes round, and
 // with the links in one group a command arrives exactly once.
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/relay.hpp>
 #include <support/running_gateway.hpp>

@@ -1,5 +1,5 @@
 // Two hosts that send the same bytes: the frames of a peer arrive, however often somebody else sent the same before.
-#include <link/serial_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>

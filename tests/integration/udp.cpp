@@ -1,5 +1,5 @@
 // The UDP link with one fixed peer, a broadcast address and a multicast group included.
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/open_network_beside.hpp>
 #include <support/pty_device.hpp>

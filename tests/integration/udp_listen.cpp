@@ -1,5 +1,5 @@
 // The listening UDP link: who becomes a peer, for how long, and what each one gets.
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/open_network_beside.hpp>
 #include <support/process.hpp>

@@ -1,8 +1,8 @@
 // Says what is in MCAP files, as our reader has it: for each FILE, whose names stand on standard input, a line of JSON with its schemas,
 // channels and messages, whoever wrote them; what it holds of frames and losses; and whether its index tells the same as all of it.
-#include <record/mcap_chunk.hpp>
-#include <record/mcap_index.hpp>
-#include <record/mcap_records.hpp>
+#include <record/mcap/mcap_chunk.hpp>
+#include <record/mcap/mcap_index.hpp>
+#include <record/mcap/mcap_records.hpp>
 #include <record/recording_counts.hpp>
 #include <support/files.hpp>
 #include <support/recorded.hpp>

@@ -1,5 +1,5 @@
 // Which peers of a listening socket are overdue, worked out anew from all that ever came.
-#include <gateway/peer_book.hpp>
+#include <gateway/peers/peer_book.hpp>
 
 #include <support/random.hpp>
 

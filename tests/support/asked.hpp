@@ -2,7 +2,7 @@
 #pragma once
 #include "wait.hpp"
 
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include "temp_dir.hpp"
 
 #include <control/routes.hpp>
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 #include <http/server.hpp>
 
 #include <gtest/gtest.h>

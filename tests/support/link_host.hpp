@@ -4,9 +4,9 @@
 #include "wait.hpp"
 
 #include <link/clocks.hpp>
-#include <link/datagram_batch.hpp>
-#include <link/datagram_sender.hpp>
 #include <link/link_context.hpp>
+#include <link/udp/datagram_batch.hpp>
+#include <link/udp/datagram_sender.hpp>
 #include <sys/alarm.hpp>
 #include <sys/asio.hpp>
 

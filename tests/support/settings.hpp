@@ -2,10 +2,10 @@
 #pragma once
 #include <gateway/settings.hpp>
 #include <link/kinds.hpp>
-#include <link/pty_settings.hpp>
-#include <link/serial_settings.hpp>
+#include <link/serial/pty_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <link/sim_settings.hpp>
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 
 #include <stdexcept>
 #include <string>

@@ -3,7 +3,7 @@
 #include "bytes.hpp"
 #include "settings.hpp"
 
-#include <link/ip_socket.hpp>
+#include <link/udp/ip_socket.hpp>
 
 #include <netinet/in.h>
 #include <poll.h>

@@ -1,5 +1,5 @@
 // A transceiver is turned back by a thread that waits for the last bit; here the port is a pty, which has nothing to wait for.
-#include <link/half_duplex.hpp>
+#include <link/serial/half_duplex.hpp>
 #include <support/loop.hpp>
 #include <support/pty_device.hpp>
 #include <support/temp_dir.hpp>

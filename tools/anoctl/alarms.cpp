@@ -1,13 +1,13 @@
 // anoctl alarms: the values of devices that are beyond their limits, as the gateway judges them.
+#include <anoctl/text/frame_printer.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 #include "anoctl.hpp"
-#include "frame_printer.hpp"
 #include "gateway.hpp"
-#include "gateway_json.hpp"
-#include "table.hpp"
 
 #include <ano_json/escapes.hpp>
 #include <ano_json/text.hpp>
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 #include <sys/asio.hpp>
 
 #include <nlohmann/json.hpp>

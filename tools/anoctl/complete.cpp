@@ -1,10 +1,10 @@
 #include "complete.hpp"
 
+#include <anoctl/text/gateway_json.hpp>
 #include "complete_fields.hpp"
 #include "gateway.hpp"
-#include "gateway_json.hpp"
 
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,8 +1,8 @@
 // anoctl decode [HEX|FILE|-]: bytes to frames.
+#include <anoctl/recording/gap.hpp>
+#include <anoctl/text/frame_printer.hpp>
+#include <anoctl/text/hex_text.hpp>
 #include "anoctl.hpp"
-#include "frame_printer.hpp"
-#include "gap.hpp"
-#include "hex_text.hpp"
 
 #include <ano/hex.hpp>
 #include <ano/parser.hpp>

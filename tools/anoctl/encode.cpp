@@ -1,6 +1,6 @@
 // anoctl encode NAME FIELD=VALUE...: values to a frame.
+#include <anoctl/text/frame_printer.hpp>
 #include "anoctl.hpp"
-#include "frame_printer.hpp"
 #include "given_frame.hpp"
 #include "json_file.hpp"
 

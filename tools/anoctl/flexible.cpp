@@ -1,14 +1,14 @@
 // anoctl flexible: the layouts of flexible messages in a running gateway.
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 #include "anoctl.hpp"
 #include "gateway.hpp"
-#include "gateway_json.hpp"
 #include "json_file.hpp"
-#include "table.hpp"
 
 #include <ano_json/escapes.hpp>
 #include <ano_json/flexible_json.hpp>
 #include <ano_json/text.hpp>
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,9 +1,9 @@
 #include "gateway.hpp"
 
+#include <anoctl/text/table.hpp>
 #include "anoctl.hpp"
-#include "table.hpp"
 
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 #include <http/socket_path.hpp>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 #include "gateway_layouts.hpp"
+#include <anoctl/text/gateway_json.hpp>
 #include "anoctl.hpp"
-#include "gateway_json.hpp"
 
 #include <ano_json/flexible_json.hpp>
 

@@ -1,7 +1,7 @@
 #include "json_file.hpp"
 
 #include <ano_json/strict_json.hpp>
-#include <sys/read_file.hpp>
+#include <sys/files/read_file.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,8 +1,8 @@
 // anoctl links: the links of a gateway with all their counters.
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 #include "anoctl.hpp"
 #include "gateway.hpp"
-#include "gateway_json.hpp"
-#include "table.hpp"
 
 #include <ano_json/escapes.hpp>
 #include <ano_json/nearest.hpp>

@@ -1,5 +1,5 @@
+#include <anoctl/text/terminal.hpp>
 #include "anoctl.hpp"
-#include "terminal.hpp"
 
 #include <unistd.h>
 

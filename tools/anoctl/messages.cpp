@@ -1,7 +1,7 @@
 // anoctl messages: the table itself.
+#include <anoctl/text/frame_printer.hpp>
+#include <anoctl/text/reference.hpp>
 #include "anoctl.hpp"
-#include "frame_printer.hpp"
-#include "reference.hpp"
 
 #include <ano/messages.hpp>
 #include <ano_json/describe.hpp>

@@ -1,7 +1,7 @@
 // anoctl metrics: the counters as Prometheus reads them.
+#include <anoctl/text/prometheus_text.hpp>
 #include "anoctl.hpp"
 #include "gateway.hpp"
-#include "prometheus_text.hpp"
 
 #include <ano_json/escapes.hpp>
 #include <nlohmann/json.hpp>

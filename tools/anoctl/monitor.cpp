@@ -1,9 +1,9 @@
 // anoctl monitor LINK: the frames received by a link of our own; without a LINK, those of the running gateway.
+#include <anoctl/recording/wanted_frames.hpp>
+#include <anoctl/text/frame_printer.hpp>
 #include "anoctl.hpp"
-#include "frame_printer.hpp"
 #include "gateway_layouts.hpp"
 #include "own_link.hpp"
-#include "wanted_frames.hpp"
 #include "watch.hpp"
 
 #include <ano_json/text.hpp>

@@ -1,13 +1,13 @@
 // anoctl terminal LINK: the raw bytes of a link of the gateway, both ways; lines that are typed are sent.
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/raw_text.hpp>
+#include <anoctl/text/table.hpp>
 #include "anoctl.hpp"
 #include "gateway.hpp"
-#include "gateway_json.hpp"
-#include "raw_text.hpp"
 #include "say.hpp"
-#include "table.hpp"
 
 #include <ano/hex.hpp>
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 #include <sys/asio.hpp>
 #include <sys/thread_signals.hpp>
 #include <sys/unique_fd.hpp>

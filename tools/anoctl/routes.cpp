@@ -1,8 +1,8 @@
 // anoctl routes: the route of each address.
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 #include "anoctl.hpp"
 #include "gateway.hpp"
-#include "gateway_json.hpp"
-#include "table.hpp"
 
 #include <ano_json/escapes.hpp>
 #include <nlohmann/json.hpp>

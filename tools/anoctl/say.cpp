@@ -1,6 +1,6 @@
 #include "say.hpp"
 
-#include "table.hpp"
+#include <anoctl/text/table.hpp>
 
 #include <ostream>
 #include <string>

@@ -1,11 +1,11 @@
 // anoctl send NAME FIELD=VALUE...: sends one frame through the running gateway.
+#include <anoctl/text/frame_printer.hpp>
 #include "anoctl.hpp"
-#include "frame_printer.hpp"
 #include "gateway.hpp"
 #include "given_frame.hpp"
 
 #include <ano/hex.hpp>
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 
 #include <nlohmann/json.hpp>
 

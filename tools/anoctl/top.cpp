@@ -1,13 +1,13 @@
 // anoctl top: the channels and addresses of the running gateway, as a live screen.
+#include <anoctl/text/terminal.hpp>
+#include <anoctl/text/top_screen.hpp>
 #include "anoctl.hpp"
 #include "gateway.hpp"
-#include "terminal.hpp"
-#include "top_screen.hpp"
 
 #include <ano/time.hpp>
 #include <gateway/frame_record.hpp>
 #include <http/asio.hpp>
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -3,7 +3,7 @@
 #include "gateway.hpp"
 
 #include <gateway/frame_record.hpp>
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 #include <sys/asio.hpp>
 
 #include <nlohmann/json.hpp>

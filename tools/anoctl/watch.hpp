@@ -1,7 +1,7 @@
 // Gets the frames of a running gateway as they pass (GET /frames).
 #pragma once
+#include <anoctl/text/frame_printer.hpp>
 #include "anoctl.hpp"
-#include "frame_printer.hpp"
 
 #include <ano/time.hpp>
 

@@ -1,4 +1,4 @@
-#include <anoctl/frame_printer.hpp>
+#include <anoctl/text/frame_printer.hpp>
 
 #include <gtest/gtest.h>
 

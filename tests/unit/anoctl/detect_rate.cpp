@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <anoctl/detect_rate.hpp>
+#include <anoctl/ports/detect_rate.hpp>
 
 #include <sys/file.h>
 #include <sys/ioctl.h>

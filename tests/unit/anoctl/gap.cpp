@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <anoctl/gap.hpp>
+#include <anoctl/recording/gap.hpp>
 
 #include <string>
 

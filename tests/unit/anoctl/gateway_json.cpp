@@ -1,6 +1,6 @@
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway.hpp>
-#include <anoctl/gateway_json.hpp>
+#include <anoctl/text/gateway_json.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

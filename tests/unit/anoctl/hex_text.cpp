@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <anoctl/hex_text.hpp>
+#include <anoctl/text/hex_text.hpp>
 
 #include <string>
 #include <string_view>

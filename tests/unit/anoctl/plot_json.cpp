@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <anoctl/plot_json.hpp>
+#include <anoctl/recording/plot_json.hpp>
 
 #include <nlohmann/json.hpp>
 #include <support/bytes.hpp>

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
-#include <anoctl/can_figures.hpp>
-#include <anoctl/port_list.hpp>
-#include <anoctl/ports.hpp>
-#include <link/port_identity.hpp>
+#include <anoctl/ports/can_figures.hpp>
+#include <anoctl/ports/port_list.hpp>
+#include <anoctl/ports/ports.hpp>
+#include <link/serial/port_identity.hpp>
 #include <nlohmann/json.hpp>
 
 #include <linux/can/netlink.h>

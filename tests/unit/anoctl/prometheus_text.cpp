@@ -1,4 +1,4 @@
-#include <anoctl/prometheus_text.hpp>
+#include <anoctl/text/prometheus_text.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // What people see of the raw bytes of a link: lines, and nothing that controls their terminal.
-#include <anoctl/raw_text.hpp>
+#include <anoctl/text/raw_text.hpp>
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <record/mcap_format.hpp>
+#include <record/mcap/mcap_format.hpp>
 #include <support/anoctl.hpp>
 #include <support/files.hpp>
 #include <support/recorded.hpp>

@@ -1,4 +1,4 @@
-#include <anoctl/table.hpp>
+#include <anoctl/text/table.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <anoctl/top_screen.hpp>
+#include <anoctl/text/top_screen.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <anoctl/web_names.hpp>
+#include <anoctl/web/web_names.hpp>
 
 #include <string>
 #include <vector>

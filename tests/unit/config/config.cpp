@@ -1,7 +1,7 @@
 // What a configuration in JSON means, and what is said of its faults.
 #include <ano_json/text.hpp>
-#include <link/serial_settings.hpp>
-#include <link/udp_settings.hpp>
+#include <link/serial/serial_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 #include <nlohmann/json.hpp>
 #include <unit/config/faults.hpp>
 

@@ -1,6 +1,6 @@
 // What a configuration says of the tunnel.
 #include <config/check_network.hpp>
-#include <gateway/tunnel_policy.hpp>
+#include <gateway/tunnel/tunnel_policy.hpp>
 #include <unit/config/faults.hpp>
 
 #include <gtest/gtest.h>

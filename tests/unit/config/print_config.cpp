@@ -1,11 +1,11 @@
 // A configuration that was printed means the same.
 #include <config/values.hpp>
 #include <gateway/can_settings.hpp>
-#include <gateway/tunnel_policy.hpp>
-#include <link/pty_settings.hpp>
-#include <link/serial_settings.hpp>
+#include <gateway/tunnel/tunnel_policy.hpp>
+#include <link/serial/pty_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <link/sim_settings.hpp>
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 #include <support/random.hpp>
 #include <support/sanitized.hpp>
 #include <unit/config/faults.hpp>

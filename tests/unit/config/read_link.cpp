@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 #include <gateway/can_settings.hpp>
-#include <link/pty_settings.hpp>
 #include <link/replay_settings.hpp>
-#include <link/serial_settings.hpp>
+#include <link/serial/pty_settings.hpp>
+#include <link/serial/serial_settings.hpp>
 #include <link/sim_settings.hpp>
-#include <link/udp_settings.hpp>
+#include <link/udp/udp_settings.hpp>
 
 #include <unit/config/faults.hpp>
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <config/config.hpp>
 #include <daemon/command_line.hpp>
-#include <http/certificate.hpp>
+#include <http/client/certificate.hpp>
 #include <support/files.hpp>
 #include <support/temp_dir.hpp>
 

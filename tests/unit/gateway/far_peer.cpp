@@ -1,5 +1,5 @@
 // What a peer outside our networks may be sent, and how it shows that it receives it.
-#include <gateway/far_peer.hpp>
+#include <gateway/peers/far_peer.hpp>
 
 #include <support/bytes.hpp>
 

@@ -1,7 +1,7 @@
 // What a frame passes that a tunnel frame brings, or that leaves in one.
 #include "forwarding.hpp"
 
-#include <gateway/tunnel.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 
 namespace forwarder_tunnel_tests {
 

@@ -1,6 +1,6 @@
 #include <ano/conversation.hpp>
 #include <gateway/inhibit.hpp>
-#include <gateway/tunnel.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 #include <support/bytes.hpp>
 
 #include <gtest/gtest.h>

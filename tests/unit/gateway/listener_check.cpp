@@ -1,5 +1,5 @@
 // Whether a peer is another gateway's listening socket: who is asked, who answers, who waits.
-#include <gateway/listener_check.hpp>
+#include <gateway/peers/listener_check.hpp>
 
 #include <support/bytes.hpp>
 

@@ -1,5 +1,5 @@
 // How long a peer of a listening socket stays, by what was heard and what was refused.
-#include <gateway/peer_book.hpp>
+#include <gateway/peers/peer_book.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <gateway/tunnel.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 #include <support/allocations.hpp>
 #include <support/bytes.hpp>
 

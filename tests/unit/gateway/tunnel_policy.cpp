@@ -1,4 +1,4 @@
-#include <gateway/tunnel_policy.hpp>
+#include <gateway/tunnel/tunnel_policy.hpp>
 
 #include <gtest/gtest.h>
 

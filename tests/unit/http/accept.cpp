@@ -1,4 +1,4 @@
-#include <http/accept.hpp>
+#include <http/doors/accept.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <http/admission.hpp>
+#include <http/doors/admission.hpp>
 #include <http/large_body.hpp>
 
 #include <gtest/gtest.h>

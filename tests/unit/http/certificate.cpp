@@ -1,4 +1,4 @@
-#include <http/certificate.hpp>
+#include <http/client/certificate.hpp>
 #include <support/temp_dir.hpp>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include <http/connect_fault.hpp>
+#include <http/client/connect_fault.hpp>
 
 #include <gtest/gtest.h>
 #include <support/temp_dir.hpp>

@@ -1,5 +1,5 @@
 #include <http/socket_path.hpp>
-#include <sys/own_folder.hpp>
+#include <sys/files/own_folder.hpp>
 
 #include <support/temp_dir.hpp>
 

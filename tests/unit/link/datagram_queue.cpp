@@ -1,5 +1,5 @@
 // The datagrams of a peer that wait for their turn: order, bound, and which give way.
-#include <link/datagram_queue.hpp>
+#include <link/udp/datagram_queue.hpp>
 
 #include <support/random.hpp>
 

@@ -1,4 +1,4 @@
-#include <link/datagram_sender.hpp>
+#include <link/udp/datagram_sender.hpp>
 #include <sys/asio.hpp>
 
 #include <support/bytes.hpp>

@@ -1,4 +1,4 @@
-#include <link/error_queue.hpp>
+#include <link/udp/error_queue.hpp>
 
 #include <support/udp_peer.hpp>
 #include <support/wait.hpp>

@@ -1,4 +1,4 @@
-#include <link/termios.hpp>
+#include <link/serial/termios.hpp>
 #include <sys/unique_fd.hpp>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // A listening UDP link and no gateway behind it: whom it knows, and what it leaves to the program started next.
-#include <gateway/listening_notice.hpp>
-#include <link/udp_listen_link.hpp>
+#include <gateway/peers/listening_notice.hpp>
+#include <link/udp/udp_listen_link.hpp>
 
 #include <support/link_host.hpp>
 #include <support/udp_peer.hpp>

@@ -1,7 +1,7 @@
 // Every recording carries what decodes its frames.
 #include <record/decoding.hpp>
-#include <record/mcap_format.hpp>
-#include <record/mcap_index.hpp>
+#include <record/mcap/mcap_format.hpp>
+#include <record/mcap/mcap_index.hpp>
 #include <record/recording_reader.hpp>
 #include <record/recording_repair.hpp>
 #include <record/sender_encodings.hpp>

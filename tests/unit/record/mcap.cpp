@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <record/crc32.hpp>
-#include <record/mcap_chunk.hpp>
-#include <record/mcap_items.hpp>
-#include <record/mcap_reader.hpp>
-#include <record/mcap_writer.hpp>
+#include <record/mcap/mcap_chunk.hpp>
+#include <record/mcap/mcap_items.hpp>
+#include <record/mcap/mcap_reader.hpp>
+#include <record/mcap/mcap_writer.hpp>
 #include <support/bytes.hpp>
 #include <support/recorded.hpp>
 #include <support/recorded_items.hpp>

@@ -1,4 +1,4 @@
-#include <record/mcap_index.hpp>
+#include <record/mcap/mcap_index.hpp>
 
 #include <gtest/gtest.h>
 

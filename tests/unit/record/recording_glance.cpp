@@ -1,5 +1,5 @@
-#include <record/mcap_format.hpp>
-#include <record/mcap_writer.hpp>
+#include <record/mcap/mcap_format.hpp>
+#include <record/mcap/mcap_writer.hpp>
 #include <record/recording_glance.hpp>
 #include <support/recorded.hpp>
 

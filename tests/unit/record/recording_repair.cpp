@@ -1,7 +1,7 @@
 // A recording that was cut, at any byte, is a whole one again.
 #include <ano/wire.hpp>
 #include <record/crc32.hpp>
-#include <record/mcap_format.hpp>
+#include <record/mcap/mcap_format.hpp>
 #include <record/recording_repair.hpp>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // The generated files of the repository are those that the tables make. tools/update-generated writes them.
 #include <ano_json/describe.hpp>
-#include <anoctl/reference.hpp>
+#include <anoctl/text/reference.hpp>
 #include <config/config.hpp>
 #include <control/control_door.hpp>
 #include <control/flexible_control.hpp>

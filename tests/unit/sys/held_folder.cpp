@@ -1,4 +1,4 @@
-#include <sys/held_folder.hpp>
+#include <sys/files/held_folder.hpp>
 
 #include <support/temp_dir.hpp>
 

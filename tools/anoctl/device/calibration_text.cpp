@@ -3,8 +3,8 @@
 #include "parameter_file.hpp"
 
 #include <ano_json/text.hpp>
-#include <anoctl/gateway_json.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -5,9 +5,9 @@
 #include <ano_json/escapes.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
-#include <anoctl/gateway_json.hpp>
 #include <anoctl/say.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 
 #include <nlohmann/json.hpp>
 

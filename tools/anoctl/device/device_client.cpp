@@ -8,9 +8,9 @@
 
 #include <ano/hex.hpp>
 #include <ano_json/text.hpp>
-#include <anoctl/gateway_json.hpp>
 #include <anoctl/own_link.hpp>
 #include <anoctl/say.hpp>
+#include <anoctl/text/gateway_json.hpp>
 #include <http/asio.hpp>
 
 #include <nlohmann/json.hpp>

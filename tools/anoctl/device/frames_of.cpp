@@ -2,8 +2,8 @@
 
 #include "device_names.hpp"
 
-#include <anoctl/gateway_json.hpp>
 #include <anoctl/own_link.hpp>
+#include <anoctl/text/gateway_json.hpp>
 #include <anoctl/watch.hpp>
 
 #include <ano_json/frame_json.hpp>

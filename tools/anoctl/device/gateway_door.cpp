@@ -1,6 +1,6 @@
 #include "door.hpp"
 
-#include <http/client.hpp>
+#include <http/client/client.hpp>
 
 #include <utility>
 

@@ -1,9 +1,9 @@
 // anoctl image DIR: saves the pictures of devices (0xB0) as files.
 #include <anoctl/anoctl.hpp>
-#include <anoctl/frame_printer.hpp>
-#include <anoctl/gateway_json.hpp>
 #include <anoctl/say.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/frame_printer.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 #include "file_text.hpp"
 #include "frames_of.hpp"
 #include "pictures.hpp"

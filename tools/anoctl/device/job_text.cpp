@@ -1,8 +1,8 @@
 #include "job_text.hpp"
 
 #include <ano_json/text.hpp>
-#include <anoctl/gateway_json.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 
 #include <nlohmann/json.hpp>
 

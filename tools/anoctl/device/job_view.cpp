@@ -3,8 +3,8 @@
 #include "job_text.hpp"
 
 #include <anoctl/say.hpp>
-#include <anoctl/table.hpp>
-#include <anoctl/terminal.hpp>
+#include <anoctl/text/table.hpp>
+#include <anoctl/text/terminal.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -3,8 +3,8 @@
 #include "file_text.hpp"
 
 #include <anoctl/anoctl.hpp>
-#include <devices/calibration_work.hpp>
-#include <sys/read_file.hpp>
+#include <devices/works/calibration_work.hpp>
+#include <sys/files/read_file.hpp>
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,10 +1,10 @@
 // anoctl log: the log messages of devices (0xA0, 0xA1).
 #include <anoctl/anoctl.hpp>
-#include <anoctl/frame_printer.hpp>
-#include <anoctl/gateway_json.hpp>
 #include <anoctl/own_link.hpp>
 #include <anoctl/say.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/frame_printer.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 #include "frames_of.hpp"
 
 #include <ano/address.hpp>

@@ -10,9 +10,9 @@
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
-#include <anoctl/gateway_json.hpp>
 #include <anoctl/say.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 
 #include <nlohmann/json.hpp>
 

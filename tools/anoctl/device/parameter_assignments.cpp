@@ -4,7 +4,7 @@
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
-#include <anoctl/gateway_json.hpp>
+#include <anoctl/text/gateway_json.hpp>
 
 #include <nlohmann/json.hpp>
 

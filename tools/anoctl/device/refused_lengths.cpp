@@ -1,8 +1,8 @@
 #include "refused_lengths.hpp"
 
 #include <anoctl/anoctl.hpp>
-#include <anoctl/gateway_json.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 
 #include <ano_json/text.hpp>
 

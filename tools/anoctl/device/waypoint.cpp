@@ -7,10 +7,10 @@
 #include <ano_json/syntax_fault.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
-#include <anoctl/gateway_json.hpp>
 #include <anoctl/json_file.hpp>
 #include <anoctl/say.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 #include <devices/waypoint_forms.hpp>
 
 #include <nlohmann/json.hpp>

@@ -2,8 +2,8 @@
 
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
-#include <anoctl/gateway_json.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,0 +1,175 @@
+// 0xB1 and 0xB2: frames of the protocol inside frames of the protocol, carried over IP (protocol text, section 4;
+// config/README.md, "Tunnel"). Bytes in, bytes out; TunnelLink sends and receives them.
+//
+// Out:    tunnel.takes(frame)                    // came by one of `links`
+//         tunnel.out(frame, …) → Datagram        // to send
+// In:     tunnel.in(frame, sender, …)            // each tunnel frame of a datagram; calls back with the frames inside
+//         tunnel.begin_wrap(rule, …), add(), end_wrap()
+#pragma once
+#include <ano/frame.hpp>
+#include <ano/messages.hpp>
+#include <ano/room.hpp>
+#include <gateway/counters.hpp>
+#include <gateway/settings.hpp>
+#include <gateway/tunnel/tunnel_policy.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace anogate {
+
+inline constexpr std::uint8_t ip_tunnel = ano::id_of<"ip_tunnel">;                // whole addresses
+inline constexpr std::uint8_t ip_tunnel_short = ano::id_of<"ip_tunnel_short">;    // their last bytes
+inline constexpr std::size_t max_datagram = 65507;                                // of UDP over IPv4
+
+constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept { return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short; }
+
+/// The addresses and the port at the beginning of DATA, before the inner frames.
+struct TunnelHead {
+    IpAddress source;
+    IpAddress destination;
+    std::uint16_t port = 0;
+    friend bool operator==(const TunnelHead&, const TunnelHead&) = default;
+};
+/// The size of the head in a frame of this id, in bytes: 10 or 4.
+constexpr std::size_t tunnel_head_size(std::uint8_t id) noexcept { return id == ip_tunnel ? 10 : 4; }
+
+struct TunnelContent {
+    TunnelHead head;
+    std::span<const std::uint8_t> inner;    // in the frame's memory
+};
+/// Takes a tunnel frame apart; std::nullopt when DATA is shorter than the head. 0xB2 leaves out the first three bytes of both
+/// addresses: they are taken from `network`.
+std::optional<TunnelContent> unwrap(ano::FrameView frame, const IpAddress& network) noexcept;
+
+/// Reads the frames inside a tunnel frame. It ends at the first byte that does not begin a whole good frame: searching beyond it
+/// could find the frames inside a damaged inner tunnel frame.
+class InnerFrames {
+public:
+    explicit InnerFrames(std::span<const std::uint8_t> inner) noexcept : rest_{inner}, empty_{inner.empty()} {}
+    std::optional<ano::FrameView> next() noexcept;
+    /// After next() returned std::nullopt: the content was only whole good frames, at least one.
+    bool good() const noexcept { return rest_.empty() && !empty_; }
+
+private:
+    std::span<const std::uint8_t> rest_;
+    bool empty_;
+};
+
+/// Whether this is a tunnel frame that may contain a frame that `is_meant`: one is inside, or the content can't be read (bytes that are
+/// not a whole good frame, another tunnel frame). False for every other frame.
+bool may_contain(ano::FrameView frame, bool (*is_meant)(ano::FrameView inner)) noexcept;
+
+/// Makes one tunnel frame at a time in memory of its own. Allocates once.
+class TunnelWriter {
+public:
+    TunnelWriter() : buffer_{ano::max_frame_size} {}
+
+    /// A frame of `id` from `source` to `destination`, with at most `max_data` bytes of DATA.
+    void begin(std::uint8_t id, std::uint8_t source, std::uint8_t destination, std::size_t max_data) noexcept;
+    /// False: `inner` does not fit.
+    bool add(ano::FrameView inner) noexcept;
+    bool empty() const noexcept { return inner().empty(); }
+    std::span<const std::uint8_t> inner() const noexcept;
+    /// The whole frame, valid until the next begin() or add().
+    ano::FrameView finish(const TunnelHead& head) noexcept;
+
+private:
+    std::size_t inner_at() const noexcept { return ano::header_size + tunnel_head_size(buffer_[3]); }
+
+    ano::Room<std::uint8_t> buffer_;
+    std::size_t end_ = 0;
+    std::size_t max_end_ = 0;
+};
+
+/// Decides what is carried, opened, wrapped or refused. Neither throws nor allocates after construction.
+class Tunnel {
+public:
+    /// Whether an inner frame may go on: the filters, limits and switches of the link it came by.
+    using Passes = std::function<bool(ano::FrameView)>;
+    using Take = std::function<void(ano::FrameView)>;
+    /// What the tunnel needs to know of the machine.
+    struct Environment {
+        /// Our address on the route to `there`, or for 0.0.0.0 the default one; std::nullopt when no route leads there.
+        std::function<std::optional<IpAddress>(const IpAddress& there)> our_address;
+        /// Whether the gateway itself listens on this port.
+        std::function<bool(std::uint16_t port)> is_own_port;
+    };
+
+    /// `own_id`: the gateway's; 0: none.
+    Tunnel(TunnelSettings settings, std::uint8_t own_id, Environment environment);
+
+    /// The port that is open; port 0 in a tunnel frame stands for it.
+    void set_port(std::uint16_t port) noexcept { port_ = port; }
+    /// The networks of our interfaces as they are now, loopback included.
+    void set_networks(std::vector<Network> networks) { policy_.set_networks(std::move(networks)); }
+
+    /// Whether `frame`, which came by one of `links`, is a tunnel frame for us: then it is not forwarded, even when it is refused.
+    bool takes(ano::FrameView frame) const noexcept;
+
+    struct Datagram {
+        Endpoint to;
+        std::span<const std::uint8_t> bytes;    // valid until the next call of out()
+    };
+    /// What is sent for a tunnel frame of a device; std::nullopt: refused and counted, or no frame in it passed.
+    std::optional<Datagram> out(ano::FrameView frame, const Passes& passes);
+    /// The result of sending it.
+    void sent() noexcept { ++counters_.out; }
+    void refuse(std::uint64_t TunnelCounters::*cause) noexcept { ++(counters_.*cause); }
+
+    /// Whether `sender` may send to the tunnel; counted when not.
+    bool admits(const Endpoint& sender);
+    /// Opens a tunnel frame that `sender` sent us and calls `take` for each frame inside; one for another ip is refused. The
+    /// source address in the frame is not used. True: something was inside.
+    bool in(ano::FrameView frame, const IpAddress& sender, const Take& take);
+    /// Counts a datagram of which some frame was taken.
+    void came_in() noexcept { ++counters_.in; }
+
+    /// The index in the settings of the first rule that matches `sender`, if any.
+    std::optional<std::size_t> wrap_rule(const IpAddress& sender) const noexcept;
+    /// Starts a tunnel frame for the frames of one datagram; false: refused, and counted once for a datagram. `max_data` is that of
+    /// the rule's link.
+    bool begin_wrap(std::size_t rule, std::size_t max_data, const Endpoint& sender);
+    /// The rule of begin_wrap(), until end_wrap(); std::nullopt: none has begun.
+    std::optional<std::size_t> wrapping() const noexcept { return wrapping_; }
+    /// begin_wrap() has not refused this datagram.
+    bool can_wrap() const noexcept { return !refused_wrap_; }
+    /// Adds a frame. When it does not fit, the tunnel frame so far is given to `send` first.
+    void add_to_wrap(ano::FrameView frame, const Take& send);
+    /// The datagram ends: gives the last tunnel frame to `send`.
+    void end_wrap(const Take& send);
+
+    const TunnelSettings& settings() const noexcept { return settings_; }
+    const TunnelCounters& counters() const noexcept { return counters_; }
+    void set_counters(const TunnelCounters& counters) noexcept { counters_ = counters; }
+
+private:
+    bool is_own_port(std::uint16_t port) const;
+    bool is_ours(const IpAddress& address) const noexcept;
+    bool gather(std::span<const std::uint8_t> inner, const Passes& passes);
+    bool refuse_wrap(std::uint64_t TunnelCounters::*cause) noexcept;
+    void start_wrap() noexcept;
+    void send_wrap(const Take& send);
+
+    TunnelSettings settings_;
+    std::uint8_t own_id_;
+    Environment environment_;
+    std::uint16_t port_;
+    TunnelPolicy policy_;
+    TunnelWriter out_;
+
+    TunnelWriter wrap_;
+    std::optional<std::size_t> wrapping_;    // index of the rule
+    bool refused_wrap_ = false;
+    std::size_t wrap_max_data_ = 0;
+    TunnelHead wrap_head_;
+
+    TunnelCounters counters_;
+};
+
+}    // namespace anogate

@@ -1,0 +1,328 @@
+#include <ano/hex.hpp>
+#include <ano_json/compact_json.hpp>
+#include <devices/device_json.hpp>
+#include <devices/unit_note.hpp>
+#include <devices/works/calibration_work.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ano::TimePoint;
+using ano::host::Calibration;
+using ano::host::Sensor;
+using ano::host::Task;
+
+double hundredths(double value) { return std::round(value * 100) / 100; }
+
+std::string_view name_of(Sensor sensor) { return sensor == Sensor::accelerometer ? "accelerometer" : "compass"; }
+
+Json values_json(const ano::host::CalibrationValues& values) {
+    Json json = Json::object();
+    for (const auto& [name, value] : values) json[name] = value_json(value, ano::Type::f32);
+    return json;
+}
+
+// {"face": "+x", "still": 1.0, "faces": {"+x": 0.5, …}, "done": ["-z"]}
+Json faces_json(const ano::host::SixFaces& faces) {
+    Json json{{"face", nullptr}, {"still", 0}, {"faces", Json::object()}, {"done", Json::array()}};
+    if (const auto face = faces.face()) json["face"] = ano::host::name_of(*face);
+    if (const auto unrest = faces.unrest()) json["still"] = hundredths(1 / std::max(1.0, *unrest));
+    for (std::size_t i = 0; i < ano::host::face_names.size(); ++i) {
+        const auto face = static_cast<ano::host::Face>(i);
+        const double share = double(faces.samples(face)) / double{ano::host::SixFaces::enough};
+        json["faces"][std::string{ano::host::name_of(face)}] = hundredths(std::min(1.0, share));
+        if (faces.is_enough(face)) json["done"].push_back(ano::host::name_of(face));
+    }
+    return json;
+}
+
+// {"bands": 6, "sectors": 12, "coverage": [0, 1, …], "filled": 0.6}
+Json sphere_json(const ano::host::CompassSphere& sphere) {
+    using Sphere = ano::host::CompassSphere;
+    Json cells = Json::array();
+    for (std::size_t i = 0; i < Sphere::cells; ++i) cells.push_back(sphere.map().test(i) ? 1 : 0);
+    return {{"bands", Sphere::bands},
+            {"sectors", Sphere::sectors},
+            {"coverage", std::move(cells)},
+            {"filled", hundredths(sphere.coverage())},
+            {"samples", sphere.samples()}};
+}
+
+// As on the wire, so that a NaN comes back as it was: {"CAL_AOFF_X": "0000c07f", …}
+Json bytes_json(const ano::host::CalibrationValues& values) {
+    Json json = Json::object();
+    for (const auto& [name, value] : values) {
+        std::vector<std::uint8_t> bytes;
+        (void)ano::host::append(bytes, value, ano::Type::f32);
+        json[name] = ano::hex(bytes);
+    }
+    return json;
+}
+
+std::optional<ano::host::AnyValue> value_of_hex(const Json& json) {
+    const auto bytes = json.is_string() ? ano::from_hex(json.get_ref<const std::string&>()) : std::nullopt;
+    return bytes && bytes->size() == sizeof(float) ? ano::host::value_of(*bytes, ano::Type::f32) : std::nullopt;
+}
+
+// Reads the form of value_json().
+std::optional<ano::host::AnyValue> value_told(const Json& json) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    if (json == "nan") return std::numeric_limits<double>::quiet_NaN();
+    if (json == "inf") return infinity;
+    if (json == "-inf") return -infinity;
+    if (!json.is_number() || std::abs(json.get<double>()) > std::numeric_limits<float>::max()) return std::nullopt;
+    return double{json.get<float>()};
+}
+
+// The values in a note; std::nullopt: it is damaged. Notes of older versions have no "bytes".
+std::optional<ano::host::CalibrationValues> values_in_note(const std::string& text, Sensor sensor) {
+    const Json note = note_json(text);
+    const bool has_bytes = note.is_object() && note.contains("bytes");
+    const Json kept = note.is_object() ? note.value(has_bytes ? "bytes" : "parameters", Json{}) : Json{};
+    if (!kept.is_object()) return std::nullopt;
+    ano::host::CalibrationValues values;
+    for (const std::string& name : ano::host::calibration_names(sensor)) {
+        const Json one = kept.value(name, Json{});
+        auto value = has_bytes ? value_of_hex(one) : value_told(one);
+        if (!value) return std::nullopt;
+        values.emplace_back(name, *std::move(value));
+    }
+    return values;
+}
+
+// The name of the kept values of this very device; empty: there are none.
+std::string kept_note(const WorkPlace& place, Sensor sensor) {
+    return find_note(place, [sensor](std::string_view name) { return sensor_of_note(name) == sensor; });
+}
+
+class WriteBack final : public TaskWork {
+public:
+    WriteBack(const WorkPlace& place, std::string name) : TaskWork{place}, name_{std::move(name)} {}
+    void start(TimePoint now) override {
+        auto task = std::make_unique<ano::host::Parameters>(place().device, &place().cache);
+        next(std::move(task)).read(ano::host::Parameters::Values::none, now);
+    }
+    std::string message() const override { return "writing back what was before a calibration that never ended"; }
+    std::string half_done() const override { return "the old values are kept, and written back at the next start"; }
+
+private:
+    void done(const Task& task, TimePoint now) override {
+        if (writes_) return written_back(task);    // CalibrationWrite has read them back
+        const std::string* text = place().notes.find(name_);
+        const auto sensor = sensor_of_note(name_);
+        if (text == nullptr || !sensor) return finish(work_fault(409, "nothing is kept any more"));
+        auto values = values_in_note(*text, *sensor);
+        if (!values) return finish(work_fault(422, name_ + " is damaged: calibrate again, or remove it"));
+        if (const std::string misfit = misfit_of_note(*text, place()); !misfit.empty())
+            return finish(work_fault(409, name_ + " is left alone: it is " + misfit));
+        writes_ = true;
+        const auto& parameters = static_cast<const ano::host::Parameters&>(task);
+        for (auto& [name, value] : *values)    // the note has them as f32
+            if (const auto* info = parameters.find(name).parameter) value = ano::host::nearest_value(value, *info);
+        next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
+    }
+
+    void written_back(const Task& task) {
+        const std::string* text = place().notes.find(name_);
+        const std::string kept = text != nullptr ? describe_note(name_, *text) : name_;
+        WorkEnd end = end_of(*task.end(), texts());
+        Json result{{"written_back", true}, {"kept", kept}};
+        if (text != nullptr) result["values"] = note_json(*text).value("parameters", Json{});
+        end.result = ano::compact_json(result);
+        end.error = "wrote back the old calibration values, because their calibration never ended: " + kept +
+                    "; read back and equal, so " + name_ + " is removed";
+        place().notes.forget(name_);
+        finish(std::move(end));
+    }
+
+    std::string name_;
+    bool writes_ = false;
+};
+
+class Calibrate final : public TaskWork {
+public:
+    Calibrate(const WorkPlace& place, Sensor sensor) : TaskWork{place}, sensor_{sensor} {}
+
+    void start(TimePoint now) override {
+        auto task = std::make_unique<Calibration>(place().device, sensor_, &place().cache);
+        calibration_ = task.get();
+        calibration_->ask_before_writing(place().refusal);
+        next(std::move(task)).start(now);
+    }
+    std::string half_done() const override { return kept_where("the old values", "at the next start"); }
+    void hear(ano::FrameView frame, TimePoint now) override {
+        if (calibration_ == nullptr || calibration_->end()) return;
+        const Phase before = phase();
+        calibration_->hear(frame, now);
+        if (phase() != before || calibration_->end()) place().net.wake(now);
+    }
+    std::optional<TimePoint> due() const override { return calibration_ != nullptr ? calibration_->due() : std::nullopt; }
+    bool is_waiting() const override { return phase() == Phase::keep && kept_->is_done && kept_->fault.empty(); }
+    bool go_on(TimePoint now) override {
+        if (!is_waiting()) return false;
+        calibration_->kept(now);
+        return true;
+    }
+    std::string message() const override {
+        switch (phase()) {
+        case Phase::read: return "reading the old values";
+        case Phase::keep:
+            return is_waiting() ? "the old values are kept; go on when the device may be turned" : "keeping the old values";
+        case Phase::clear: return after_restart("the device is told to forget them");
+        case Phase::turn:
+            return after_restart(sensor_ == Sensor::accelerometer ? "lay it on each of its six faces" : "turn it to all sides");
+        case Phase::confirm: return "checking that nothing was corrected meanwhile";
+        case Phase::write: return "writing the new values";
+        case Phase::verify:
+            if (const auto face = calibration_->face_to_verify())
+                return (calibration_->is_further_face() ? "checking the new values: lay it still on "
+                                                        : "checking the new values: leave it still on ") +
+                       std::string{ano::host::name_of(*face)};
+            return "checking the new values: go on turning it";
+        case Phase::restore: return "writing the old values back";
+        case Phase::over: break;
+        }
+        return {};
+    }
+    std::string step() const override {
+        if (calibration_ == nullptr || phase() < Phase::turn || phase() > Phase::verify) return {};
+        return (sensor_ == Sensor::accelerometer ? faces_json(calibration_->faces()) : sphere_json(calibration_->sphere()))
+            .dump();
+    }
+
+private:
+    using Phase = Calibration::Step;
+    struct Kept {
+        bool is_asked = false, is_done = false;
+        std::string fault;
+    };
+
+    std::string after_restart(std::string message) const {
+        if (calibration_->restarts() == 0) return message;
+        return "the device restarted (" + calibration_->last_restart() + "), so all samples are discarded: " + message;
+    }
+    Phase phase() const { return calibration_ != nullptr ? calibration_->step() : Phase::read; }
+    void look(TimePoint now) override {
+        if (end() || calibration_ == nullptr) return;
+        calibration_->look(now);
+        if (phase() != Phase::keep) return;
+        if (!std::exchange(kept_->is_asked, true)) keep();
+        if (is_waiting()) return look_at_clock(now);
+        if (kept_->fault.empty()) return;
+        calibration_->cancel(now);
+        finish(work_fault(503, "the old values could not be kept, so nothing was changed: " + kept_->fault));
+    }
+    // A limit for the waiting, because the job blocks the device meanwhile.
+    void look_at_clock(TimePoint now) {
+        if (!waits_since_) waits_since_ = now;
+        if (now - *waits_since_ < Calibration::time_to_turn) return;
+        calibration_->cancel(now);
+        forget();
+        finish(work_fault(504, "nobody said go on within 10 minutes; nothing was changed"));
+    }
+    // The old values are those kept by an unfinished calibration, not what it left in the device.
+    bool uses_kept() {
+        const std::string name = kept_note(place(), sensor_);
+        const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
+        if (!values) return false;
+        note_ = name;
+        calibration_->set_old_values(*values);
+        kept_->is_done = true;
+        return true;
+    }
+    void keep() {
+        if (uses_kept()) return;
+        note_ = keep_name(place(), sensor_);
+        Json json = unit_json(place(), place().device.info());
+        json["parameters"] = values_json(calibration_->old_values());
+        json["bytes"] = bytes_json(calibration_->old_values());
+        place().notes.keep(note_, ano::compact_json(json) + "\n", [kept = kept_, &net = place().net](std::string fault) {
+            kept->fault = std::move(fault);
+            kept->is_done = true;
+            net.wake(net.now());
+        });
+    }
+    void forget() {
+        if (!note_.empty()) place().notes.forget(note_);
+    }
+    // `when` the next run of the program writes them back, if it does.
+    std::string kept_where(const std::string& what, const std::string& when) const {
+        const std::string name = note_.empty() ? keep_name(place(), sensor_) : note_;
+        const std::string way = place().net.way_to_write_back(name);
+        return what + " are kept as " + name + (way.empty() ? " and are written back " + when : "; " + way);
+    }
+    void done(const Task& task, TimePoint) override {
+        forget();
+        WorkEnd end = end_of(*task.end(), texts());
+        const auto residuals = calibration_->residuals().value_or(std::pair{0.0, 0.0});
+        end.result = Json{{"before", residuals.first},
+                          {"after", residuals.second},
+                          {"verified", calibration_->verified().value_or(residuals.second)},
+                          {"restarts", calibration_->restarts()},
+                          {"values", values_json(calibration_->new_values())}}
+                         .dump();
+        finish(std::move(end));
+    }
+    // Deletes the kept values if they are in the device again; otherwise they stay.
+    void failed(const Task& task, TimePoint) override {
+        WorkEnd end = end_of(*task.end(), texts());
+        if (calibration_->has_old_values()) forget();
+        else end.error += "; " + kept_where("they", "when it is heard on the ground");
+        finish(std::move(end));
+    }
+
+    Sensor sensor_;
+    Calibration* calibration_ = nullptr;
+    std::string note_;    // the name of the kept values
+    std::optional<TimePoint> waits_since_;
+    std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
+};
+
+}    // namespace
+
+std::unique_ptr<Work> calibrate(const WorkPlace& place, Sensor sensor) { return std::make_unique<Calibrate>(place, sensor); }
+
+std::unique_ptr<Work> write_old_values_back(const WorkPlace& place, const std::string& name) {
+    return std::make_unique<WriteBack>(place, name);
+}
+
+void forget_written(const WorkPlace& place, const Json& values) {
+    for (const Sensor sensor : {Sensor::accelerometer, Sensor::compass}) {
+        const std::string name = kept_note(place, sensor);
+        const auto kept = !name.empty() ? values_in_note(*place.notes.find(name), sensor) : std::nullopt;
+        const auto is_written = [&](const auto& one) {
+            const auto value = values.contains(one.first) ? value_in(values[one.first], ano::Type::f32) : std::nullopt;
+            return value && ano::host::same_bytes(*value, one.second, ano::Type::f32);
+        };
+        if (kept && std::all_of(kept->begin(), kept->end(), is_written)) place.notes.forget(name);
+    }
+}
+
+bool is_whole_backup(const std::string& text, Sensor sensor) { return values_in_note(text, sensor) && info_in_note(text); }
+
+std::string keep_name(const WorkPlace& place, Sensor sensor) {
+    return unit_note_name("calibration", place, place.device.info(), name_of(sensor));
+}
+
+std::string describe_note(std::string_view name, const std::string& text) {
+    const auto sensor = sensor_of_note(name);
+    return (sensor ? std::string{name_of(*sensor)} : std::string{name}) + " of " + describe_unit(text);
+}
+
+std::optional<Sensor> sensor_of_note(std::string_view name) {
+    for (const Sensor sensor : {Sensor::accelerometer, Sensor::compass})
+        if (is_unit_note_name(name, "calibration", name_of(sensor))) return sensor;
+    return std::nullopt;
+}
+
+}    // namespace anogate

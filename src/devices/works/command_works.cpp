@@ -1,0 +1,318 @@
+#include <ano/hex.hpp>
+#include <ano_json/compact_json.hpp>
+#include <ano_json/text.hpp>
+#include <devices/device_json.hpp>
+#include <devices/rows_text.hpp>
+#include <devices/works/command_works.hpp>
+#include <host/commands.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ano::TimePoint;
+using ano::host::CommandCheck;
+using ano::host::CommandInfo;
+using ano::host::Commands;
+using ano::host::Task;
+
+Json command_json(const CommandInfo& info, const DeviceTexts& texts) {
+    Json values = Json::array();
+    std::size_t at = 0;    // in `types`, which lacks those that are not known
+    for (const std::uint8_t number : info.numbers) {
+        if (!ano::command_value_type(number, ano::ValueType7::f32)) continue;
+        const ano::Type type = info.types[at++];
+        if (info.has_open_type && number == 7) values.push_back("f32|u64");
+        else values.push_back(name_of(type));
+    }
+    Json json{{"id", info.id}, {"name", texts.shown(info.name)}};
+    if (!info.info.empty()) json["text"] = texts.shown(info.info);
+    json["values"] = std::move(values);
+    if (info.has_unknown_type) json["unsupported"] = true;
+    return json;
+}
+
+class CommandWork : public TaskWork {
+public:
+    using TaskWork::TaskWork;
+
+protected:
+    /// What value type 7 was stated to mean; std::nullopt: nothing, so that the device's descriptions decide.
+    std::optional<ano::ValueType7> stated_type_7() {
+        const auto of_link = place().net.manners(place().device.address()).value_type_7;
+        if (of_link) return of_link;
+        return given_type_7_ ? given_type_7_ : kept_type_7(place());
+    }
+    /// What the client states, which is kept when the command is called. False, and the work has ended: the link's key states the
+    /// opposite.
+    bool state_type_7(std::optional<ano::ValueType7> seven) {
+        const auto of_link = place().net.manners(place().device.address()).value_type_7;
+        if (!seven || of_link == seven) return true;
+        if (of_link) {
+            finish(work_fault(422, "value type 7 is " + std::string{text_of_type_7(*of_link)} +
+                                       " for this link (value_type_7, or profile): change it there"));
+            return false;
+        }
+        given_type_7_ = seven;
+        return true;
+    }
+    /// Of `all` as the device describes them. False, and the work has ended: they show another meaning than the client states.
+    bool agrees(const std::vector<CommandInfo>& all) {
+        if (!given_type_7_) return true;
+        for (const CommandInfo& one : all) {
+            const auto shown = ano::host::shown_type_7(one);
+            if (!shown || shown == given_type_7_) continue;
+            finish(work_fault(
+                422, "value type 7 of this device is " + std::string{text_of_type_7(*shown)} +
+                         ", as its descriptions show, and not " + std::string{text_of_type_7(*given_type_7_)} +
+                         ": leave it out (type7); where the descriptions are wrong, the link's key value_type_7 decides"));
+            return false;
+        }
+        return true;
+    }
+    void read(TimePoint now) {
+        const auto of_link = place().net.manners(place().device.address()).value_type_7;
+        auto task = std::make_unique<Commands>(place().device, of_link, &place().commands);
+        commands_ = task.get();
+        next(std::move(task)).read(now);
+    }
+    /// The commands as read before, if the device was not away since.
+    std::optional<std::vector<CommandInfo>> known(TimePoint now) {
+        const auto* const all = known_commands(place().commands, place().device, now);
+        if (all != nullptr && !agrees(*all)) return std::nullopt;
+        return all != nullptr ? std::optional{with_stated_types(*all)} : std::nullopt;
+    }
+    /// The same whether or not it was away: a command of these has to be confirmed unless is_certain().
+    std::optional<std::vector<CommandInfo>> read_last() {
+        const auto* const all = commands_read_last(place().commands, place().device);
+        if (all != nullptr && !agrees(*all)) return std::nullopt;
+        return all != nullptr ? std::optional{with_stated_types(*all)} : std::nullopt;
+    }
+    bool is_certain(const CommandInfo& command, TimePoint now) const {
+        return place().device.is_certain_since(command.doubts, now);
+    }
+    void confirm(const CommandInfo& command, TimePoint now) {
+        auto task = std::make_unique<CommandCheck>(place().device, command, place().commands);
+        check_ = task.get();
+        next(std::move(task)).start(now);
+    }
+    /// The check that is the current task; null: another one is.
+    const CommandCheck* check() const { return check_ != nullptr && task() == check_ ? check_ : nullptr; }
+    bool agrees_as_read() { return agrees(commands_->descriptions()); }
+    /// Those that were read.
+    std::vector<CommandInfo> commands() { return with_stated_types(commands_->descriptions()); }
+
+    /// Calls `command`, or finishes because `given` does not fit.
+    void call(const CommandInfo& command, const Json& given, bool repeat, TimePoint now) {
+        std::vector<ano::host::AnyValue> values;
+        for (const Json& json : given) {
+            const std::size_t i = values.size();
+            const auto value = value_in(json, i < command.types.size() ? std::optional{command.types[i]} : std::nullopt);
+            if (!value) return finish(work_fault(422, "value " + std::to_string(i + 1) + " must be a number"));
+            values.push_back(*value);
+        }
+        if (given_type_7_) remember_change();
+        if (given_type_7_) keep_type_7(place(), *given_type_7_);
+        next(std::make_unique<ano::host::CommandCall>(place().device, command, std::move(values), repeat)).start(now);
+    }
+    void tell(const ano::host::End& ended, const Json& result) {
+        WorkEnd end = end_of(ended, texts());
+        Json whole = result;
+        if (!change_.empty()) whole["note"] = change_;
+        else if (ended.evidence.by_port) whole["note"] = ended.what;
+        end.result = ano::compact_json(whole);
+        finish(std::move(end));
+    }
+
+private:
+    // Not before the device info is known: what a user stated is of one device.
+    std::vector<CommandInfo> with_stated_types(std::vector<CommandInfo> rows) {
+        if (const auto seven = stated_type_7())
+            for (CommandInfo& row : rows) row = with_type_7(std::move(row), *seven);
+        return rows;
+    }
+
+    void remember_change() {
+        const auto before = kept_type_7(place());
+        if (before && before != given_type_7_)
+            change_ = "value type 7 of this device is " + std::string{text_of_type_7(*given_type_7_)} +
+                      " from now on, it was kept as " + std::string{text_of_type_7(*before)};
+    }
+
+    Commands* commands_ = nullptr;
+    const CommandCheck* check_ = nullptr;
+    std::optional<ano::ValueType7> given_type_7_;
+    std::string change_;    // what is kept of the device is another from now on
+};
+
+class ReadCommands final : public CommandWork {
+public:
+    ReadCommands(const WorkPlace& place, bool may_be_known) : CommandWork{place}, may_be_known_{may_be_known} {}
+    void start(TimePoint now) override {
+        if (may_be_known_) rows_ = read_last();    // a call of one of them has it confirmed where that is needed
+        if (!rows_) read(now);
+    }
+    std::string message() const override { return "reading commands"; }
+    std::optional<TimePoint> due() const override { return rows_ ? std::optional{TimePoint{}} : std::nullopt; }
+
+private:
+    void done(const Task& task, TimePoint) override {
+        if (rows_) return;
+        rows_ = commands();
+        end_ = end_of(*task.end(), texts());
+    }
+    // Adds a few rows at a time: it is called again until the work has ended.
+    void look(TimePoint) override {
+        if (!rows_ || end()) return;
+        const auto& device = place().device;
+        if (!text_) {
+            Json head{{"device", identity_json(device.address(), device.info(), texts())}};
+            if (task() == nullptr) head["known"] = true;
+            text_.emplace(head, "commands");
+        }
+        for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < rows_->size(); ++n)
+            text_->add(command_json((*rows_)[told_++], texts()));
+        if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
+        if (told_ == rows_->size()) finish(text_->ended(std::move(end_), Json::object()));
+    }
+
+    const bool may_be_known_;
+    std::optional<std::vector<CommandInfo>> rows_;
+    WorkEnd end_;
+    std::optional<RowsText> text_;
+    std::size_t told_ = 0;
+};
+
+class CallCommand final : public CommandWork {
+public:
+    CallCommand(const WorkPlace& place, CommandOrder order, const Json& values)
+        : CommandWork{place}, order_{std::move(order)}, json_{values.dump()} {}
+    void start(TimePoint now) override {
+        if (!state_type_7(order_.seven)) return;
+        if (const auto all = read_last()) command_ = called(*all);
+        if (end()) return;
+        if (command_ && command_->has_open_type) command_.reset();    // it may show meanwhile what it means
+        if (!command_) return read(now);
+        if (!is_certain(*command_, now)) return confirm(*command_, now);
+        call_it(now);
+    }
+    std::string message() const override { return "calling " + order_.command; }
+
+private:
+    void done(const Task& task, TimePoint now) override {
+        if (check() != nullptr) {
+            if (check()->is_same()) return call_it(now);
+            command_.reset();
+            return read(now);
+        }
+        if (command_) return tell(*task.end(), {{"id", command_->id}, {"name", texts().shown(command_->name)}, {"called", true}});
+        if (!agrees_as_read()) return;
+        command_ = called(commands());
+        if (!command_ && order_.called) return finish_outdated();
+        if (!command_)
+            return finish(work_fault(404, "no command is called " + ano::in_quotes(order_.command) + ", or several are"));
+        call_it(now);
+    }
+    // The client may read the commands and call again: nothing was sent.
+    void finish_outdated() {
+        WorkEnd end = work_fault(409, "command " + order_.command + " is not " + ano::in_quotes(*order_.called) +
+                                          " any more: read the commands again");
+        end.what = "commands_changed";
+        finish(std::move(end));
+    }
+    void call_it(TimePoint now) {
+        if (order_.called && !texts().is(command_->name, *order_.called)) return finish_outdated();
+        call(*command_, Json::parse(json_), order_.repeat, now);
+    }
+    std::optional<CommandInfo> called(const std::vector<CommandInfo>& all) const {
+        const std::string& word = order_.command;
+        const CommandInfo* found = nullptr;
+        std::size_t count = 0;
+        for (const CommandInfo& one : all) {
+            if (word.empty() || one.name.empty() || !texts().is(one.name, word)) continue;
+            found = &one;
+            ++count;
+        }
+        if (count == 1) return *found;
+        std::size_t id = 0;
+        const auto [end, ec] = std::from_chars(word.data(), word.data() + word.size(), id);
+        if (ec != std::errc{} || end != word.data() + word.size() || id >= all.size()) return std::nullopt;
+        return all[id];
+    }
+
+    CommandOrder order_;
+    std::string json_;
+    std::optional<CommandInfo> command_;
+};
+
+std::optional<ano::Type> number_type_called(std::string_view name) {
+    const auto* const found = std::find(ano::type_names.begin(), ano::type_names.end(), name);
+    if (found == ano::type_names.end()) return std::nullopt;
+    const auto type = static_cast<ano::Type>(found - ano::type_names.begin());
+    return ano::is_number(type) ? std::optional{type} : std::nullopt;
+}
+
+// The device is asked nothing: what the client says of the command is taken as it is.
+class CallByCid final : public CommandWork {
+public:
+    CallByCid(const WorkPlace& place, const Cid& cid, CommandOrder order, const Json& values)
+        : CommandWork{place}, json_{values.dump()}, order_{std::move(order)} {
+        command_.cid = cid;
+        command_.name = "command";
+        for (const std::uint8_t byte : cid) command_.name += ' ' + ano::hex_byte(byte);
+    }
+    void start(TimePoint now) override {
+        if (!state_type_7(order_.seven)) return;
+        const auto all = known(now).value_or(std::vector<CommandInfo>{});
+        if (end()) return;
+        const auto known_as = std::find_if(all.begin(), all.end(),
+                                           [&](const CommandInfo& one) { return one.cid == command_.cid; });
+        Json values = Json::array();
+        for (const Json& given : Json::parse(json_)) {
+            if (!given.is_object()) {
+                values.push_back(given);
+                continue;
+            }
+            const auto type = given.size() == 1 ? number_type_called(given.begin().key()) : std::nullopt;
+            if (!type) return finish(misfit(values.size(), R"( must be {TYPE: number}, as in {"u16": 150})"));
+            command_.types.push_back(*type);
+            values.push_back(given.front());
+        }
+        if (!values.empty() && command_.types.empty() && known_as != all.end()) command_ = *known_as;
+        else if (command_.types.size() != values.size())
+            return finish(work_fault(422, R"(each value needs a type, as in {"u16": 150}: the command is not known)"));
+        call(command_, values, order_.repeat, now);
+    }
+    std::string message() const override { return "calling " + command_.name; }
+
+private:
+    static WorkEnd misfit(std::size_t i, const char* why) { return work_fault(422, "value " + std::to_string(i + 1) + why); }
+    void done(const Task& task, TimePoint) override { tell(*task.end(), {{"cid", command_.cid}, {"called", true}}); }
+
+    std::string json_;
+    CommandOrder order_;
+    CommandInfo command_;
+};
+
+}    // namespace
+
+std::unique_ptr<Work> read_commands(const WorkPlace& place, bool known) { return std::make_unique<ReadCommands>(place, known); }
+
+std::unique_ptr<Work> call_command(const WorkPlace& place, CommandOrder order, const Json& values) {
+    return std::make_unique<CallCommand>(place, std::move(order), values);
+}
+
+std::unique_ptr<Work> call_by_cid(const WorkPlace& place, const Cid& cid, CommandOrder order, const Json& values) {
+    return std::make_unique<CallByCid>(place, cid, std::move(order), values);
+}
+
+}    // namespace anogate

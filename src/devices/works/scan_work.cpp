@@ -1,0 +1,53 @@
+#include <ano/address.hpp>
+#include <ano/typed.hpp>
+#include <devices/works/scan_work.hpp>
+#include <host/parameter_info.hpp>
+
+#include <bitset>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+using ano::Duration;
+using ano::TimePoint;
+
+constexpr unsigned sends = 3;
+constexpr Duration between_sends = std::chrono::milliseconds{300};
+constexpr Duration for_answers = std::chrono::milliseconds{800};    // after the last send; together less than 1.5 s
+
+class Scan final : public Work {
+public:
+    explicit Scan(const WorkPlace& place) : place_{place} {}
+    void start(TimePoint now) override { next_ = now; }
+    void run(TimePoint now) override {
+        if (end() || now < next_) return;
+        if (sent_ == sends) return finish({});
+        ++sent_;
+        next_ = now + (sent_ < sends ? between_sends : for_answers);
+        const ano::host::Request request = ano::host::question::device_info(0);
+        std::vector<std::uint8_t> frame(ano::overhead + request.data.size());
+        ano::encode(frame, place_.device.own(), ano::address::broadcast, request.id, request.data);
+        if (const std::string never = place_.net.send(ano::FrameView{frame}); !never.empty()) finish(work_fault(403, never));
+    }
+    void cancel(TimePoint) override { finish({409, {}, "cancelled", "refused", {}, true}); }
+    void hear(ano::FrameView frame, TimePoint) override {
+        if (frame.id() == ano::id_of<"device_info">) answered_.set(frame.source());
+    }
+    ano::host::Progress progress() const override { return {answered_.count(), 0}; }
+    std::string message() const override { return "asking everybody, " + std::to_string(answered_.count()) + " answered"; }
+    std::optional<TimePoint> due() const override { return next_; }
+
+private:
+    WorkPlace place_;
+    unsigned sent_ = 0;
+    TimePoint next_{};
+    std::bitset<256> answered_;
+};
+
+}    // namespace
+
+std::unique_ptr<Work> scan(const WorkPlace& place) { return std::make_unique<Scan>(place); }
+
+}    // namespace anogate

@@ -1,0 +1,186 @@
+#include <ano/address.hpp>
+#include <gateway/peers/peer_book.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+
+PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Rank rank) {
+    const IpAddress& address = stranger.address;
+    const bool local = address.is_loopback();
+    const std::size_t of_address = places_of(address);
+    const bool address_full = !local && of_address >= options_.max_of_address;
+    if (!address_full && has_free_place(rank)) return {true, std::nullopt};
+
+    const bool again = knocks_again(stranger, now);
+    std::optional<ChannelId> longest_silent;
+    for (const ChannelId id : used_) {
+        const Peer& p = peer(id);
+        if (address_full ? p.endpoint.address != address : !may_give_way(p, rank)) continue;
+        const bool has_more = address_full || places_of(p.endpoint.address) > of_address + 1;
+        const bool gives_way = is_silent(p, now) ? again || !p.came_again : again && !p.came_again && has_more;
+        const bool is_of_us = local && p.endpoint.address.is_loopback() && (again || !p.came_again);
+        if (!gives_way && !is_of_us) continue;
+        if (!longest_silent || p.heard_at < peer(*longest_silent).heard_at) longest_silent = id;
+    }
+    return {longest_silent.has_value(), longest_silent};
+}
+
+bool PeerBook::has_free_place(Rank rank) const noexcept {
+    const auto owed = [&](std::size_t kept, Rank to) { return kept - std::min(kept, count(to)); };
+    std::size_t kept = 0;
+    if (rank == Rank::ordinary) kept = owed(options_.kept, Rank::commands);
+    if (rank < Rank::trusted) kept = std::max(kept, owed(options_.kept_for_trusted, Rank::trusted));
+    return used_.size() + kept < options_.max_peers;
+}
+
+// The number of peers of higher ranks must not fall below what is kept for them.
+bool PeerBook::may_give_way(const Peer& p, Rank to) const noexcept {
+    if (p.rank <= to) return true;
+    if (p.rank == Rank::trusted && count(Rank::trusted) <= options_.kept_for_trusted) return false;
+    return to != Rank::ordinary || count(Rank::commands) > options_.kept;
+}
+
+std::size_t PeerBook::count(Rank at_least) const noexcept {
+    std::size_t count = 0;
+    for (const ChannelId id : used_)
+        if (peer(id).rank >= at_least) ++count;
+    return count;
+}
+
+std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
+    std::size_t count = 0;
+    for (const ChannelId id : used_)
+        if (peer(id).endpoint.address == address) ++count;
+    return count;
+}
+
+// One address gets only a few rows here too, so that it can't take the places of all others.
+bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
+    Knock* oldest = knocks_.data();
+    Knock* oldest_of_address = nullptr;
+    std::size_t of_address = 0;
+    for (Knock& knock : knocks_) {
+        if (knock.endpoint == stranger) {
+            if (now - knock.last >= options_.timeout) knock.first = now;
+            knock.last = now;
+            return now - knock.first >= exchange;
+        }
+        if (knock.last < oldest->last) oldest = &knock;
+        if (knock.endpoint.address != stranger.address) continue;
+        ++of_address;
+        if (!oldest_of_address || knock.last < oldest_of_address->last) oldest_of_address = &knock;
+    }
+    *(of_address >= max_knocks_of_address ? oldest_of_address : oldest) = {stranger, now, now};
+    return false;
+}
+
+void PeerBook::add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint now, Rank rank) {
+    used_.insert(id);
+    peer(id) = {};
+    peer(id).endpoint = endpoint;
+    peer(id).near = near;
+    peer(id).rank = rank;
+    peer(id).heard_at = now;
+    peer(id).exchange_began = now;
+}
+
+void PeerBook::heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept {
+    Peer& p = peer(id);
+    p.heard_at = now;
+    p.came_again = p.came_again || now - p.exchange_began >= exchange;
+    p.is_host = p.is_host || ano::address::is_host(source);
+    p.refusals = 0;
+    p.is_gone = false;
+}
+
+PeerBook::Memory PeerBook::memory(ChannelId id) const noexcept {
+    const Peer& p = peer(id);
+    return {p.heard_at, p.is_host, p.came_again, p.once, p.rank == Rank::commands};
+}
+
+void PeerBook::remember(ChannelId id, const Memory& memory) noexcept {
+    Peer& p = peer(id);
+    p.heard_at = p.exchange_began = memory.heard_at;
+    p.is_host = memory.is_host;
+    p.came_again = memory.came_again;
+    p.once = memory.once;
+    if (memory.commands) commanded(id);
+}
+
+bool PeerBook::refused(ChannelId id, TimePoint now) noexcept {
+    Peer& p = peer(id);
+    if (p.refusals == 0) p.first_refused_at = now;
+    ++p.refusals;
+    p.is_gone = p.is_gone || p.once || (p.refusals >= enough_refusals && now - p.first_refused_at >= refused_for);
+    return p.is_gone;
+}
+
+ChannelSet PeerBook::overdue(TimePoint now) const noexcept {
+    ChannelSet result;
+    for (const ChannelId id : used_)
+        if (is_overdue(id, now)) result.insert(id);
+    return result;
+}
+
+bool PeerBook::is_overdue(ChannelId id, TimePoint now) const noexcept {
+    const Peer& p = peer(id);
+    if (p.is_gone || now >= max_stay(p)) return true;
+    return listens(p, now) && (exceeds_address(id, now) || exceeds_listeners(id, now));
+}
+
+// Whether others of its address listen that were heard later.
+bool PeerBook::exceeds_address(ChannelId id, TimePoint now) const noexcept {
+    const Peer& p = peer(id);
+    std::size_t later = 0;
+    for (const ChannelId other : used_) {
+        const Peer& o = peer(other);
+        if (o.endpoint.address != p.endpoint.address || !listens(o, now)) continue;
+        if (o.heard_at > p.heard_at || (o.heard_at == p.heard_at && index(other) > index(id))) ++later;
+    }
+    return later >= max_silent_of_address;
+}
+
+// Whether others listen that sent a single datagram, and were heard earlier: a new one must not drive out those that are there.
+bool PeerBook::exceeds_listeners(ChannelId id, TimePoint now) const noexcept {
+    const Peer& p = peer(id);
+    if (!p.once || p.endpoint.address.is_loopback()) return false;
+    std::size_t earlier = 0;
+    for (const ChannelId other : used_) {
+        const Peer& o = peer(other);
+        if (!o.once || o.endpoint.address.is_loopback() || !listens(o, now) || exceeds_address(other, now)) continue;
+        if (o.heard_at < p.heard_at || (o.heard_at == p.heard_at && index(other) < index(id))) ++earlier;
+    }
+    return earlier >= max_listeners;
+}
+
+Duration PeerBook::patience(const Peer& p) const noexcept {
+    const bool may_be_forged = p.once && p.near && !(may_listen(p) && p.endpoint.address.is_loopback());
+    return may_be_forged ? std::min(once_stays, options_.timeout) : options_.timeout;
+}
+
+TimePoint PeerBook::max_stay(const Peer& p) const noexcept {
+    return p.heard_at + (may_listen(p) ? std::max(listener_stays, options_.timeout) : patience(p));
+}
+
+TimePoint PeerBook::next_look(TimePoint now) const noexcept {
+    TimePoint next = TimePoint::max();
+    for (const ChannelId id : used_) {
+        const Peer& p = peer(id);
+        if (p.is_gone) return now;
+        const TimePoint due = p.heard_at + patience(p);
+        next = std::min(next, now >= due ? max_stay(p) : due);
+    }
+    return next;
+}
+
+std::optional<TimePoint> PeerBook::listening_since(ChannelId id) const noexcept {
+    const Peer& p = peer(id);
+    return p.once && may_listen(p) ? std::optional{p.heard_at} : std::nullopt;
+}
+
+bool can_be_peer(const Endpoint& sender, const std::vector<Network>& own) noexcept {
+    return sender.port != 0 && !sender.address.is_any() && !sender.address.is_multicast() && !is_broadcast(sender.address, own);
+}
+
+}    // namespace anogate

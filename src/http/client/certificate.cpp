@@ -1,0 +1,127 @@
+#include <http/client/certificate.hpp>
+#include <sys/errors.hpp>
+#include <sys/files/write_all.hpp>
+#include <sys/unique_fd.hpp>
+
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/rand.h>
+#include <openssl/x509.h>
+#include <openssl/x509v3.h>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+
+namespace anogate::http {
+namespace {
+
+template <auto free_it>
+struct Free {
+    template <class T>
+    void operator()(T* what) const {
+        free_it(what);
+    }
+};
+using Key = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
+using Certificate = std::unique_ptr<X509, Free<X509_free>>;
+using Text = std::unique_ptr<BIO, Free<BIO_free>>;
+using File = std::unique_ptr<std::FILE, Free<std::fclose>>;
+using Extension = std::unique_ptr<X509_EXTENSION, Free<X509_EXTENSION_free>>;
+
+constexpr long day = 24L * 60 * 60, valid_days = 824;
+
+Unexpected openssl_fault() {
+    char words[256] = {};
+    ERR_error_string_n(ERR_get_error(), words, sizeof words);
+    return Unexpected{std::string{"OpenSSL: "} + words};
+}
+
+bool add_extension(X509& certificate, int kind, const std::string& value) {
+    X509V3_CTX context{};
+    X509V3_set_ctx_nodb(&context);
+    X509V3_set_ctx(&context, &certificate, &certificate, nullptr, nullptr, 0);
+    const Extension extension{X509V3_EXT_conf_nid(nullptr, &context, kind, value.c_str())};
+    return extension && X509_add_ext(&certificate, extension.get(), -1) == 1;
+}
+
+std::string alternative_names(const CertificateNames& names) {
+    std::string all;
+    for (const std::string& host : names.hosts) all += (all.empty() ? "DNS:" : ",DNS:") + host;
+    for (const std::string& address : names.addresses) all += (all.empty() ? "IP:" : ",IP:") + address;
+    return all;
+}
+
+bool set_serial(X509& certificate) {
+    std::uint64_t number = 0;
+    if (RAND_bytes(reinterpret_cast<unsigned char*>(&number), sizeof number) != 1) return false;
+    return ASN1_INTEGER_set_uint64(X509_get_serialNumber(&certificate), number >> 1) == 1;
+}
+
+bool fill(X509& certificate, EVP_PKEY& key, const CertificateNames& names) {
+    constexpr long version_3 = 2;
+    X509_NAME* name = X509_get_subject_name(&certificate);
+    const std::string subject = names.hosts.empty() ? "anogate" : names.hosts.front();
+    return X509_set_version(&certificate, version_3) == 1 && set_serial(certificate) &&
+           X509_gmtime_adj(X509_getm_notBefore(&certificate), -day) != nullptr &&
+           X509_gmtime_adj(X509_getm_notAfter(&certificate), (valid_days - 1) * day) != nullptr &&
+           X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_UTF8, reinterpret_cast<const unsigned char*>(subject.c_str()), -1, -1,
+                                      0) == 1 &&
+           X509_set_issuer_name(&certificate, name) == 1 && X509_set_pubkey(&certificate, &key) == 1 &&
+           add_extension(certificate, NID_basic_constraints, "critical,CA:FALSE") &&
+           add_extension(certificate, NID_key_usage, "critical,digitalSignature") &&
+           add_extension(certificate, NID_ext_key_usage, "serverAuth") &&
+           add_extension(certificate, NID_subject_alt_name, alternative_names(names)) &&
+           X509_sign(&certificate, &key, EVP_sha256()) > 0;
+}
+
+Expected<void> write_new(const std::string& path, BIO& text, mode_t mode) {
+    char* bytes = nullptr;
+    const auto size = static_cast<std::size_t>(BIO_get_mem_data(&text, &bytes));
+    const UniqueFd fd{::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode)};
+    if (!fd) return Unexpected{error_text(path, errno)};
+    if (write_all(fd.get(), {bytes, size})) return {};
+    const int error = errno;
+    ::unlink(path.c_str());
+    return Unexpected{error_text(path, error)};
+}
+
+}    // namespace
+
+Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key) {
+    const Key pair{EVP_EC_gen("P-256")};
+    const Certificate made{X509_new()};
+    const Text key_text{BIO_new(BIO_s_mem())}, certificate_text{BIO_new(BIO_s_mem())};
+    const bool done = pair && made && key_text && certificate_text && fill(*made, *pair, names) &&
+                      PEM_write_bio_PKCS8PrivateKey(key_text.get(), pair.get(), nullptr, nullptr, 0, nullptr, nullptr) == 1 &&
+                      PEM_write_bio_X509(certificate_text.get(), made.get()) == 1;
+    if (!done) return openssl_fault();
+    if (auto written = write_new(key, *key_text, S_IRUSR | S_IWUSR); !written) return written;
+    auto written = write_new(certificate, *certificate_text, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
+    if (!written) ::unlink(key.c_str());
+    return written;
+}
+
+Expected<std::string> fingerprint(const std::string& certificate) {
+    const File file{::fopen(certificate.c_str(), "re")};
+    if (!file) return Unexpected{error_text(certificate, errno)};
+    const Certificate read{PEM_read_X509(file.get(), nullptr, nullptr, nullptr)};
+    if (!read) return Unexpected{certificate + ": is no certificate in PEM"};
+    unsigned char bytes[EVP_MAX_MD_SIZE];
+    unsigned size = 0;
+    if (X509_digest(read.get(), EVP_sha256(), bytes, &size) != 1) return openssl_fault();
+    constexpr char digits[] = "0123456789ABCDEF";
+    std::string text;
+    for (unsigned i = 0; i < size; ++i) {
+        if (i > 0) text += ':';
+        text.append({digits[bytes[i] >> 4], digits[bytes[i] & 15]});
+    }
+    return text;
+}
+
+}    // namespace anogate::http

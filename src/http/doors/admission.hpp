@@ -1,0 +1,92 @@
+// Decides what a request may do, from the request, its door and the tokens. No I/O.
+#pragma once
+#include <ano/time.hpp>
+#include <http/doors/attempts.hpp>
+#include <http/request.hpp>
+#include <http/response.hpp>
+#include <sys/expected.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate::http {
+
+struct Token {
+    Access access = Access::view;
+    std::string text;
+    bool operator==(const Token&) const = default;
+};
+
+struct AdmissionRules {
+    std::vector<Token> tokens;
+    std::string host_name;               // our host name: it and HOST.local are our names
+    std::vector<std::string> hosts;      // further names of ours: "vehicle.lan"
+    std::vector<std::string> origins;    // other pages that may send requests: "https://ground.example:8443"
+    /// A WebSocket at one of these paths that offers one of these subprotocols may have its token in the query (?token=), because its
+    /// clients can't send it otherwise.
+    std::vector<std::string_view> paths{}, subprotocols{};
+    std::string token_file_id{};    // in the name of the cookie: another gateway's cookie is not taken for ours
+};
+
+/// 429 to who sent too many wrong tokens.
+Response slow_down(ano::Duration time);
+
+class Admission {
+public:
+    void set(AdmissionRules rules) { rules_ = std::move(rules); }
+
+    /// What the request may do, or the answer that refuses it. At a network door it refuses: a Host that is not one of our names,
+    /// since any other name may be made to resolve to us (DNS rebinding); an Origin other than our own; a body that a form of any page
+    /// could send; a wrong token. A wrong token in a cookie counts as none, and the answer clears the cookie (Request::also); it is counted and
+    /// slowed down like others, though not where no token is needed (Request::slowed). A token that was
+    /// checked with the head of the request (Request::judged) is not checked again. A request passed on by a proxy needs a token at every
+    /// door.
+    tl::expected<Access, Response> judge(Request& request, ano::TimePoint now);
+
+    /// Whether a request with this head may control, unless judge() refuses it. Counts nothing.
+    bool shows_control(const Request& head) const;
+
+    /// Whether a browser says that a page of another site sends the request, other than one of `origins`.
+    bool is_foreign(const Request& request) const;
+
+    /// Removes a checked token from the target, so that it can't appear in anything written about the request.
+    void forget_token(Request& request) const;
+
+    /// What a token allows, whatever wrong ones came before; for a wrong one 401, or 429 after too many.
+    tl::expected<Access, Response> access_of(std::string_view token, const Door& door, ano::TimePoint now);
+    /// Whether the token allows as much as `access` still, after set().
+    bool still_allows(std::string_view token, Access access) const { return access_of_known(token) >= access; }
+    /// The header Set-Cookie, by which a browser sends this token from now on.
+    Field cookie(std::string_view token, const Door& door) const;
+    /// The header by which a browser forgets it.
+    Field no_cookie(const Door& door) const;
+
+    std::uint64_t wrong_tokens() const noexcept { return wrong_tokens_; }
+    /// Clients whose wrong tokens were slowed down.
+    std::uint64_t guessing_clients() const noexcept { return attempts_.slowed(); }
+    /// `call` is called with the address of a client when its wrong tokens are slowed down for the first time: a few times a minute.
+    using TellGuessing = std::function<void(const std::string& peer, const Attempts::News& news)>;
+    void on_guessing(TellGuessing call) { tells_guessing_ = std::move(call); }
+
+private:
+    std::optional<Response> refusal(const Request& request) const;
+    bool may_have_it_in_query(const Request& request) const;
+    std::string token_of(const Request& request) const;
+    std::string cookie_name(const Door& door) const;
+    ano::Duration count_wrong(const Door& door, ano::TimePoint now);
+    std::optional<Access> access_of_known(std::string_view token) const;
+    bool is_listed(std::string_view origin) const;
+    bool is_own_name(std::string_view host, const Door& door) const;
+    bool may_ask(std::string_view origin, std::string_view host, bool is_encrypted) const;
+
+    AdmissionRules rules_;
+    Attempts attempts_;
+    std::uint64_t wrong_tokens_ = 0;
+    TellGuessing tells_guessing_;
+};
+
+}    // namespace anogate::http

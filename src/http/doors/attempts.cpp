@@ -1,0 +1,34 @@
+#include <http/client/client_network.hpp>
+#include <http/doors/attempts.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate::http {
+
+ano::Duration Attempts::slowed_for(const std::string& peer, ano::TimePoint now) const {
+    const auto found = clients_.find(client_network(peer));
+    if (found == clients_.end() || found->second.failures.size() < max_failures) return {};
+    return std::max(ano::Duration{}, found->second.failures.front() + window - now);
+}
+
+Attempts::News Attempts::failed(const std::string& peer, ano::TimePoint now) {
+    Client& client = clients_[client_network(peer)];
+    client.failures.push_back(now);
+    if (client.failures.size() > max_failures) client.failures.pop_front();
+    const bool is_news = slowed_for(peer, now) > ano::Duration{} && !std::exchange(client.was_slowed, true);
+    if (clients_.size() > max_peers)
+        clients_.erase(std::min_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
+            return a.second.failures.back() < b.second.failures.back();
+        }));
+    return is_news ? news(now) : News{};
+}
+
+Attempts::News Attempts::news(ano::TimePoint now) {
+    ++slowed_;
+    if (told_ == 0 || now - told_since_ >= window) told_ = 0, told_since_ = now;
+    if (told_ == max_told) return ++untold_, News{};
+    return {true, std::exchange(untold_, 0), ++told_ == max_told};
+}
+
+}    // namespace anogate::http

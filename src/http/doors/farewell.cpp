@@ -1,0 +1,59 @@
+#include <http/doors/farewell.hpp>
+
+#include <array>
+#include <new>
+
+namespace anogate::http {
+namespace {
+
+constexpr std::size_t max_heard = 1024 * 1024;
+
+}    // namespace
+
+void Farewell::say(ano::Duration moment) {
+    timer_.expires_after(moment);
+    timer_.async_wait([weak = weak_from_this()](error_code ec) {
+        if (const auto self = weak.lock(); self && !ec) self->close();
+    });
+    write();
+}
+
+void Farewell::close() {
+    timer_.cancel();
+    if (stream_) stream_->close();
+    stream_.reset();
+}
+
+// Even this may fail for lack of memory.
+void Farewell::write() try {
+    const asio::const_buffer left = asio::buffer(words_) + said_;
+    stream_->write_some({left}, [self = shared_from_this()](error_code ec, std::size_t size) { self->written(ec, size); });
+} catch (const std::bad_alloc&) {
+    close();
+}
+
+void Farewell::written(error_code ec, std::size_t size) {
+    if (!stream_) return;
+    if (ec) return close();
+    said_ += size;
+    if (said_ < words_.size()) return write();
+    stream_->end_output();
+    read();
+}
+
+void Farewell::read() try {
+    static thread_local std::array<char, 4096> forgotten;
+    stream_->read_some(asio::buffer(forgotten),
+                       [self = shared_from_this()](error_code ec, std::size_t size) { self->heard(ec, size); });
+} catch (const std::bad_alloc&) {
+    close();
+}
+
+void Farewell::heard(error_code ec, std::size_t size) {
+    if (!stream_) return;
+    heard_ += size;
+    if (ec || heard_ >= max_heard) return close();
+    read();
+}
+
+}    // namespace anogate::http

@@ -1,0 +1,27 @@
+// TCP sockets of the server.
+#pragma once
+#include <http/doors/door.hpp>
+#include <sys/expected.hpp>
+#include <sys/unique_fd.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace anogate::http {
+
+struct ListeningSocket {
+    UniqueFd fd;
+    int family = 0;
+    std::uint16_t port = 0;    // the one chosen by the kernel, if 0 was asked for
+};
+
+/// Listens at an IP address; [::] accepts IPv4 too.
+Expected<ListeningSocket> listen_tcp(const std::string& address, std::uint16_t port);
+
+/// Sets the addresses of a connected socket in `door`; enables TCP_NODELAY and keep-alive on it.
+void prepare_tcp(int fd, Door& door);
+
+/// 127.0.0.0/8 and ::1.
+bool is_loopback(const std::string& address);
+
+}    // namespace anogate::http

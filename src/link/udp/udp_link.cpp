@@ -1,0 +1,322 @@
+#include <config/link_kind.hpp>
+#include <gateway/peers/listening_notice.hpp>
+#include <link/feed.hpp>
+#include <link/make_link.hpp>
+#include <link/udp/datagram_batch.hpp>
+#include <link/udp/datagram_sender.hpp>
+#include <link/udp/udp_keys.hpp>
+#include <link/udp/udp_link.hpp>
+#include <link/udp/udp_settings.hpp>
+#include <sys/errors.hpp>
+
+#include <net/if.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace anogate {
+namespace {
+
+constexpr Duration join_again = std::chrono::seconds{3};
+constexpr Duration join_slack = std::chrono::seconds{1};
+constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may recover without ever sending anything
+
+}    // namespace
+
+UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
+    : Link{id, std::move(settings)},
+      context_{context},
+      descriptor_{context.io},
+      reconnect_{context, *this, [this] { return open(); }},
+      expiry_{context.alarms,
+              [this] {
+                  if (channel_->parser.expire(context_.host.now())) deliver();
+                  if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
+              }},
+      again_{context.alarms, [this] { flush(*channel_); }},
+      rejoin_{context.alarms, [this] { keep_joined(); }, join_slack},
+      interface_watch_{context, [this](LinkError why) { fail(std::move(why)); }},
+      pacing_{context.alarms, [this] { flush(*channel_); }} {}
+
+void UdpLink::start() {
+    channel_ = context_.host.open_channel(*this, settings().as<UdpSettings>().peer.text());
+    reconnect_.start();
+}
+
+Opened<void> UdpLink::open() {
+    arrival_.found_empty(context_.host.turn().clocks());
+    auto socket = open_to_peer();
+    if (!socket) return NotOpened{std::move(socket.error())};
+    const TimePoint now = context_.host.now();
+    reconnect_.came_up(now);
+    trouble_ = {};
+    local_ = local_endpoint(socket->get());
+    pacing_.start(settings().rate, settings().latency, settings().gap);
+    if (pacing_.is_on()) keep_send_buffer_small(socket->get());
+    descriptor_.open(std::move(*socket));
+    descriptor_.read_with([this] { read(); });
+    interface_watch_.start(watched());
+    if (settings().as<UdpSettings>().peer.address.is_multicast()) rejoin_.set(now + join_again);
+    context_.host.link_up(*this);
+    return {};
+}
+
+// The endpoint with the interface to watch, if there is one.
+EndpointSpec UdpLink::watched() const {
+    const UdpSettings& udp = settings().as<UdpSettings>();
+    if (!udp.interface.empty()) return {udp.peer, udp.interface};
+    return udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer;
+}
+
+Opened<UniqueFd> UdpLink::open_to_peer() {
+    const EndpointSpec& written = settings().as<UdpSettings>().peer;
+    const auto to = endpoint_now(written);
+    if (!to) return NotOpened{no_interface(written.interface)};
+    const Endpoint& peer = *to;
+    const bool multicast = peer.address.is_multicast();
+    EndpointSpec local;
+    local.address.v6 = peer.address.v6;
+    if (multicast) local.port = peer.port;
+    if (settings().as<UdpSettings>().bind) local = *settings().as<UdpSettings>().bind;
+    if (multicast) {    // bound to another address, a socket would not receive from the group
+        local.address = {local.address.v6, {}, 0};
+        local.interface.clear();
+    }
+    to_ = SocketAddress::of(peer, local.address.v6);
+    to_interface_ = peer.address.scope;
+    connected_ = !multicast && !is_broadcast(peer.address, own_networks());
+    auto stored = context_.host.take_stored(*this);
+    const std::string& interface = settings().as<UdpSettings>().interface;
+    UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), local, interface, connected_ ? std::optional{peer} : std::nullopt)
+                           : UniqueFd{};
+    if (wire) begin_arrival(arrival_, wire.get(), &*stored, context_.host.turn().clocks());
+    auto socket = wire ? Opened<UniqueFd>{std::move(wire)} : open_udp(local, multicast, interface);
+    if (!socket) return socket;
+    if (multicast) {
+        if (auto joined = join_group(socket->get()); !joined) return NotOpened{std::move(joined.error())};
+    } else if (connected_ && !connected_to(socket->get()) && ::connect(socket->get(), to_.get(), to_.size) != 0) {
+        return NotOpened{
+            LinkError{"no_way", "no way to " + written.text() + " now: " + error_text(errno), {{"address", written.text()}}}};
+    }
+    return socket;
+}
+
+// Joins by `interface`, or the interface with the address of `bind`, or the one of the kernel's route. It is no error if the socket
+// has joined already.
+Opened<void> UdpLink::join_group(int fd) const {
+    const EndpointSpec& peer = settings().as<UdpSettings>().peer;
+    const auto& bind = settings().as<UdpSettings>().bind;
+    const std::string& name = settings().as<UdpSettings>().interface;
+    unsigned interface = name.empty() ? to_interface_ : ::if_nametoindex(name.c_str());
+    if (!name.empty() && interface == 0) return NotOpened{no_interface(name)};
+    if (name.empty() && bind && !bind->address.is_any()) {
+        const auto now = endpoint_now(*bind);
+        interface = now ? interface_of(now->address) : 0;
+        if (interface == 0) return NotOpened{no_address(bind->text())};
+    }
+    const bool v6 = to_.storage.ss_family == AF_INET6;
+    group_req group{};
+    group.gr_interface = interface;
+    std::memcpy(&group.gr_group, &to_.storage, sizeof to_.storage);
+    bool done = ::setsockopt(fd, v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &group, sizeof group) == 0 ||
+                errno == EADDRINUSE;
+    if (done && interface != 0) {
+        ip_mreqn sender{};
+        sender.imr_ifindex = static_cast<int>(interface);
+        done = v6 ? ::setsockopt(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, &sender.imr_ifindex, sizeof sender.imr_ifindex) == 0
+                  : ::setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &sender, sizeof sender) == 0;
+    }
+    if (done) return {};
+    if (interface == 0 && errno == ENODEV)
+        return NotOpened{
+            LinkError{"no_way",
+                      "no route leads to the multicast group " + peer.address.text() +
+                          "; name an interface: interface=NAME, or by its address bind=ADDRESS:" + std::to_string(peer.port),
+                      {{"address", peer.address.text()}}}};
+    return Unexpected{"can't join the multicast group " + peer.address.text() + ": " + error_text(errno)};
+}
+
+// When an interface goes or the route changes, the membership ends without any error at the socket.
+void UdpLink::keep_joined() {
+    if (auto joined = join_group(descriptor_.fd()); !joined) return fail(std::move(joined.error()));
+    rejoin_.set(context_.host.now() + join_again);
+}
+
+void UdpLink::fail(LinkError why) {
+    descriptor_.close();
+    interface_watch_.stop();
+    pacing_.stop();
+    rejoin_.cancel();
+    expiry_.cancel();
+    channel_->parser.finish();
+    deliver();
+    reconnect_.lost(std::move(why));
+}
+
+void UdpLink::stop_reading() {
+    descriptor_.stop_reading();
+    reconnect_.stop();
+    rejoin_.cancel();
+}
+
+void UdpLink::stop() {
+    reconnect_.stop();
+    expiry_.cancel();
+    again_.cancel();
+    rejoin_.cancel();
+    interface_watch_.stop();
+    pacing_.stop();
+    descriptor_.close();
+}
+
+void UdpLink::read() {
+    const int count = context_.batch.receive(descriptor_.fd());
+    if (count < 0) {
+        const int error = errno;
+        if (error == ECONNREFUSED || error == EHOSTUNREACH || error == ENETUNREACH || error == ENOMEM) {
+            note({SendResult::done, error, error == ECONNREFUSED ? 1u : 0u});
+            return;
+        }
+        return fail(error_text(settings().as<UdpSettings>().peer.text(), error));
+    }
+    const LoopWatch& loop = context_.host.turn();
+    const ClockReading asked = loop.before();
+    const TimePoint now = loop.now();
+    for (int i = 0; i < count; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (!connected_ && own(context_.batch.sender(at), now)) continue;
+        trouble_ = {};
+        if (tap_) [[unlikely]]
+            tap_->received(context_.batch.datagram(at));
+        channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
+        feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { take(frame); });
+    }
+    if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
+    if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
+    context_.host.flush();
+}
+
+// Our own multicast and broadcast datagrams come back to us.
+bool UdpLink::own(const sockaddr_storage& sender, TimePoint now) {
+    const Endpoint from = endpoint_of(sender);
+    if (from.port != local_.port) return false;
+    if (from.address == local_.address) return true;
+    return local_.address.is_any() && networks_.have(from.address, now);
+}
+
+// Notices of a listening gateway are ignored: this link may be connected to one.
+void UdpLink::take(ano::FrameView frame) {
+    if (!listening_notice(frame)) context_.host.receive(*channel_, frame);
+}
+
+void UdpLink::deliver() {
+    while (const auto frame = channel_->parser.next()) take(*frame);
+    context_.host.flush();
+}
+
+void UdpLink::flush(Channel& channel) {
+    if (!descriptor_.is_open()) return;
+    const DatagramSender::Way way{
+        descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr, SIZE_MAX, tap_};
+    const SendReport report = context_.sender.send_all(way, channel.outbox, pacing_, context_.host.now());
+    note(report);
+    switch (report.result) {
+    case SendResult::done:
+    case SendResult::paced: return;
+    case SendResult::full: descriptor_.when_writable([this] { flush(*channel_); }); return;
+    case SendResult::no_memory: again_.set(context_.host.now() + no_memory_pause); return;
+    case SendResult::broken: return fail(error_text("the way to " + settings().as<UdpSettings>().peer.text(), report.error));
+    }
+}
+
+bool UdpLink::write_raw(std::span<const std::uint8_t> bytes) {
+    if (!descriptor_.is_open()) return false;
+    const int fd = descriptor_.fd();
+    const ssize_t n = connected_ ? ::send(fd, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL)
+                                 : ::sendto(fd, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, to_.get(), to_.size);
+    if (n < 0) return false;
+    if (tap_) tap_->sent(bytes);
+    return true;
+}
+
+void UdpLink::note(const SendReport& report) {
+    refused_ += report.refused;
+    if (report.refused > 0) context_.host.report_unreachable(*this);
+    if (report.error == 0 || report.error == EAGAIN || report.error == EINTR) return;
+    trouble_at_ = context_.host.now();
+    const std::string peer = settings().as<UdpSettings>().peer.text();
+    trouble_ = report.error == ECONNREFUSED ? LinkError{"refused", "refused: nothing listens at " + peer, {{"peer", peer}}}
+                                            : LinkError{error_text(report.error)};
+}
+
+LinkError UdpLink::trouble() const { return context_.host.now() - trouble_at_ < trouble_shown ? trouble_ : LinkError{}; }
+
+LinkFacts UdpLink::facts() const {
+    LinkFacts facts{{"peer", settings().as<UdpSettings>().peer.text()}};
+    if (!descriptor_.is_open()) return facts;
+    facts.push_back({"address", local_.text()});
+    facts.push_back({"port", std::int64_t{local_.port}});
+    facts.push_back({"refused", static_cast<std::int64_t>(refused_)});
+    return facts;
+}
+
+namespace {
+
+using namespace key_rows;
+using Udp = UdpSettings;
+
+constexpr Key<LinkSettings> udp_keys[] = {
+    endpoint<own<Udp>, &Udp::peer>("address", "the peer's IP:PORT") | needed,
+    endpoint<own<Udp>, &Udp::bind>("bind", "local IP:PORT to send from (default: the system chooses)") | local,
+    text<own<Udp>, &Udp::interface>("interface", 1, max_interface, one_interface_help),
+};
+
+void validate_udp(const LinkSettings& link, LinkFaults& faults) {
+    if (!faults.is_whole()) return;
+    const Udp& udp = link.as<Udp>();
+    const std::string peer = udp.peer.text();
+    const IpAddress& address = udp.peer.address;
+    if (udp.peer.port == 0) faults.error("address", "'" + peer + "' has port 0: a fixed peer needs its port, 1 to 65535");
+    else if (address.is_any())
+        faults.error("address", "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
+    if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() && udp.interface.empty() &&
+        !(udp.bind && !udp.bind->interface.empty()))
+        faults.error("address", "'" + peer + "' is the same on every interface; say which: [" + address.text() +
+                                    "%eth0]:" + std::to_string(udp.peer.port));
+    if (udp.bind && udp.bind->address.v6 != address.v6)
+        faults.error("bind", "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");
+    check_interface(udp.interface, udp.peer, faults);
+    if (udp.bind) check_interface(udp.interface, *udp.bind, faults);
+}
+
+std::optional<BoundPort> port_of_udp(const LinkSettings& link) {
+    const Udp& udp = link.as<Udp>();
+    return udp.bind ? std::optional{BoundPort{*udp.bind, udp.interface, "bind"}} : std::nullopt;
+}
+
+}    // namespace
+
+extern const LinkKind udp_kind;    // listed in kinds.cpp
+constinit const LinkKind udp_kind{
+    .name = "udp",
+    .address = "address",
+    .example = "192.168.1.20:6670",
+    .help = "one fixed UDP peer; broadcast and multicast addresses too",
+    .carries = Carries::datagrams,
+    .may_be_paced = true,
+    .hints = {.nothing_yet = {"nothing_from_peer", "nothing received yet from the peer"}, .may_wait_for_hello = true},
+    .keys = udp_keys,
+    .settings = [] { return KindSettings{Udp{}}; },
+    .make = make_link_of<UdpLink>,
+    .usual_name = [](const LinkSettings& link) { return "udp-" + std::to_string(link.as<Udp>().peer.port); },
+    .bound_port = port_of_udp,
+    .reach = [](const LinkSettings& link) { return link.as<Udp>().peer.address.is_loopback() ? Reach::here : Reach::network; },
+    .validate = validate_udp,
+    .meant_by =
+        [](std::string_view text) {
+            return EndpointSpec::parse(text) ? "'udp:" + std::string{text} + "' or 'udp-listen:...'" : std::string{};
+        },
+};
+
+}    // namespace anogate

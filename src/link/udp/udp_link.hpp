@@ -1,0 +1,72 @@
+// One fixed UDP peer, which may be a broadcast address or a multicast group.
+#pragma once
+#include <gateway/arrival.hpp>
+#include <link/interface_watch.hpp>
+#include <link/link_context.hpp>
+#include <link/own_networks.hpp>
+#include <link/pacing.hpp>
+#include <link/reconnect.hpp>
+#include <link/udp/ip_socket.hpp>
+#include <link/udp/udp_settings.hpp>
+#include <sys/descriptor.hpp>
+
+namespace anogate {
+
+struct SendReport;
+
+/// An absent peer is no error: its refusals are counted and shown.
+class UdpLink final : public Link, public RawPort {
+public:
+    UdpLink(LinkId id, LinkSettings settings, const LinkContext& context);
+
+    void start() override;
+    void stop_reading() override;
+    void stop() override;
+    void flush(Channel& channel) override;
+    std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : 0; }
+    /// None for a multicast group: the groups and the sending interface of a stored socket can't be read and would stay.
+    int storable_wire() const override {
+        return settings().as<UdpSettings>().peer.address.is_multicast() ? -1 : descriptor_.fd();
+    }
+    LinkFacts facts() const override;
+    LinkError trouble() const override;
+    RawPort* raw_port() override { return this; }
+    void set_tap(RawTap* tap) override { tap_ = tap; }
+    /// As one datagram.
+    bool write_raw(std::span<const std::uint8_t> bytes) override;
+
+private:
+    Opened<void> open();
+    EndpointSpec watched() const;
+    Opened<UniqueFd> open_to_peer();
+    Opened<void> join_group(int fd) const;
+    void keep_joined();
+    void fail(LinkError why);
+    void read();
+    bool own(const sockaddr_storage& sender, TimePoint now);
+    void take(ano::FrameView frame);
+    void deliver();
+    void note(const SendReport& report);
+
+    LinkContext context_;
+    Descriptor descriptor_;
+    Arrival arrival_;
+    Channel* channel_ = nullptr;
+    Reconnect reconnect_;
+    Alarm expiry_;
+    Alarm again_;    // after SendResult::no_memory
+    Alarm rejoin_;
+    InterfaceWatch interface_watch_;
+    Pacing pacing_;
+    RawTap* tap_ = nullptr;
+    bool connected_ = false;    // false for broadcast and multicast
+    SocketAddress to_;
+    unsigned to_interface_ = 0;    // of the peer's address; 0: none
+    Endpoint local_;
+    OwnNetworks networks_;    // to recognise our own datagrams that come back
+    std::uint64_t refused_ = 0;
+    LinkError trouble_;
+    TimePoint trouble_at_{};
+};
+
+}    // namespace anogate

@@ -1,0 +1,392 @@
+#include <ano/address.hpp>
+#include <config/link_kind.hpp>
+#include <gateway/peers/far_peer.hpp>
+#include <link/feed.hpp>
+#include <link/make_link.hpp>
+#include <link/udp/datagram_batch.hpp>
+#include <link/udp/datagram_sender.hpp>
+#include <link/udp/error_queue.hpp>
+#include <link/udp/udp_keys.hpp>
+#include <link/udp/udp_listen_link.hpp>
+#include <link/udp/udp_listen_peer.hpp>
+#include <link/udp/udp_settings.hpp>
+#include <sys/errors.hpp>
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr Duration quiet = std::chrono::milliseconds{100};
+constexpr Duration look_slack = std::chrono::seconds{1};
+constexpr Duration look_at_suspect = std::chrono::seconds{1};    // how often a peer may be asked whether it is a gateway
+
+// While datagrams wait for their turn, the socket is read again after this time: its buffer must not get full.
+constexpr Duration turn = std::chrono::microseconds{500};
+constexpr int max_batches = 16;                                    // in a turn: other links wait meanwhile
+constexpr Duration at_the_end = std::chrono::milliseconds{100};    // for what waits when reading ends
+
+PeerBook::Options book_options(const UdpListenSettings& udp) {
+    const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
+    const std::size_t kept = udp.max_peers / 4u;
+    const std::size_t for_trusted = udp.trusted.empty() ? 0 : (kept + 1) / 2;
+    return {udp.peer_timeout, udp.max_peers, udp.max_per_address ? *udp.max_per_address : quarter, kept, for_trusted};
+}
+
+// From the system each time, so that the number of one sender does not help to guess another's.
+std::uint64_t random_number() {
+    std::random_device source;
+    return std::uint64_t{source()} << 32 | source();
+}
+
+void hold_back_all(Outbox& outbox, TimePoint now) {
+    std::array<std::span<const std::uint8_t>, 1> next;
+    while (outbox.gather(next, now) > 0) outbox.drop_frame(&SendCounters::held_back);
+}
+
+// Tells `far` the frames that are about to be sent: an answer to one of them shows that the peer receives.
+void remember(FarPeer& far, Outbox& outbox, std::size_t budget, TimePoint now) {
+    std::array<std::span<const std::uint8_t>, 32> next;
+    const std::size_t count = outbox.gather(next, now, budget);
+    for (std::size_t i = 0; i < count; ++i) far.sent(ano::FrameView{next[i]}, now);
+}
+
+}    // namespace
+
+UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext& context)
+    : Link{id, std::move(settings)},
+      context_{context},
+      descriptor_{context.io},
+      reconnect_{context, *this, [this] { return open(); }},
+      look_{context.alarms, [this] { forget_overdue_peers(); }, look_slack},
+      interface_watch_{context, [this](LinkError why) { fail(std::move(why)); }},
+      pacing_{context.alarms, [this] { flush_all(); }},
+      next_turn_{context.alarms, [this] { read(); }},
+      probe_{{this->settings().max_data, 0, quiet}},
+      book_{book_options(this->settings().as<UdpListenSettings>())},
+      random_{random_number},
+      check_{random_},
+      take_reports_{[this] { return take_reports(); }} {}
+
+UdpListenLink::~UdpListenLink() = default;
+
+Opened<void> UdpListenLink::open() {
+    const UdpListenSettings& listen = settings().as<UdpListenSettings>();
+    auto stored = context_.host.take_stored(*this);
+    UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), listen.local, listen.interface) : UniqueFd{};
+    const bool is_stored{wire};
+    auto socket = is_stored ? Opened<UniqueFd>{std::move(wire)} : open_udp(listen.local, false, listen.interface);
+    if (!socket) return NotOpened{std::move(socket.error())};
+    reconnect_.came_up(context_.host.now());
+    local_ = local_endpoint(socket->get());
+    keep_error_reports(socket->get(), local_.address.v6);
+    pacing_.start(settings().rate, settings().latency);
+    if (pacing_.is_on()) keep_send_buffer_small(socket->get());
+    descriptor_.open(std::move(*socket));
+    const ClockReading clocks = context_.host.turn().clocks();
+    begin_arrival(arrival_, descriptor_.fd(), is_stored ? &*stored : nullptr, clocks);
+    opened(local_);
+    descriptor_.read_with([this] { read(); });
+    interface_watch_.start(listen.interface.empty() ? listen.local : EndpointSpec{listen.local, listen.interface});
+    context_.host.link_up(*this);
+    if (is_stored) restore_peers(std::move(stored->peers), clocks.now);
+    return {};
+}
+
+void UdpListenLink::fail(LinkError why) {
+    descriptor_.close();
+    next_turn_.cancel();
+    interface_watch_.stop();
+    pacing_.stop();
+    while (!peers_.empty()) forget(*peers_.back());
+    reconnect_.lost(std::move(why));
+}
+
+void UdpListenLink::stop_reading() {
+    if (descriptor_.is_open()) take_waiting(at_the_end);
+    next_turn_.cancel();
+    descriptor_.stop_reading();
+    reconnect_.stop();
+}
+
+void UdpListenLink::stop() {
+    reconnect_.stop();
+    look_.cancel();
+    next_turn_.cancel();
+    interface_watch_.stop();
+    pacing_.stop();
+    waiting_.clear();
+    peers_.clear();
+    book_.clear();
+    descriptor_.close();
+}
+
+// Reads first, so that no datagram is lost in the kernel while those of others are forwarded.
+void UdpListenLink::read() {
+    if (!descriptor_.is_open()) return;
+    turn_ends_ = ano::Clock::now() + turn;
+    for (int batches = 1; read_batch() && is_crowded() && batches < max_batches;) ++batches;
+    if (!descriptor_.is_open()) return;
+    take_waiting(turn);
+    context_.host.flush();
+}
+
+// False: the socket was found empty, or has failed.
+bool UdpListenLink::read_batch() {
+    const int count = context_.batch.receive(descriptor_.fd());
+    if (count <= 0) {
+        const int error = count < 0 ? errno : 0;
+        if (!take_reports() && error != 0 && error != ENOMEM && !may_be_reported(error)) fail(error_text(local_.text(), error));
+        return false;
+    }
+    const LoopWatch& loop = context_.host.turn();
+    const ClockReading asked = loop.before();
+    const TimePoint now = loop.now();
+    for (int i = 0; i < count; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        take(context_.batch.sender(at), context_.batch.datagram(at), context_.batch.arrived_at(at, arrival_, loop), now);
+    }
+    if (static_cast<std::size_t>(count) == DatagramBatch::max_datagrams) return true;
+    arrival_.found_empty(asked);
+    return false;
+}
+
+void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at,
+                         TimePoint now) {
+    const Endpoint endpoint = endpoint_of(sender);
+    Peer* peer = find(endpoint);
+    const bool is_new = !peer;
+    if (is_new) peer = admit(endpoint, datagram, now);
+    if (!peer) return;
+    latest_ = peer;
+    // The first datagram of a peer does not wait: what it sent before its channel was opened is no copy of what left by it.
+    if (is_crowded() && !is_new) store(*peer, datagram, arrived_at);
+    else take(*peer, datagram, arrived_at, now);
+}
+
+// The peer may be forgotten here.
+void UdpListenLink::take(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now) {
+    peer.channel.arrived_at = arrived_at;
+    if (std::exchange(peer.came, true)) book_.came(peer.channel.id);
+    if (peer.far) peer.far->came(datagram.size(), now);
+    feed_datagram(peer.channel.parser, datagram, now, [&](ano::FrameView frame) { take(peer, frame, now); });
+    delivered();
+    await_rest(peer);
+    end_of_datagram(peer, now);
+}
+
+void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
+    if (const auto notice = listening_notice(frame)) {
+        if (joins_gateways()) return;
+        heard_notice(peer.endpoint, *notice, now);
+        peer.is_gateway = peer.is_gateway || check_.is_refused(peer.endpoint);
+        peer.suspended_until = check_.suspended_until(peer.endpoint, now);
+        return;
+    }
+    if (peer.is_gateway || now < peer.suspended_until) {
+        ++(peer.is_gateway ? peer.channel.routed.denied_in : peer.channel.routed.suspended);
+        return;
+    }
+    book_.heard(peer.channel.id, frame.source(), now);
+    if (is_command_of_host(frame)) book_.commanded(peer.channel.id);
+    if (!ano::address::is_host(frame.source())) ask_suspect(peer, now);
+    if (peer.far && peer.far->heard(frame, now)) return;
+    deliver(peer.channel, peer.endpoint, frame);
+}
+
+// The peer may be forgotten here: nothing of it is in use any more.
+void UdpListenLink::end_of_datagram(Peer& peer, TimePoint now) {
+    if (peer.is_gateway) return forget(peer);
+    if (!peer.far) return;
+    if (peer.far->is_there()) {
+        peer.far.reset();
+    } else if (const auto question = peer.far->question(random_, now)) {
+        if (send(peer.endpoint, *question) == 0) peer.far->left(question->size());
+    }
+}
+
+// A peer that sends frames of devices, or is to receive those of a host, may be another gateway's listening socket. A loopback address
+// is not asked: no datagram from outside has such a source.
+void UdpListenLink::ask_suspect(Peer& peer, TimePoint now) {
+    if (now < peer.ask_at || joins_gateways() || peer.endpoint.address.is_loopback()) return;
+    peer.ask_at = now + look_at_suspect;
+    if (peer.far && peer.far->allowance(now) < NoticeFrame{}.size()) return;
+    if (const auto question = check_.question(peer.endpoint, now)) {
+        if (peer.far) peer.far->left(NoticeFrame{}.size());
+        say(peer.endpoint, question);
+    }
+}
+
+void UdpListenLink::heard_notice(const Endpoint& from, const ListeningNotice& notice, TimePoint now) {
+    if (notice.kind == ListeningNotice::Kind::question) {
+        say(from, check_.asked(from, notice.number, now));
+        if (!check_.is_refused(from)) say(from, check_.question_back(from, now));
+    } else if (check_.answered(from, notice.number, now)) {
+        ++gateways_;
+        ++unassigned_.denied_in;
+        last_gateway_ = from.text();
+    }
+}
+
+void UdpListenLink::say(const Endpoint& to, const std::optional<ListeningNotice>& notice) {
+    if (notice) send(to, frame_of(*notice));
+}
+
+// Does not forget peers: frames of the refused peer may be in the middle of sending.
+bool UdpListenLink::take_reports() {
+    const TimePoint now = context_.host.now();
+    return take_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
+               const Peer* peer = find(there);
+               // set_no_later(): if an alarm does the sending, postponing look_ each time would delay it for ever.
+               if (peer && book_.refused(peer->channel.id, now)) look_.set_no_later(now);
+           }) > 0;
+}
+
+int UdpListenLink::send(const Endpoint& to, std::span<const std::uint8_t> bytes) {
+    constexpr int max_tries = 16;
+    int error = EBADF;
+    for (int i = 0; i < max_tries && descriptor_.is_open(); ++i) {
+        error = send_datagram(descriptor_.fd(), to, bytes, local_.address.v6);
+        if (!may_be_reported(error) || !take_reports()) break;
+    }
+    return error;
+}
+
+void UdpListenLink::expire(Peer& peer) {
+    const TimePoint now = context_.host.now();
+    if (peer.channel.parser.expire(now)) {
+        while (const auto frame = peer.channel.parser.next()) take(peer, *frame, now);
+        delivered();
+        context_.host.flush();
+    }
+    await_rest(peer);
+    if (peer.is_gateway) look_.set_no_later(now);    // not forgotten here: its own alarm is calling
+}
+
+// Of an incomplete frame.
+void UdpListenLink::await_rest(Peer& peer) {
+    if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
+}
+
+void UdpListenLink::flush(Channel& channel) {
+    if (!descriptor_.is_open()) return;
+    const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return &p->channel == &channel; });
+    if (found == peers_.end()) return;
+    Peer& peer = **found;
+    if (channel.hosts_spoke) ask_suspect(peer, context_.host.now());
+    DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &take_reports_, SIZE_MAX};
+    for (;;) {
+        const TimePoint now = context_.host.now();
+        const std::uint64_t sent_before = channel.outbox.counters().bytes_out;
+        if (peer.far) {
+            way.max_bytes = peer.far->allowance(now);
+            remember(*peer.far, channel.outbox, way.max_bytes, now);
+        }
+        const SendResult result = context_.sender.send_all(way, channel.outbox, pacing_, now).result;
+        if (peer.far) peer.far->left(static_cast<std::size_t>(channel.outbox.counters().bytes_out - sent_before));
+        switch (result) {
+        case SendResult::done:
+            if (peer.far) hold_back_all(channel.outbox, now);
+            return;
+        case SendResult::paced: return;
+        case SendResult::full: descriptor_.when_writable([this] { flush_all(); }); return;
+        case SendResult::no_memory: peer.again.set(now + no_memory_pause); return;
+        case SendResult::broken: channel.outbox.drop_frame(&SendCounters::send_failed); break;    // for this peer only
+        }
+    }
+}
+
+void UdpListenLink::flush_all() {
+    ++first_served_;
+    for (std::size_t i = 0; i < peers_.size(); ++i) flush(peers_[(first_served_ + i) % peers_.size()]->channel);
+}
+
+LinkFacts UdpListenLink::facts() const {
+    const std::string local = descriptor_.is_open() ? local_.text() : settings().as<UdpListenSettings>().local.text();
+    LinkFacts facts{{"address", local}, {"port", std::int64_t{local_port()}}};
+    if (descriptor_.is_open()) facts.push_back({"kernel_drops", kernel_drops(descriptor_.fd())});
+    return facts;
+}
+
+LinkError UdpListenLink::trouble() const {
+    if (gateways_ > 0)
+        return {"other_gateway", "another gateway listens at " + last_gateway_ + " and was refused", {{"peer", last_gateway_}}};
+    if (const std::string count = std::to_string(no_place_); no_place_ > 0)
+        return {"no_place", count + " datagrams of strangers were refused: all places are taken", {{"count", count}}};
+    if (const std::string count = std::to_string(no_memory_); no_memory_ > 0)
+        return {"no_memory", count + " datagrams of strangers were refused: there was too little memory", {{"count", count}}};
+    if (outsiders_ == 0 || !peers_.empty()) return {};
+    return {"sender_refused", "senders outside `allow` were refused", {}};
+}
+
+namespace {
+
+using namespace key_rows;
+using Listen = UdpListenSettings;
+
+constexpr Key<LinkSettings> listen_keys[] = {
+    endpoint<own<Listen>, &Listen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
+    text<own<Listen>, &Listen::interface>("interface", 1, max_interface, one_interface_help),
+    duration<own<Listen>, &Listen::peer_timeout>(
+        "peer_timeout", second, day, "a peer silent for so long is forgotten; a host of our networks may listen for an hour"),
+    integer<own<Listen>, &Listen::max_peers>("max_peers", 1, max_channels, "most peers at a time; one that is silent gives way"),
+    integer<own<Listen>, &Listen::max_per_address>("max_per_address", 1, max_channels,
+                                                   "most peers of one IP address, loopback excepted (default: a quarter of "
+                                                   "max_peers, two at least)"),
+    networks<Listen, &Listen::allow_any, &Listen::allow>(
+        "allow", "networks whose members may become peers, or any (default: the networks of our interfaces)"),
+    networks<Listen, &Listen::trusted_any, &Listen::trusted>(
+        "trusted",
+        "networks outside those of our interfaces whose peers are sent to at once, or any; others get at most three "
+        "times what they send, until they answer (default: none)"),
+};
+
+void validate_listener(const LinkSettings& link, LinkFaults& faults) {
+    const Listen& listen = link.as<Listen>();
+    constexpr std::uint64_t much_memory = 64'000'000;    // bytes of waiting frames, for a small computer
+    const std::uint64_t memory = std::uint64_t{link.queue} * listen.max_peers;
+    if (link.hello && *link.hello != Duration{})
+        faults.error("hello",
+                     "'hello' is not possible on udp-listen: it knows nobody to speak to before they have spoken; "
+                     "for a device at a known address use udp:IP:PORT,hello=on");
+    if (memory > much_memory)
+        faults.warning("queue", "queue " + std::to_string(link.queue) + " for each of " + std::to_string(listen.max_peers) +
+                                    " peers is " + std::to_string(memory / 1'000'000) +
+                                    " MB, more than 64 MB: lower 'queue' or 'max_peers'");
+    check_interface(listen.interface, listen.local, faults);
+}
+
+Reach reach_of_listener(const LinkSettings& link) {
+    const Listen& listen = link.as<Listen>();
+    if (listen.local.address.is_loopback()) return Reach::here;
+    const bool all = listen.local.address.is_any() && listen.interface.empty() && (listen.allow_any || listen.allow.empty());
+    return all ? Reach::whole_networks : Reach::network;
+}
+
+}    // namespace
+
+extern const LinkKind udp_listen_kind;    // listed in kinds.cpp
+constinit const LinkKind udp_listen_kind{
+    .name = "udp-listen",
+    .address = "address",
+    .example = "0.0.0.0:12333",
+    .help = "a UDP socket whose peers are learned: one exists after one whole good frame; port 0: the kernel chooses",
+    .carries = Carries::datagrams,
+    .listens = true,
+    .may_be_paced = true,
+    .keys = listen_keys,
+    .settings = [] { return KindSettings{Listen{}}; },
+    .make = make_link_of<UdpListenLink>,
+    .usual_name = [](const LinkSettings& link) { return "udp-listen-" + std::to_string(link.as<Listen>().local.port); },
+    .bound_port =
+        [](const LinkSettings& link) {
+            const Listen& listen = link.as<Listen>();
+            return std::optional{BoundPort{listen.local, listen.interface, "address"}};
+        },
+    .reach = reach_of_listener,
+    .validate = validate_listener,
+};
+
+}    // namespace anogate

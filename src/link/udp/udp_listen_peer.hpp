@@ -1,0 +1,39 @@
+// What UdpListenLink keeps of each peer. For its own sources only.
+#pragma once
+#include <ano/address.hpp>
+#include <ano/conversation.hpp>
+#include <gateway/peers/far_peer.hpp>
+#include <link/udp/datagram_queue.hpp>
+#include <link/udp/udp_listen_link.hpp>
+#include <sys/alarm.hpp>
+
+#include <memory>
+
+namespace anogate {
+
+inline bool is_command_of_host(ano::FrameView frame) noexcept {
+    return ano::address::is_host(frame.source()) && ano::intent_of(frame) == ano::Intent::acts;
+}
+
+struct UdpListenLink::Peer {
+    Peer(UdpListenLink& link, const Endpoint& e, Channel& c)
+        : endpoint{e},
+          address{SocketAddress::of(e, link.local_.address.v6)},
+          channel{c},
+          expiry{link.context_.alarms, [&link, this] { link.expire(*this); }},
+          again{link.context_.alarms, [&link, this] { link.flush(channel); }} {}
+
+    Endpoint endpoint;
+    SocketAddress address;
+    Channel& channel;
+    Alarm expiry;
+    Alarm again;                                 // after SendResult::no_memory
+    std::unique_ptr<DatagramQueue> waiting{};    // nullptr: none has waited since all had their turn
+    std::unique_ptr<FarPeer> far;                // set for a peer outside our networks, until it has shown that it receives
+    TimePoint ask_at{};                          // earliest time to ask whether it is a listening gateway
+    TimePoint suspended_until{};                 // its frames are refused until then
+    bool came = false;                           // a datagram of it was taken
+    bool is_gateway = false;                     // it answered so; to be forgotten when its datagram has been read
+};
+
+}    // namespace anogate

@@ -1,0 +1,45 @@
+// UdpListenLink: what is read while the datagrams of others are processed waits, and each peer has the same share of the time.
+#include <link/udp/udp_listen_link.hpp>
+#include <link/udp/udp_listen_peer.hpp>
+
+#include <algorithm>
+#include <new>
+
+namespace anogate {
+
+// A single peer takes nothing from others, so its datagrams never wait.
+bool UdpListenLink::is_crowded() const { return !waiting_.empty() || (peers_.size() > 1 && ano::Clock::now() >= turn_ends_); }
+
+void UdpListenLink::store(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at) try {
+    if (!peer.waiting) peer.waiting = std::make_unique<DatagramQueue>();
+    if (!waiting_.contains(peer.channel.id)) shares_.begins(peer.channel.id);
+    peer.channel.routed.over_share += peer.waiting->push(datagram, arrived_at);
+    waiting_.insert(peer.channel.id);
+} catch (const std::bad_alloc&) {
+    ++peer.channel.routed.over_share;
+}
+
+// At least one datagram, and more until `time` is over.
+void UdpListenLink::take_waiting(Duration time) {
+    if (waiting_.empty()) return;
+    const TimePoint now = context_.host.now();
+    const TimePoint ends = now + time;
+    for (TimePoint before = now; !waiting_.empty() && (before == now || before < ends);) {
+        const ChannelId id = shares_.next(waiting_);
+        Peer& peer = peer_of(id);
+        const DatagramQueue::Datagram next = peer.waiting->pop();
+        if (peer.waiting->empty()) waiting_.erase(id);
+        take(peer, next.bytes, next.arrived_at, now);
+        const TimePoint after = ano::Clock::now();
+        shares_.charge(id, after - before);
+        before = after;
+    }
+    if (!waiting_.empty()) return next_turn_.set(now);
+    for (const auto& peer : peers_) peer->waiting.reset();
+}
+
+UdpListenLink::Peer& UdpListenLink::peer_of(ChannelId channel) noexcept {
+    return **std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == channel; });
+}
+
+}    // namespace anogate

@@ -1,0 +1,231 @@
+#include "detect_rate.hpp"
+#include "port_list.hpp"
+
+#include <ano/hex.hpp>
+#include <ano_json/frame_json.hpp>
+#include <link/serial/termios.hpp>
+#include <sys/errors.hpp>
+#include <sys/unique_fd.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/signalfd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <ostream>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using namespace anogate;
+
+constexpr std::size_t bytes_enough = 4096;    // so many bytes must contain some frames
+
+/// A descriptor that becomes readable by SIGINT and SIGTERM, while this exists.
+class Interruption {
+public:
+    Interruption() {
+        sigset_t signals;
+        sigemptyset(&signals);
+        sigaddset(&signals, SIGINT);
+        sigaddset(&signals, SIGTERM);
+        pthread_sigmask(SIG_BLOCK, &signals, &before_);
+        fd_ = UniqueFd{::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK)};
+    }
+    Interruption(const Interruption&) = delete;
+    Interruption& operator=(const Interruption&) = delete;
+    ~Interruption() {
+        for (signalfd_siginfo taken{}; ::read(fd_.get(), &taken, sizeof taken) > 0;) {}
+        pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    }
+    int fd() const noexcept { return fd_.get(); }
+
+private:
+    sigset_t before_{};
+    UniqueFd fd_;
+};
+
+std::string named(const std::vector<Holder>& holders) {
+    std::string text;
+    for (const Holder& h : holders) text += (text.empty() ? "" : ", ") + h.program + " (pid " + std::to_string(h.pid) + ")";
+    return text;
+}
+
+[[noreturn]] void fail_busy(const std::string& port) {
+    std::error_code none;
+    const std::vector<Holder> holders = holders_of("/", std::filesystem::canonical(port, none).string());
+    const bool is_ours = std::any_of(holders.begin(), holders.end(), [](const Holder& h) { return h.program == "anogated"; });
+    if (is_ours)
+        throw Failure{port + " is in use by " + named(holders) +
+                      ", whose status says whether frames come: stop it first, by sudo systemctl stop anogated or Ctrl-C"};
+    throw Failure{port + " is in use by " +
+                  (holders.empty() ? "another program; sudo fuser -v " + port + " names it" : named(holders)) + ": end it first"};
+}
+
+[[noreturn]] void fail_to_open(const std::string& port, int error) {
+    if (error == EBUSY) fail_busy(port);
+    if (error == ENOENT || error == ENXIO || error == ENODEV)
+        throw Failure{port + " is not there; anoctl ports has those that are"};
+    std::error_code none;
+    const std::string real = std::filesystem::canonical(port, none).string();
+    const std::string missing = error == EACCES ? anogate::missing_permission("/", real, anogate::DeviceUser::this_process())
+                                                : "";
+    throw Failure{port + ": " + (missing.empty() ? error_text(error) : "no permission: " + missing)};
+}
+
+/// A serial port, opened exclusively.
+class Port {
+public:
+    explicit Port(const std::string& path) : fd_{::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)} {
+        if (!fd_) fail_to_open(path, errno);
+        if (::flock(fd_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+            fd_ = UniqueFd{};    // closed first: the search for its holder must not find us
+            fail_busy(path);
+        }
+        terminal::claim(fd_.get());
+    }
+    Port(const Port&) = delete;
+    Port& operator=(const Port&) = delete;
+    ~Port() { terminal::give_back(fd_.get()); }
+
+    int fd() const noexcept { return fd_.get(); }
+    /// Returns empty, or why the driver can't set that rate.
+    std::string set_rate(std::uint32_t baud) {
+        SerialSettings settings;
+        settings.baud = baud;
+        const auto actual = terminal::configure(fd(), settings);
+        if (!actual) return actual.error();
+        terminal::discard_input(fd());
+        return {};
+    }
+
+private:
+    UniqueFd fd_;
+};
+
+class Detection {
+public:
+    Detection(const std::string& path, bool json, Streams& streams, ListeningTime time)
+        : path_{path}, json_{json}, streams_{streams}, time_{time}, port_{path} {}
+
+    int run() {
+        for (const std::uint32_t baud : usual_rates()) {
+            if (const std::string wrong = port_.set_rate(baud); !wrong.empty()) {
+                refusal_ = wrong;
+                continue;
+            }
+            ++tried_;
+            if (streams_.terminal) streams_.err << "anoctl: listening at " << baud << std::endl;
+            const HeardAtRate heard = listen(baud);
+            if (interrupted_) throw Failure{"interrupted: nothing found until " + std::to_string(baud) + " baud"};
+            if (heard.is_right()) return tell(heard);
+            bytes_ += heard.counters.bytes_in;
+            if (heard.counters.v7_frames > 1) v7_at_ = v7_at_.value_or(baud);
+        }
+        throw Failure{path_ + ": " + why_not()};
+    }
+
+private:
+    HeardAtRate listen(std::uint32_t baud) {
+        ano::FrameParser parser{{}};
+        HeardAtRate heard;
+        heard.baud = baud;
+        auto end = ano::Clock::now() + time_.for_first_byte;
+        while (!interrupted_ && parser.counters().bytes_in < bytes_enough) {
+            const auto left = std::min(parser.deadline().value_or(end), end) - ano::Clock::now();
+            const bool first = parser.counters().bytes_in == 0;
+            if (read_some(parser, left) && first && parser.counters().bytes_in > 0) end = ano::Clock::now() + time_.at(baud);
+            parser.expire(ano::Clock::now());
+            take_frames(parser, heard);
+            if (heard.counters.frames_in >= 2 || ano::Clock::now() >= end) break;
+        }
+        parser.finish();
+        take_frames(parser, heard);
+        return heard;
+    }
+
+    /// False: nothing came within `limit`.
+    bool read_some(ano::FrameParser& parser, Duration limit) {
+        std::array<pollfd, 2> fds{{{port_.fd(), POLLIN, 0}, {interruption_.fd(), POLLIN, 0}}};
+        const auto ms = std::chrono::ceil<std::chrono::milliseconds>(std::max(limit, Duration{})).count();
+        if (::poll(fds.data(), fds.size(), static_cast<int>(ms)) <= 0) return false;
+        interrupted_ = (fds[1].revents & POLLIN) != 0;
+        if (fds[0].revents == 0) return false;
+        const auto room = parser.prepare();
+        const ssize_t n = ::read(port_.fd(), room.data(), room.size());
+        if (n < 0 && (errno == EAGAIN || errno == EINTR)) return false;
+        if (n <= 0) throw Failure{path_ + " was unplugged"};
+        parser.commit(static_cast<std::size_t>(n), ano::Clock::now());
+        return true;
+    }
+    static void take_frames(ano::FrameParser& parser, HeardAtRate& heard) {
+        while (const auto frame = parser.next()) heard.from.insert(frame->source());
+        heard.counters = parser.counters();
+    }
+
+    int tell(const HeardAtRate& heard) const {
+        const bool any_rate = terminal::driver(port_.fd()) == "cdc_acm";
+        if (json_) {
+            streams_.out
+                << ano::Json{{"device", path_}, {"baud", heard.baud}, {"from", heard.from}, {"any_rate", any_rate}}.dump()
+                << '\n';
+            return fine;
+        }
+        std::string from;
+        for (const std::uint8_t address : heard.from) from += (from.empty() ? "" : ", ") + ano::hex_byte(address);
+        const std::string link = "serial:" + path_;
+        if (any_rate)
+            streams_.out << path_ << ": good frames from " << from << " at any rate: by USB alone (cdc_acm) it means nothing.\n"
+                         << "The link: " << link << '\n';
+        else
+            streams_.out << path_ << ": " << heard.baud << " baud: good frames from " << from << ".\n"
+                         << "The link: " << link << ",baud=" << heard.baud << '\n';
+        return fine;
+    }
+    std::string why_not() const {
+        if (tried_ == 0) return refusal_;
+        const std::string rates = " at any of " + std::to_string(tried_) + " rates";
+        if (v7_at_) return "older V7 frames (0xAA) at " + std::to_string(*v7_at_) + " baud: switch the device to protocol V8";
+        if (bytes_ > 0)
+            return "bytes but no frames" + rates + ": another protocol, an unusual rate, parity, or RX inverted (SBUS)?";
+        return "nothing came" + rates +
+               ": is the device powered, are RX and TX crossed, do both have a common ground? Some speak only when spoken to: "
+               "run anogated serial:" +
+               path_ + ",baud=500000,profile=vendor, and with other rates";
+    }
+
+    std::string path_;
+    bool json_;
+    Streams& streams_;
+    ListeningTime time_;
+    Interruption interruption_;
+    Port port_;
+    bool interrupted_ = false;
+    std::size_t tried_ = 0;
+    std::string refusal_;
+    std::uint64_t bytes_ = 0;
+    std::optional<std::uint32_t> v7_at_;
+};
+
+}    // namespace
+
+std::span<const std::uint32_t> usual_rates() noexcept {
+    static constexpr std::array<std::uint32_t, 16> rates{500000, 115200, 921600,  460800,  230400, 1000000, 57600, 38400,
+                                                         19200,  9600,   1500000, 2000000, 256000, 250000,  4800,  2400};
+    return rates;
+}
+
+int detect_rate(const std::string& port, bool json, Streams& streams, ListeningTime time) {
+    const std::string path = port.starts_with("serial:") ? port.substr(7, port.find(',') - 7) : port;
+    return Detection{path, json, streams, time}.run();
+}
+
+}    // namespace anoctl

@@ -1,0 +1,151 @@
+// anoctl ports: the serial ports and CAN interfaces.
+#include "ports.hpp"
+#include <anoctl/anoctl.hpp>
+#include "can_figures.hpp"
+#include "detect_rate.hpp"
+#include "port_list.hpp"
+
+#include <ano_json/escapes.hpp>
+#include <ano_json/frame_json.hpp>
+#include <ano_json/text.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <utility>
+
+namespace anoctl {
+namespace {
+
+using ano::Json;
+
+constexpr std::size_t page_width = 80;
+
+/// `text` in lines of at most 80 columns, each indented by `indent`. A word is never cut, so that names can be copied.
+std::string paragraph(const std::string& text, std::size_t indent) {
+    std::istringstream words{text};
+    std::string all, line;
+    const auto end_line = [&] {
+        if (!line.empty()) all += line + "\n";
+        line.clear();
+    };
+    for (std::string word; words >> word;) {
+        if (!line.empty() && line.size() + 1 + word.size() > page_width) end_line();
+        if (line.empty()) line = std::string(indent + word.size() > page_width ? 0 : indent, ' ') + word;
+        else line += " " + word;
+    }
+    end_line();
+    return all;
+}
+
+/// Text from a device, made harmless for a terminal and JSON.
+std::string safe(const std::string& text) {
+    std::string out = ano::to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, ano::Encoding::utf8);
+    for (std::size_t at = 0; at < out.size(); ++at)
+        if (const std::size_t n = ano::control_size(out, at); n > 0) out.replace(at, n, "?");
+    return out;
+}
+
+std::string told(const SerialPort& port) {
+    std::string first = port.device + "  " + (port.driver.empty() ? "no driver" : port.driver);
+    if (!port.product.empty()) first += "  " + safe(port.product);
+    if (!port.usb.empty()) first += "  (" + port.usb + ")";
+    std::string all = paragraph(first, 0);
+    if (!port.stable.empty()) all += paragraph(safe(port.stable), 4);
+    if (port.by_place)
+        all += paragraph(
+            "by its USB socket: the adapter has no serial number of its own, so a name in by-id can lead to another one "
+            "after plugging",
+            4);
+    for (const Holder& h : port.holders)
+        all += paragraph("in use by " + safe(h.program) + " (pid " + std::to_string(h.pid) + ")", 4);
+    if (!port.missing.empty()) all += paragraph("no permission: " + port.missing, 4);
+    return all;
+}
+
+Json as_json(const SerialPort& port) {
+    Json holders = Json::array();
+    for (const Holder& h : port.holders) holders.push_back({{"pid", h.pid}, {"program", safe(h.program)}});
+    return {{"kind", "serial"},
+            {"device", port.device},
+            {"stable", safe(port.stable)},
+            {"by_place", port.by_place},
+            {"driver", port.driver},
+            {"usb", port.usb},
+            {"product", safe(port.product)},
+            {"holders", holders},
+            {"permission", port.missing.empty()},
+            {"missing", port.missing}};
+}
+
+std::string told(const CanInterface& can, const CanFigures& figures) {
+    std::string first = can.name + "  " + (can.driver.empty() ? "virtual" : can.driver) +
+                        (can.up ? "  up" : "  down; to bring it up:");
+    if (can.up && !figures.bus.empty()) first += std::string{"  "} + std::string{figures.bus};
+    if (figures.bitrate != 0) first += "  " + std::to_string(figures.bitrate) + " bit/s";
+    if (figures.data_bitrate != 0) first += ", data " + std::to_string(figures.data_bitrate) + " bit/s";
+    std::string all = paragraph(first, 0);
+    const std::string rate = can.driver.empty() ? "" : " type can bitrate 500000 restart-ms 100";
+    if (!can.up) all += "    sudo ip link set " + can.name + " up" + rate + "\n";
+    return all;
+}
+
+Json as_json(const CanInterface& can, const CanFigures& figures) {
+    return {{"kind", "can"},
+            {"interface", can.name},
+            {"driver", can.driver},
+            {"up", can.up},
+            {"bus", figures.bus},
+            {"bitrate", figures.bitrate},
+            {"data_bitrate", figures.data_bitrate}};
+}
+
+}    // namespace
+
+void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& asker, bool json, std::ostream& out) {
+    const auto serial = serial_ports(root, asker);
+    for (const SerialPort& port : serial) {
+        if (json) out << ano::json_text(as_json(port)) << '\n';
+        else out << told(port);
+    }
+    const auto can = can_interfaces(root);
+    for (const CanInterface& interface : can) {
+        const CanFigures figures = root == "/" ? can_figures(interface.name) : CanFigures{};
+        if (json) out << ano::json_text(as_json(interface, figures)) << '\n';
+        else out << told(interface, figures);
+    }
+    if (json) return;
+    if (serial.empty())
+        out << paragraph("no serial port: is the adapter plugged in? sudo dmesg says what the kernel found of it", 0);
+    if (can.empty()) out << "no CAN interface\n";
+    if (asker.uid != 0 && !serial.empty())
+        out << paragraph("Who has a port open is shown of your own programs and of those that lock it; sudo shows all.", 0);
+}
+
+namespace {
+
+struct Ports {
+    std::string detect;
+    bool json = false;
+
+    int run(Streams& streams) const {
+        if (!detect.empty()) return detect_rate(detect, json, streams);
+        write_ports("/", anogate::DeviceUser::this_process(), json, streams.out);
+        return fine;
+    }
+};
+
+}    // namespace
+
+Run add_ports(Options& options) {
+    const auto self = std::make_shared<Ports>();
+    options.push_back({"--detect", &self->detect, "PORT",
+                       "Listens at the usual rates, and names the one at which good frames arrive; sends nothing"});
+    options.push_back({"--json", &self->json, "", "One JSON object a port, one a line"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

@@ -1,0 +1,276 @@
+// anoctl convert FILE OUT: a recording as tables, as lines of JSON, or as a part of itself.
+#include <anoctl/anoctl.hpp>
+#include <anoctl/counted.hpp>
+#include <anoctl/message_encoding.hpp>
+#include <anoctl/say.hpp>
+#include <anoctl/text/frame_printer.hpp>
+#include "recording_input.hpp"
+#include "recording_output.hpp"
+
+#include <ano/hex.hpp>
+#include <ano/messages.hpp>
+#include <ano_json/lower_case.hpp>
+#include <ano_json/text.hpp>
+#include <record/csv.hpp>
+#include <record/recording_writer.hpp>
+
+#include <algorithm>
+#include <bitset>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using anogate::DecodingPtr;
+using anogate::Recorded;
+using anogate::RecordedFrame;
+using anogate::RecordedLoss;
+using anogate::RecordingHead;
+
+constexpr std::size_t batch = 64 * 1024;
+
+/// Collects text, and writes it when there is enough. Throws Failure when a write fails.
+class Collected {
+public:
+    Collected(const std::string& path, bool force, Streams& streams) : path_{path}, output_{path, force, streams} {}
+
+    std::string bytes;
+    const std::string& path() const noexcept { return path_; }
+    void write_if(std::size_t enough) {
+        if (bytes.size() < enough) return;
+        output_.write(bytes);
+        bytes.clear();
+        if (!output_.fault().empty()) throw Failure{path_ + ": it can't be written: " + output_.fault()};
+    }
+
+private:
+    std::string path_;
+    RecordingOutput output_;
+};
+
+/// The destination of items.
+class Target {
+public:
+    virtual ~Target() = default;
+    /// What decodes the items that follow; called before the first one.
+    virtual void use(const DecodingPtr& decoding) = 0;
+    virtual void take(const Recorded& item, const RecordingHead& head) = 0;
+    virtual void end() = 0;
+    /// The files that were written; valid after end().
+    virtual std::vector<std::string> files() const = 0;
+};
+
+/// " into 19 tables: a.csv, b.csv, …"; only the first are named.
+std::string places(const std::vector<std::string>& files) {
+    constexpr std::size_t max_named = 5;
+    if (files.size() == 1) return files[0] == "-" ? "" : " into " + files[0];
+    std::string text = files.empty() ? ": there is no table" : " into " + counted(files.size(), "table") + ": ";
+    for (std::size_t i = 0; i < std::min(files.size(), max_named); ++i) text += (i > 0 ? ", " : "") + files[i];
+    return files.size() > max_named ? text + ", \u2026" : text;
+}
+
+/// OUT-MESSAGE.csv for each message, or one file for the only one.
+class CsvTarget final : public Target {
+public:
+    CsvTarget(std::string out, bool one, bool force, const ano::JsonOptions& options, Streams& streams)
+        : out_{std::move(out)}, one_{one}, force_{force}, options_{options}, streams_{streams} {}
+
+    void use(const DecodingPtr& decoding) override {
+        decodings_.push_back(decoding);    // all stay: the tables refer to them
+        options_.flexible = &decoding->layouts();
+        for (const auto& [id, file] : files_) file->csv.use(decoding->layouts());
+    }
+    void take(const Recorded& item, const RecordingHead&) override {
+        const auto* frame = std::get_if<RecordedFrame>(&item);
+        if (frame == nullptr) return;
+        File& file = file_of(frame->frame.id());
+        file.csv.write(*frame, file.to.bytes);
+        file.to.write_if(batch);
+    }
+    void end() override {
+        for (const auto& [id, file] : files_) file->to.write_if(0);
+    }
+    std::vector<std::string> files() const override {
+        std::vector<std::string> all;
+        for (const auto& [id, file] : files_) all.push_back(file->to.path());
+        return all;
+    }
+
+private:
+    struct File {
+        anogate::CsvWriter csv;
+        Collected to;
+    };
+
+    File& file_of(std::uint8_t id) {
+        auto& file = files_[id];
+        if (file) return *file;
+        file.reset(new File{anogate::CsvWriter{id, options_}, {one_ ? out_ : path_of(id), force_, streams_}});
+        file->csv.write_heading(file->to.bytes);
+        return *file;
+    }
+    std::string path_of(std::uint8_t id) const {
+        const ano::Message* message = ano::find_message(id);
+        const std::string name = message != nullptr ? std::string{message->name} : ano::hex_byte(id);
+        return out_.substr(0, out_.size() - std::string_view{".csv"}.size()) + "-" + name + ".csv";
+    }
+
+    std::string out_;
+    bool one_, force_;
+    ano::JsonOptions options_;
+    Streams& streams_;
+    std::vector<DecodingPtr> decodings_;
+    std::map<std::uint8_t, std::unique_ptr<File>> files_;
+};
+
+class JsonTarget final : public Target {
+public:
+    JsonTarget(const std::string& out, bool force, const ano::JsonOptions& options, Streams& streams)
+        : to_{out, force, streams}, options_{options} {}
+
+    void use(const DecodingPtr& decoding) override {
+        decoding_ = decoding;
+        options_.flexible = &decoding_->layouts();
+    }
+    void take(const Recorded& item, const RecordingHead&) override {
+        to_.bytes += anogate::recorded_json(item, options_) + '\n';
+        to_.write_if(batch);
+    }
+    void end() override { to_.write_if(0); }
+    std::vector<std::string> files() const override { return {to_.path()}; }
+
+private:
+    Collected to_;
+    ano::JsonOptions options_;
+    DecodingPtr decoding_;
+};
+
+/// Writes the wanted part as a recording; when everything is wanted, the same bytes.
+class RecordingTarget final : public Target {
+public:
+    RecordingTarget(const std::string& out, bool force, anogate::RecordingFormat format, anogate::RecordingOptions options,
+                    Streams& streams)
+        : to_{out, force, streams}, format_{format}, options_{options} {}
+
+    void use(const DecodingPtr& decoding) override {
+        decoding_ = decoding;
+        if (writer_) writer_->use(decoding_, to_.bytes);
+    }
+    void take(const Recorded& item, const RecordingHead& head) override {
+        if (!writer_) begin(head);
+        if (const auto* loss = std::get_if<RecordedLoss>(&item)) writer_->write(*loss);
+        else writer_->write(std::get<RecordedFrame>(item), to_.bytes);
+        to_.write_if(batch);
+    }
+    void end() override {
+        if (!writer_) begin(RecordingHead{"anoctl " ANOGATE_VERSION});
+        writer_->end(to_.bytes);
+        to_.write_if(0);
+    }
+    std::vector<std::string> files() const override { return {to_.path()}; }
+
+private:
+    void begin(RecordingHead head) {
+        head.decoding = decoding_;
+        writer_ = anogate::make_recording_writer(format_, head, to_.bytes, options_);
+    }
+
+    Collected to_;
+    DecodingPtr decoding_;
+    anogate::RecordingFormat format_;
+    anogate::RecordingOptions options_;
+    std::unique_ptr<anogate::RecordingWriter> writer_;
+};
+
+struct Convert {
+    std::string file, out;
+    std::vector<std::string> messages;
+    std::optional<anogate::DecodedEncoding> encoding;
+    FrameOptions frames;
+    bool force = false;
+
+    int run(Streams& streams) const {
+        const std::bitset<256> wanted = wanted_messages();
+        const std::optional<std::vector<ano::FlexibleSpec>> given = frames.config.empty() ? std::nullopt
+                                                                                          : std::optional{frames.specs()};
+        const ano::FlexibleLayouts none;
+        const ano::JsonOptions options = frames.json_options(none);    // until use()
+        if (out == file && out != "-") throw UsageError{out + " is what is read"};
+        const std::unique_ptr<Target> target = make_target(options, wanted.count() == 1, streams);
+        std::uint64_t taken = 0;
+        DecodingPtr recorded, used;    // that of the recording, and the one of both that is used
+        const RecordingFacts facts = read_recording(file, streams, [&](const Recorded& item, const RecordingHead& head) {
+            const auto* frame = std::get_if<RecordedFrame>(&item);
+            if (frame != nullptr && !wanted[frame->frame.id()]) return;
+            taken += frame != nullptr;
+            if (!used || recorded != head.decoding) {
+                recorded = head.decoding;
+                target->use(used = with(given, recorded));
+            }
+            target->take(item, head);
+        });
+        target->end();
+        for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
+        tell(streams, counted(taken, "frame") + " of " + file + " written" + places(target->files()));
+        return facts.is_damaged() ? failed : fine;
+    }
+
+private:
+    /// `recorded`, with these layouts in place of its own.
+    static DecodingPtr with(const std::optional<std::vector<ano::FlexibleSpec>>& given, const DecodingPtr& recorded) {
+        if (recorded && !given) return recorded;
+        return std::make_shared<const anogate::Decoding>(given.value_or(std::vector<ano::FlexibleSpec>{}),
+                                                         recorded ? recorded->lx() : std::set<std::string, std::less<>>{});
+    }
+    std::bitset<256> wanted_messages() const {
+        std::bitset<256> wanted;
+        for (const std::string& word : messages) wanted.set(message_id_of(word, "--id: "));
+        return messages.empty() ? wanted.set() : wanted;
+    }
+    std::unique_ptr<Target> make_target(const ano::JsonOptions& options, bool one, Streams& streams) const {
+        const auto format = anogate::recording_format_of(out);
+        const std::string lower = ano::lower_case(out);
+        if (encoding && format != anogate::RecordingFormat::mcap)
+            throw UsageError{"--message-encoding says how MCAP has decoded messages: name OUT_FILE .mcap"};
+        if (lower.ends_with(".csv") || (out == "-" && one && !frames.json))
+            return std::make_unique<CsvTarget>(out, one, force, options, streams);
+        if (lower.ends_with(".ndjson") || lower.ends_with(".jsonl") || out == "-")
+            return std::make_unique<JsonTarget>(out, force, options, streams);
+        if (format)
+            return std::make_unique<RecordingTarget>(
+                out, force, *format,
+                anogate::RecordingOptions{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true}, streams);
+        throw UsageError{ano::in_quotes(out) + " ends neither in .csv nor in .ndjson, .pcapng or .mcap"};
+    }
+};
+
+}    // namespace
+
+Run add_convert(Options& options) {
+    const auto self = std::make_shared<Convert>();
+    options.push_back({"file", &self->file, "FILE", "A recording; - is standard input", true});
+    options.push_back(
+        {"out", &self->out, "OUT_FILE",
+         "NAME.csv makes a table of each message, NAME-euler.csv; NAME.ndjson is one JSON object a line, "
+         "NAME.pcapng or NAME.mcap a part of the recording; - is standard output, in JSON, or as the table of the only message",
+         true});
+    options.push_back(
+        {"--id", &self->messages, "ID...", "Only these messages, by name or id; a single one is the table OUT_FILE itself"});
+    options.push_back({"--message-encoding",
+                       Option::Read{[self](const std::string& word) { return read_message_encoding(word, self->encoding); }},
+                       "cdr|json", "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
+    options.push_back({"--force", &self->force, "", "Writes over files that are there"});
+    FrameOptions::add(options, self->frames);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

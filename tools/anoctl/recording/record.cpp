@@ -1,0 +1,275 @@
+// anoctl record FILE: records the frames of the running gateway into a file.
+#include <anoctl/anoctl.hpp>
+#include <anoctl/counted.hpp>
+#include <anoctl/gateway_layouts.hpp>
+#include <anoctl/message_encoding.hpp>
+#include <anoctl/say.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
+#include <anoctl/watch.hpp>
+#include "recording_output.hpp"
+
+#include <ano_json/compact_json.hpp>
+#include <ano_json/text.hpp>
+#include <link/clocks.hpp>
+#include <record/recording_writer.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using ano::Clock;
+
+constexpr auto sync_time = std::chrono::seconds{1};    // the maximum that a loss of power may cost
+constexpr Clock::duration chunk_time = std::chrono::milliseconds{
+    500};    // the maximum that a kill may cost with MCAP; shorter chunks compress badly
+
+anogate::RecordingHead head_now(anogate::DecodingPtr decoding) {
+    const anogate::ClockReading clocks = anogate::read_clocks();
+    return {"anoctl " ANOGATE_VERSION, static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.real}.count()),
+            static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.boot}.count()), std::move(decoding)};
+}
+
+class Recorder final : public FrameTaker {
+public:
+    using Descriptions = std::map<std::string, std::string>;
+
+    /// `descriptions`: of each link, by its name.
+    Recorder(RecordingOutput& output, Descriptions descriptions, anogate::DecodingPtr decoding, anogate::RecordingFormat format,
+             anogate::RecordingOptions options)
+        : output_{output},
+          descriptions_{std::move(descriptions)},
+          decoding_{std::move(decoding)},
+          writer_{anogate::make_recording_writer(format, head_now(decoding_), waiting_, options)},
+          flush_time_{format == anogate::RecordingFormat::mcap ? chunk_time : Clock::duration{}} {}
+
+    bool take(ano::FrameView frame, const Passage& passage) override {
+        const auto described = descriptions_.find(passage.link);
+        const std::string_view description = described != descriptions_.end() ? std::string_view{described->second} : "";
+        writer_->write({.time_ns = passage.time_ns,
+                        .boottime_ns = passage.boottime_ns,
+                        .link = passage.link,
+                        .link_description = description,
+                        .direction = passage.direction == "in"    ? anogate::Direction::in
+                                     : passage.direction == "out" ? anogate::Direction::out
+                                                                  : anogate::Direction::dropped,
+                        .cause = passage.cause,
+                        .channel = passage.channel,
+                        .peer = passage.peer,
+                        .frame = frame},
+                       waiting_);
+        ++taken_;
+        return true;
+    }
+    void use(const anogate::DecodingPtr& decoding) override {
+        if (anogate::decode_alike(decoding_, decoding)) return;
+        decoding_ = decoding;
+        writer_->use(decoding, waiting_);
+    }
+    bool flush() override {
+        const auto now = Clock::now();
+        if (now - flushed_ >= flush_time_) {
+            writer_->flush(waiting_);
+            flushed_ = now;
+            flushed_frames_ = taken_;
+        }
+        write();
+        if (now - synced_ >= sync_time) {
+            output_.sync();
+            synced_ = now;
+        }
+        return output_.fault().empty();
+    }
+    void miss(std::uint64_t count, const std::string& names, std::string_view) override {
+        writer_->write(anogate::RecordedLoss{count, names});
+        lost += count;
+    }
+    void end() {
+        writer_->end(waiting_);
+        flushed_frames_ = taken_;
+        write();
+        output_.sync();
+    }
+    double seconds() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+
+    std::uint64_t frames = 0, lost = 0;
+
+private:
+    void write() {
+        if (waiting_.empty()) return;
+        output_.write(waiting_);
+        waiting_.clear();
+        if (output_.fault().empty()) frames = flushed_frames_;
+    }
+
+    RecordingOutput& output_;
+    Descriptions descriptions_;
+    std::string waiting_;
+    anogate::DecodingPtr decoding_;    // of the frames
+    std::unique_ptr<anogate::RecordingWriter> writer_;
+    std::uint64_t taken_ = 0, flushed_frames_ = 0;
+    const ano::TimePoint began_ = Clock::now();
+    ano::TimePoint synced_ = began_, flushed_ = began_;
+    const Clock::duration flush_time_;
+};
+
+struct Record {
+    std::string file;
+    std::vector<std::string> ids, from, to, links, directions;
+    std::optional<anogate::DecodedEncoding> encoding;
+    std::optional<ano::Duration> time;
+    bool force = false, json = false, last = false;
+    GatewayOptions gateway;
+
+    int run(Streams& streams) const {
+        if (encoding && format() != anogate::RecordingFormat::mcap)
+            throw UsageError{"--message-encoding says how MCAP has decoded messages: name the file .mcap"};
+        check_ending(streams);
+        if (last) return save_last(streams);
+        const anogate::RecordingOptions options{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true};
+        if (file == "-" && streams.terminal)
+            throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
+        const ano::Json links_now = parse_answer(
+            gateway.ask("GET", "/links"));    // before a file is made: there may be no gateway
+        auto decoding = std::make_shared<const anogate::Decoding>(layouts_of_gateway(gateway), lx_links(links_now));
+        RecordingOutput output{file, force, streams};
+        Recorder recorder{output, described(links_now), std::move(decoding), format(), options};
+        std::string why;
+        try {
+            why = watch_frames(gateway.socket(), query(), recorder, time);
+        } catch (...) {
+            output.remove_if_empty();
+            throw;
+        }
+        recorder.end();
+        sum_up(recorder, output, streams);
+        if (!output.fault().empty())
+            throw Failure{file + ": it can't be written any more: " + output.fault() + "; what is in it until then is whole"};
+        if (!why.empty()) throw Failure{why};
+        return fine;
+    }
+
+private:
+    void check_ending(Streams& streams) const {
+        for (const std::string_view word : {"status", "start", "stop", "list", "end", "get", "delete", "save"})
+            if (file == word)
+                throw UsageError{"record writes a FILE here; what the gateway itself records: anoctl recordings " +
+                                 std::string{word == "status" ? "list"
+                                             : word == "stop" ? "end NAME"
+                                                              : word} +
+                                 " (for a file of this name: ./" + file + ")"};
+        const std::string name = file.substr(file.rfind('/') + 1);
+        if (name.empty() || name == "-" || anogate::recording_format_of(name)) return;
+        if (name.rfind('.') != name.npos) throw UsageError{ending_refused(file)};
+        tell(streams, file + ": pcapng is written; for MCAP end the name with .mcap");
+    }
+    anogate::RecordingFormat format() const {
+        return anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
+    }
+    /// Saves the latest frames, which the gateway keeps in memory.
+    int save_last(Streams& streams) const {
+        if (file == "-" && streams.terminal) throw UsageError{"a recording is nothing for a terminal: say a file"};
+        std::string path = "/recordings/last?format=";
+        path += text(format());
+        if (encoding) path.append("&message_encoding=").append(text(*encoding));
+        const std::string recording = gateway.ask("GET", path);
+        RecordingOutput output{file, force, streams};
+        output.write(recording);
+        output.sync();
+        if (!output.fault().empty()) throw Failure{file + ": it can't be written: " + output.fault()};
+        if (json) (file == "-" ? streams.err : streams.out) << ano::Json{{"file", file}, {"bytes", output.size()}}.dump() << '\n';
+        else tell(streams, file + ": " + counted(output.size(), "byte") + ", what the gateway held of the last while");
+        return fine;
+    }
+    std::string query() const {
+        const std::vector<std::string> in{"in"};
+        return filter_words("id", ids) + filter_words("from", from) + filter_words("to", to) + filter_words("link", links) +
+               filter_words("direction", directions.empty() ? in : directions);
+    }
+    static Recorder::Descriptions described(const ano::Json& all_links) {
+        Recorder::Descriptions all;
+        for (const ano::Json& link : all_links)
+            if (link.is_object()) all.emplace(text_at(link, "name"), text_at(link, "kind"));
+        return all;
+    }
+    static std::set<std::string, std::less<>> lx_links(const ano::Json& all_links) {
+        std::set<std::string, std::less<>> all;
+        for (const ano::Json& link : all_links)
+            if (link.is_object() && text_at(link, "attitude") == "lx") all.insert(text_at(link, "name"));
+        return all;
+    }
+    void sum_up(const Recorder& recorder, const RecordingOutput& output, Streams& streams) const {
+        const double seconds = recorder.seconds();
+        if (json) {
+            std::ostream& out = file == "-" ? streams.err : streams.out;
+            out << ano::compact_json(ano::Json{{"file", file},
+                                               {"frames", recorder.frames},
+                                               {"bytes", output.size()},
+                                               {"seconds", std::round(seconds * 1000) / 1000},
+                                               {"lost", recorder.lost}})
+                << '\n';
+            return;
+        }
+        std::string text = file + ": " + counted(recorder.frames, "frame") + " in " + time_text(seconds) + ", " +
+                           counted(output.size(), "byte");
+        if (recorder.lost > 0)
+            text += "; " + counted(recorder.lost, "frame") + (recorder.lost == 1 ? " is" : " are") +
+                    " not in it: the gateway had no room for them";
+        tell(streams, text);
+    }
+};
+
+}    // namespace
+
+Run add_record(Options& options) {
+    const auto self = std::make_shared<Record>();
+    const auto read_seconds = [self](const std::string& word) -> std::string {
+        const auto number = ano::parse_number(word);
+        const double seconds = number ? std::visit([](auto n) { return static_cast<double>(n); }, *number) : 0;
+        if (!(seconds > 0 && seconds < 1e9)) return ano::in_quotes(word) + " is not a number of seconds";
+        self->time = std::chrono::duration_cast<ano::Duration>(std::chrono::duration<double>{seconds});
+        return {};
+    };
+    options.push_back({"file", &self->file, "FILE",
+                       "What is written: NAME.mcap as MCAP, for Foxglove, PlotJuggler and ROS 2; otherwise as pcapng, which "
+                       "Wireshark opens with the "
+                       "dissector of anoctl messages --lua; - is standard output",
+                       true});
+    options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
+    options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
+    options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
+    options.push_back({"--link", &self->links, "LINK...", "Only by these links of the gateway, by name"});
+    options.push_back({"--direction", &self->directions, "in|out|dropped...", "What comes, leaves or is dropped (default: in)"});
+    options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Ends after so long; otherwise Ctrl-C does"});
+    options.push_back({"--last",
+                       &self->last,
+                       "",
+                       "What the gateway holds of the last while (keep_last in its configuration), and nothing more",
+                       false,
+                       {"--id", "--from", "--to", "--link", "--direction", "--seconds"}});
+    options.push_back({"--message-encoding",
+                       Option::Read{[self](const std::string& word) { return read_message_encoding(word, self->encoding); }},
+                       "cdr|json", "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
+    options.push_back({"--force", &self->force, "", "Writes over a file that is there"});
+    options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
+    GatewayOptions::add(options, self->gateway);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

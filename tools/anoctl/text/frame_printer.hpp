@@ -1,0 +1,74 @@
+// Prints a frame as one line: for people on a terminal, for awk in a pipe, or as JSON.
+#pragma once
+#include <anoctl/anoctl.hpp>
+#include <anoctl/frame_taker.hpp>
+
+#include <ano/flexible.hpp>
+#include <ano_json/frame_json.hpp>
+#include <record/sender_encodings.hpp>
+
+#include <array>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace anoctl {
+
+/// The options of every subcommand that shows or makes frames.
+struct FrameOptions {
+    bool json = false;
+    std::optional<ano::Encoding> encoding;          // std::nullopt: automatic
+    std::optional<ano::ValueType7> value_type_7;    // std::nullopt: f32
+    std::string config;                             // the file with the layouts of flexible messages
+    std::vector<ano::FlexibleSpec> known{};         // these layouts, when no file is given
+
+    /// `self` must live as long as the run.
+    static void add(Options& options, FrameOptions& self);
+    /// --encoding alone.
+    static void add_encoding(Options& options, FrameOptions& self);
+    /// Throws UsageError when `config` can't be read.
+    std::vector<ano::FlexibleSpec> specs() const;
+    ano::FlexibleLayouts layouts() const { return ano::FlexibleLayouts{specs()}; }
+    /// For reading and writing frames; `layouts` must live as long as the result.
+    ano::JsonOptions json_options(const ano::FlexibleLayouts& layouts) const {
+        return {&layouts, encoding.value_or(ano::Encoding::automatic), value_type_7.value_or(ano::ValueType7::f32)};
+    }
+};
+
+class FramePrinter {
+public:
+    FramePrinter(Streams& streams, const FrameOptions& options);
+    FramePrinter(const FramePrinter&) = delete;
+    FramePrinter& operator=(const FramePrinter&) = delete;
+
+    /// One line.
+    void print(ano::FrameView frame, const Passage& passage = {});
+    /// The frames that follow are decoded with this, except for what the options state.
+    void use(const anogate::DecodingPtr& decoding);
+    const ano::FlexibleLayouts& layouts() const noexcept { return *options_.flexible; }
+
+private:
+    void print(const Passage& passage, std::ostream& out) const;
+    void plain(ano::FrameView frame, const ano::Json& json);
+    void columns(ano::FrameView frame, const ano::Json& json, std::ostream& out) const;
+    std::string colored(const char* color, const std::string& text) const;
+
+    Streams& streams_;
+    bool json_;
+    ano::FlexibleLayouts layouts_;    // of the options
+    ano::JsonOptions options_;
+    bool finds_encoding_;    // none was given
+    bool finds_layouts_;     // the same
+    anogate::DecodingPtr decoding_;
+    anogate::SenderEncodings encodings_;
+};
+
+/// "14:03:07.123", local time; `time` in seconds since 1970.
+std::string clock_text(double time);
+
+/// Why DATA of a frame has no fields, as a clause; empty when it has, or the message is unknown or flexible.
+std::string undecoded(ano::FrameView frame, const ano::FlexibleLayouts& layouts);
+
+}    // namespace anoctl

@@ -1,0 +1,167 @@
+// anoctl web: how to reach the gateway in a browser or from another program.
+#include <anoctl/anoctl.hpp>
+#include <anoctl/gateway.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/text/table.hpp>
+#include "web_certificate.hpp"
+#include "web_names.hpp"
+
+#include <http/client/certificate.hpp>
+#include <link/udp/ip_socket.hpp>
+#include <sys/errors.hpp>
+
+#include <ano_json/escapes.hpp>
+#include <nlohmann/json.hpp>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <climits>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+
+namespace anoctl {
+namespace {
+
+using ano::Json;
+
+Computer this_computer() {
+    char name[HOST_NAME_MAX + 1] = {};
+    Computer computer;
+    if (::gethostname(name, sizeof name - 1) == 0) computer.name = name;
+    for (const anogate::Network& network : anogate::own_networks()) computer.addresses.push_back(network.address);
+    return computer;
+}
+
+bool is_set(const Json& object, const char* key) { return text_at(object, key) == "true"; }
+
+WebDoor door_of(const Json& http) {
+    WebDoor door;
+    const std::string written = text_at(http, "address");
+    const bool is_v6 = written.find(':') != written.npos;
+    const std::string where = (is_v6 ? "[" + written + "]" : written) + ":" + text_at(http, "port");
+    if (const auto endpoint = anogate::EndpointSpec::parse(where)) static_cast<anogate::Endpoint&>(door) = *endpoint;
+    door.is_encrypted = is_set(http, "tls");
+    for (const Json& host : at(http, "hosts"))
+        if (host.is_string()) door.hosts.push_back(without_controls(host.get<std::string>()));
+    return door;
+}
+
+/// Why HTTP is not served, and what to do.
+std::string why_not(const Json& http, const std::string& file) {
+    const std::string state = text_at(http, "state"), error = text_at(http, "error");
+    if (state == "waiting") return "no HTTP yet: " + error + "; the gateway waits for it";
+    if (state == "shut") return "no HTTP: " + error + "; put that right, then: anoctl reload";
+    if (state != "off") return "the gateway does not say whether it serves HTTP: its version is not that of this anoctl";
+    return "the gateway serves no HTTP: put \"control\": {\"http\": \"0.0.0.0:8088\"} into " +
+           (file.empty() ? "its configuration" : file) +
+           ", or give anogated --http 0.0.0.0:8088, and restart it; with 127.0.0.1:8088 it is for this computer alone";
+}
+
+void tell_door(const Json& http, const WebDoor& door, const Computer& computer, std::ostream& out) {
+    for (const std::string& url : urls_of(door, computer)) out << url << '\n';
+    if (door.address.is_loopback()) {
+        const std::string port = std::to_string(door.port);
+        out << "only this computer gets there; from another one, after: ssh -L " << port << ':' << text_at(http, "address") << ':'
+            << port << ' ' << (computer.name.empty() ? "HOST" : computer.name) << '\n';
+    }
+    const std::string tokens = text_at(http, "token_file"), certificate = text_at(http, "certificate");
+    if (!is_set(http, "token_needed")) out << "no token is needed\n";
+    else out << "a token is needed, of a line 'view TOKEN' or 'control TOKEN' in " << tokens << ": Authorization: Bearer TOKEN\n";
+    if (certificate.empty()) return;
+    out << "encrypted; programs know it by " << certificate << ", as curl --cacert\n";
+    if (const auto known_by = anogate::http::fingerprint(certificate)) out << "SHA-256 fingerprint " << *known_by << '\n';
+}
+
+void tell_certificate(const MadeCertificate& made, std::ostream& out) {
+    std::vector<std::string> names;
+    for (const std::string& name : made.names) names.push_back(without_controls(name));
+    out << list_text("for ", names) << '\n'
+        << made.certificate << ": the certificate, that it signed itself\n"
+        << made.key << ": its key, for " << (made.is_for_service ? "user anogate, whom the service runs as" : "this user alone")
+        << "\nfor the configuration; then restart the gateway:\n    \"control\": {\"tls\": "
+        << Json{{"certificate", made.certificate}, {"key", made.key}}.dump() << "}\n"
+        << "SHA-256 fingerprint, which browsers show where they ask whether to trust it:\n    " << made.fingerprint << '\n';
+}
+
+void open_in_browser(std::string url) {
+    std::string program = "xdg-open";
+    char* words[] = {program.data(), url.data(), nullptr};
+    pid_t pid = -1;
+    int status = 0;
+    const int error = ::posix_spawnp(&pid, program.c_str(), nullptr, nullptr, words, environ);
+    if (error == ENOENT) throw Failure{"xdg-open is not installed (package xdg-utils): open " + url + " yourself"};
+    if (error != 0) throw Failure{anogate::error_text(program, error)};
+    while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {}
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw Failure{"xdg-open found nothing to open " + url + " with"};
+}
+
+struct Web {
+    GatewayOptions gateway;
+    bool json = false, open = false, make_certificate = false;
+    std::optional<std::string> into;
+
+    int run(Streams& streams) const {
+        if (into && !make_certificate) throw UsageError{"--into is for --make-certificate"};
+        return make_certificate ? make(streams) : show(streams);
+    }
+
+private:
+    int make(Streams& streams) const {
+        const MadeCertificate made = make_certificate_in(into.value_or(certificate_folder()), this_computer());
+        if (json)
+            streams.out << Json{{"certificate", made.certificate},
+                                {"key", made.key},
+                                {"names", made.names},
+                                {"fingerprint", made.fingerprint}}
+                        << '\n';
+        else tell_certificate(made, streams.out);
+        return fine;
+    }
+
+    int show(Streams& streams) const {
+        const Json status = parse_answer(gateway.ask("GET", "/status"));
+        const Json& http = at(status, "http");
+        const bool is_up = text_at(http, "state") == "up";
+        const WebDoor door = door_of(http);
+        const Computer computer = this_computer();
+        if (json) {
+            Json told{{"urls", Json::array()}};
+            if (is_up) told["urls"] = urls_of(door, computer);
+            if (http.is_object()) told.update(http);
+            streams.out << ano::json_text(told) << '\n';
+        }
+        if (!is_up) throw Failure{why_not(http, text_at(at(at(status, "gateway"), "config"), "file"))};
+        if (!json) tell_door(http, door, computer, streams.out);
+        if (!open) return fine;
+        streams.out.flush();
+        open_in_browser(url_here(door));
+        return fine;
+    }
+};
+
+}    // namespace
+
+Run add_web(Options& options) {
+    const auto self = std::make_shared<Web>();
+    options.push_back({"--open", &self->open, "", "Opens it in a browser here, by xdg-open"});
+    options.push_back(
+        {"--make-certificate",
+         &self->make_certificate,
+         "",
+         "Makes a certificate that it signs itself, for TLS, with its key; says what to configure. Needs no gateway",
+         false,
+         {"--open"}});
+    options.push_back(
+        {"--into", &self->into, "FOLDER",
+         "Where certificate.pem and key.pem are made (default: /etc/anogate for root where it is, else this folder)"});
+    GatewayOptions::add(options, self->gateway);
+    options.push_back({"--json", &self->json, "", "One JSON object"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

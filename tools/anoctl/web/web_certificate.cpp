@@ -1,0 +1,79 @@
+#include "web_certificate.hpp"
+
+#include <anoctl/anoctl.hpp>
+
+#include <http/client/certificate.hpp>
+#include <sys/unique_fd.hpp>
+
+#include <fcntl.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace anoctl {
+namespace {
+
+namespace fs = std::filesystem;
+using anogate::http::CertificateNames;
+
+constexpr char folder_of_the_system[] = "/etc/anogate";
+constexpr char user_of_the_service[] = "anogate";
+constexpr char another_folder[] = "; give another folder by --into";
+
+CertificateNames names_for(const Computer& computer) {
+    CertificateNames names{names_of(computer), {}};
+    names.hosts.emplace_back("localhost");
+    for (const anogate::IpAddress& address : reachable(computer)) names.addresses.push_back(address.text());
+    names.addresses.emplace_back("127.0.0.1");
+    names.addresses.emplace_back("::1");
+    return names;
+}
+
+// The service does not run as root, and can't read a key that only root may read. The owner of the folder may have replaced the file
+// meanwhile by a hard link to another file of root: such a file is left alone.
+bool give_to_service(const std::string& key) {
+    const passwd* user = ::geteuid() == 0 ? ::getpwnam(user_of_the_service) : nullptr;
+    if (!user) return false;
+    const anogate::UniqueFd fd{::open(key.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)};
+    struct stat facts {};
+    return fd && ::fstat(fd.get(), &facts) == 0 && S_ISREG(facts.st_mode) && facts.st_nlink == 1 &&
+           ::fchown(fd.get(), user->pw_uid, user->pw_gid) == 0;
+}
+
+void check(const fs::path& folder, const MadeCertificate& made) {
+    std::error_code ec;
+    if (!fs::is_directory(folder, ec)) throw Failure{"there is no folder " + folder.string() + another_folder};
+    for (const std::string& path : {made.certificate, made.key})
+        if (fs::exists(fs::symlink_status(path, ec)))
+            throw Failure{path + " is there already and is not written over: move it away, or give another folder by --into"};
+    if (::access(folder.c_str(), W_OK | X_OK) != 0)
+        throw Failure{"this user may not write into " + folder.string() + another_folder + ", or use sudo"};
+}
+
+}    // namespace
+
+std::string certificate_folder() {
+    std::error_code ec;
+    return ::geteuid() == 0 && fs::is_directory(folder_of_the_system, ec) ? folder_of_the_system : ".";
+}
+
+MadeCertificate make_certificate_in(const std::string& folder, const Computer& computer) {
+    std::error_code ec;
+    fs::path whole = fs::absolute(folder, ec).lexically_normal();
+    if (!whole.has_filename() && whole.has_relative_path()) whole = whole.parent_path();    // removes a slash at the end
+    MadeCertificate made{whole / "certificate.pem", whole / "key.pem", {}, {}, false};
+    check(whole, made);
+    const CertificateNames names = names_for(computer);
+    if (const auto done = anogate::http::make_certificate(names, made.certificate, made.key); !done) throw Failure{done.error()};
+    const auto known_by = anogate::http::fingerprint(made.certificate);
+    if (!known_by) throw Failure{known_by.error()};
+    made.fingerprint = *known_by;
+    made.names = names.hosts;
+    made.names.insert(made.names.end(), names.addresses.begin(), names.addresses.end());
+    made.is_for_service = give_to_service(made.key);
+    return made;
+}
+
+}    // namespace anoctl
