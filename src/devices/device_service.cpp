@@ -811,6 +811,7 @@ std::vector<std::string> DeviceService::notes_to_show(std::uint8_t address, Time
         return is_type_7_note(name) ||
                (is_loader_note(name) && !misfit_of_place(*notes_.find(name), net_.unit_place(address, now), true).empty());
     });
+    for (std::string& dropped : notes_.dropped(address)) names.push_back(std::move(dropped));
     return names;
 }
 
