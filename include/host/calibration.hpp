@@ -57,11 +57,13 @@ private:
 /// now, is compared with what the fit has promised. When they are rejected, the task is cancelled or the device fails, the old values
 /// are written back before the task ends. After a crash the owner does that with CalibrationWrite.
 ///
-/// A device that restarts uses its old calibration again. So each sign of a restart (RestartWatch), or CAL_ parameters that are not
-/// those of after the clear when the device was turned to all sides, discards all samples: it is cleared again.
+/// A device that restarts uses its old calibration again. So each sign of a restart (RestartWatch) since it acknowledged the clear, or CAL_
+/// parameters that are not those of after the clear when the device was turned to all sides, discards all samples: it is cleared again. So
+/// do samples that need no correction although the old values are not such: they were corrected already. If it is the same after the next
+/// clear, the old values were wrong.
 class Calibration final : public Task {
 public:
-    enum class Step : std::uint8_t { read, keep, clear, turn, confirm, write, verify, restore, over };
+    enum class Step : std::uint8_t { read, keep, clear, turn, confirm, keep_new, write, verify, restore, over };
     static constexpr Duration time_to_turn = std::chrono::minutes{10};
     static constexpr Duration time_to_verify = std::chrono::minutes{1};
     /// A device from which nothing came for so long, or no samples though other frames did, ends the task.
@@ -71,8 +73,12 @@ public:
     Calibration(Device& device, Sensor sensor, DescriptionCache* cache = nullptr);
 
     void start(TimePoint now);
-    /// To be called when the owner has stored old_values() where they survive a crash.
+    /// To be called when the owner has stored old_values() where they survive a crash; in Step::keep_new new_values().
     void kept(TimePoint now);
+    /// In Step::keep_new: they could not be stored, so they are not written.
+    void not_kept(const std::string& why, TimePoint now);
+    /// There is a Step::keep_new.
+    void keep_before_writing() noexcept { keeps_new_ = true; }
     /// Only in Step::keep: replaces the values to be written back, when those that were read are left from an unfinished calibration.
     void set_old_values(CalibrationValues values);
     /// `refusal` is called right before the new values are written. It returns why they may not be written, as text; empty: they may.
@@ -90,6 +96,8 @@ public:
 
     Step step() const noexcept { return end() ? Step::over : step_; }
     const CalibrationValues& old_values() const noexcept { return old_; }
+    /// What the device had after the last clear; empty before it was read.
+    const CalibrationValues& cleared_values() const noexcept { return cleared_; }
     /// Empty before they are computed.
     const CalibrationValues& new_values() const noexcept { return new_; }
     /// True when nothing was changed, or the old values are written back.
@@ -131,6 +139,7 @@ private:
     TimePoint silent_at() const noexcept;
     void end_silent(TimePoint now);
     void fit(TimePoint now);
+    void write(TimePoint now);
     void written(TimePoint now);
     void restore(End why, TimePoint now);
     void restored(TimePoint now);
@@ -154,6 +163,8 @@ private:
     SixFaces faces_;
     CompassSphere sphere_;
     std::optional<RestartWatch> watch_;    // since the last clear
+    bool keeps_new_ = false;
+    bool was_corrected_ = false;    // the samples needed no correction, once
     unsigned restarts_ = 0;
     std::string last_restart_;
     std::optional<AccelerometerCheck> accelerometer_check_;

@@ -55,8 +55,10 @@ public:
     void take(const Vector& field) noexcept;
     /// As a share of the field.
     std::optional<double> error() const noexcept { return error_; }
-    bool is_passed() const noexcept { return error_ && *error_ <= times_promised * promised_ + tolerance; }
+    bool is_passed() const noexcept { return error_ && *error_ <= limit(promised_); }
     double promised() const noexcept { return promised_; }
+    /// As a share of the field.
+    static constexpr double limit(double promised) noexcept { return times_promised * promised + tolerance; }
 
 private:
     double strength_;

@@ -21,6 +21,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace ano::host {
 
@@ -145,8 +146,10 @@ public:
     static constexpr Duration max_pause = std::chrono::milliseconds{500};
     /// The link to it was down.
     void link_was_down() noexcept { ++doubts_; }
-    /// Somebody asks it for device info: what it sends of that in the next `info_may_come_for` is an answer.
-    void expect_info(TimePoint now) noexcept { info_asked_at_ = now; }
+    /// Somebody asks it for device info: one that it sends in the next `info_may_come_for` is the answer, a further one is not.
+    void expect_info(TimePoint now);
+    /// The same device info again so soon is a double of the line's: no device restarts in that time.
+    static constexpr Duration info_doubled_within = std::chrono::milliseconds{100};
     /// Grows each time it sends device info (0xE3) to this host or to all that nobody asked for, as devices do when they start.
     std::uint32_t announcements() const noexcept { return announcements_; }
     std::optional<TimePoint> heard_at() const noexcept { return heard_at_; }
@@ -173,6 +176,7 @@ private:
 
     void hear(FrameView frame, TimePoint now);
     void note_telemetry(FrameView frame, TimePoint now) noexcept;
+    bool answers_for_info(const DeviceInfo& info, TimePoint now);
     bool pauses(TimePoint now) const noexcept {
         return telemetry_at_ && interval_ && now - *telemetry_at_ > std::max(max_pause, usual_intervals * *interval_);
     }
@@ -210,7 +214,9 @@ private:
     static constexpr int usual_intervals = 3;
     std::optional<TimePoint> telemetry_at_;
     std::optional<Duration> interval_;    // of its telemetry, usually
-    std::optional<TimePoint> info_asked_at_;
+    std::optional<TimePoint> info_asked_at_, info_answered_at_;
+    static constexpr std::size_t max_info_questions = 64;
+    std::vector<TimePoint> info_questions_;    // that may still be answered, the oldest first
     std::uint32_t announcements_ = 0;
     RoundTrip round_trip_;
     Window window_;

@@ -9,7 +9,8 @@
 
 namespace ano::host {
 
-/// Signs of a restart: a gap in its samples; device info that nobody asked for; device info that has changed, or a long absence.
+/// Signs of a restart: a gap in its samples, or before the first one; device info that nobody asked for; device info that has changed, or a
+/// long absence.
 class RestartWatch {
 public:
     /// A longer gap is a sign; of a device that sends fewer than six samples a second: one of three usual intervals.
@@ -17,19 +18,20 @@ public:
     static constexpr unsigned usual_gaps = 3;
 
     RestartWatch(const Device& device, TimePoint now) noexcept
-        : presence_{device.presence()}, announcements_{device.announcements()}, since_{now} {}
+        : presence_{device.presence()}, announcements_{device.announcements()}, last_{now} {}
 
     /// To be called with each sample.
     void sampled(TimePoint now);
     /// The first sign, as a clause; std::nullopt: none.
     std::optional<std::string> sign(const Device& device) const;
     /// The time of the last sample, or of the beginning.
-    TimePoint sampled_at() const noexcept { return last_.value_or(since_); }
+    TimePoint sampled_at() const noexcept { return last_; }
 
 private:
     std::uint32_t presence_, announcements_;
-    TimePoint since_;
-    std::optional<TimePoint> last_;
+    TimePoint last_;
+    bool is_sampled_ = false;
+    Duration longest_{};    // also from the beginning to the first sample: judged again when the pace is known better
     std::optional<Duration> usual_;
     std::optional<Duration> gap_;
 };

@@ -59,7 +59,7 @@ Json device_json(const DeviceReport& report, ano::TimePoint now) {
     if (report.red_lines > 0) json["red_lines"] = report.red_lines;
     for (const std::string& note : report.notes) {
         if (is_loader_note(note)) json["in_loader"] = true;
-        else json["kept"].push_back(note);
+        else json[is_note(note) ? "kept" : "dropped"].push_back(note);
     }
     return json;
 }

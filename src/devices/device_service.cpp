@@ -469,8 +469,10 @@ void DeviceService::advance(const std::shared_ptr<Job>& job, TimePoint now) {
         job->message.clear();
         job->work->start(now);
     }
-    if (job->order.kind == JobKind::scan) info_is_asked(ano::address::broadcast, now);
+    const auto due = job->work->due();
     job->work->run(now);
+    const bool asks_all = job->order.kind == JobKind::scan && job->work->due() != due;    // with each send
+    if (asks_all) info_is_asked(ano::address::broadcast, now);
     if (job->work->end()) finish(*job, *job->work->end(), now);
 }
 
@@ -487,7 +489,7 @@ void DeviceService::send_all(TimePoint now) {
             if (!frame) break;
             const std::uint8_t id = frame->id();
             const bool acts = ano::intent_of(*frame) == ano::Intent::acts;
-            if (ano::host::is_question_for_info(*frame)) info_is_asked(address, now);
+            if (ano::address::is_port_id(address)) sent_by_others(*frame, now);    // for whatever device is behind it
             if (const std::string never = net_.send(*frame); !never.empty()) fail(address, id, acts, never, now);
             else if (acts) acted(address, id);
         }
@@ -825,6 +827,7 @@ std::vector<std::string> DeviceService::notes_to_show(std::uint8_t address, Time
         return is_type_7_note(name) ||
                (is_loader_note(name) && !misfit_of_place(*notes_.find(name), net_.unit_place(address, now), true).empty());
     });
+    for (std::string& dropped : notes_.dropped(address)) names.push_back(std::move(dropped));
     return names;
 }
 

@@ -15,6 +15,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+bool is_about(const std::string& name, std::uint8_t address) {
+    const std::string of_it = "-" + ano::hex_byte(address);
+    const auto at = name.find(of_it);
+    return at != name.npos && (name[at + of_it.size()] == '-' || name[at + of_it.size()] == '.');
+}
+
 }    // namespace
 
 const std::string* Notes::find(const std::string& name) const {
@@ -23,25 +29,37 @@ const std::string* Notes::find(const std::string& name) const {
 }
 
 std::vector<std::string> Notes::names(std::uint8_t address) const {
-    const std::string of_it = "-" + ano::hex_byte(address);
     std::vector<std::string> names;
     for (const auto& [name, text] : *all_)
-        if (const auto at = name.find(of_it);
-            at != name.npos && (name[at + of_it.size()] == '-' || name[at + of_it.size()] == '.'))
-            names.push_back(name);
+        if (is_about(name, address)) names.push_back(name);
     return names;
 }
 
 void Notes::keep(const std::string& name, const std::string& text, std::function<void(std::string fault)> done) {
-    net_.keep(name, text, [all = all_, name, text, done = std::move(done)](std::string fault) {
-        if (fault.empty()) (*all)[name] = text;
+    dropped_.erase(name);
+    const std::uint64_t change = ++(*changes_)[name];
+    net_.keep(name, text, [all = all_, changes = changes_, change, name, text, done = std::move(done)](std::string fault) {
+        if (fault.empty() && (*changes)[name] == change) (*all)[name] = text;    // else it was changed or forgotten meanwhile
         done(std::move(fault));
     });
 }
 
 void Notes::forget(const std::string& name) {
     all_->erase(name);
+    ++(*changes_)[name];
     net_.keep(name, {}, [](const std::string&) {});
+}
+
+void Notes::drop(const std::string& name, const std::string& why) {
+    forget(name);
+    dropped_[name] = why;
+}
+
+std::vector<std::string> Notes::dropped(std::uint8_t address) const {
+    std::vector<std::string> all;
+    for (const auto& [name, why] : dropped_)
+        if (is_about(name, address)) all.push_back(name + " (" + why + ")");
+    return all;
 }
 
 bool is_loader_note(std::string_view name) { return is_unit_note_name(name, "firmware"); }

@@ -33,9 +33,15 @@ public:
     void keep(const std::string& name, const std::string& text, std::function<void(std::string fault)> done);
     /// Deletes a note, also one of another program.
     void forget(const std::string& name);
+    /// The same of one that is of no use any more, and `why` in a clause, for dropped().
+    void drop(const std::string& name, const std::string& why);
+    /// "NAME (WHY)" of the notes about this device that were dropped, unless one of that name was kept since.
+    std::vector<std::string> dropped(std::uint8_t address) const;
 
 private:
     DeviceNet& net_;
+    std::map<std::string, std::string> dropped_;
+    std::shared_ptr<std::map<std::string, std::uint64_t>> changes_ = std::make_shared<std::map<std::string, std::uint64_t>>();
     std::shared_ptr<std::map<std::string, std::string>> all_ = std::make_shared<std::map<std::string, std::string>>();
 };
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 namespace ano::host {
 namespace {
@@ -149,7 +151,14 @@ void Calibration::set_old_values(CalibrationValues values) {
 }
 
 void Calibration::kept(TimePoint now) {
-    if (step_ == Step::keep && !end()) clear(now);
+    if (end()) return;
+    if (step_ == Step::keep) clear(now);
+    else if (step_ == Step::keep_new) write(now);
+}
+
+void Calibration::not_kept(const std::string& why, TimePoint now) {
+    if (step_ == Step::keep_new && !end())
+        restore({Ending::failed, "the new values were not written, because they could not be kept: " + why, {}}, now);
 }
 
 void Calibration::clear(TimePoint now) {
@@ -163,7 +172,7 @@ void Calibration::clear(TimePoint now) {
 void Calibration::cleared(TimePoint now) {
     if (end() || step_ != Step::clear) return;
     if (clear_->end()->ending != Ending::done) return restore(*clear_->end(), now);
-    watch_.emplace(device(), now);
+    watch_.emplace(device(), now);    // from now on, since it may restart at once
     read_values(&Calibration::read_cleared, now);
 }
 
@@ -188,7 +197,7 @@ bool Calibration::is_restarted(TimePoint now) {
 void Calibration::restarted(std::string sign, TimePoint now) {
     last_restart_ = std::move(sign);
     watch_.reset();
-    if (step_ == Step::confirm) {
+    if (step_ == Step::clear || step_ == Step::confirm) {
         reading_->on_end({});
         reading_->cancel(now);
     }
@@ -200,7 +209,8 @@ void Calibration::restarted(std::string sign, TimePoint now) {
 }
 
 void Calibration::hear(FrameView frame, TimePoint now) {
-    const bool measures = step_ == Step::turn || step_ == Step::confirm || step_ == Step::verify;
+    const bool is_cleared = step_ == Step::clear && watch_;
+    const bool measures = is_cleared || step_ == Step::turn || step_ == Step::confirm || step_ == Step::verify;
     if (!measures || end() || !may_be_of(frame.source(), device().address())) return;
     if (step_ != Step::verify && is_restarted(now)) return;
     if (sensor_ == Sensor::accelerometer) {
@@ -324,16 +334,25 @@ void Calibration::fit(TimePoint now) {
 // The residual is that of the values as the device can store them: an older one has them rounded.
 template <std::size_t N, class Samples, class Found>
 void Calibration::use(const Samples& samples, const Fit<Found>& fit, TimePoint now) {
+    using Check = std::conditional_t<std::is_same_v<Found, AccelerometerCalibration>, AccelerometerCheck, CompassCheck>;
+    const double limit = Check::limit(fit.after);
+    const bool is_corrected = fit.calibration && samples.residual(Found{}) <= limit && fit.before > limit;
+    if (is_corrected && !std::exchange(was_corrected_, true)) return restarted("its samples were corrected already", now);
     residuals_ = std::pair{fit.before, fit.after};
     if (!fit.calibration) return restore({Ending::failed, "rejected: " + fit.wrong, {}}, now);
     new_ = named(fit.calibration->values());
     const Found stored = Found::of(floats_of<N>(new_));
     const double after = residuals_->second = samples.residual(stored);
-    if (!(after < Samples::max_residual) || after >= fit.before)
+    if (!(after <= limit && after < Samples::max_residual) || after >= fit.before)
         return restore({Ending::failed, "rejected: the device can store the new values too coarsely only", {}}, now);
+    make_check(stored);
+    if (keeps_new_) return enter(Step::keep_new, now);
+    write(now);
+}
+
+void Calibration::write(TimePoint now) {
     if (const std::string why = refusal_ ? refusal_() : ""; !why.empty())
         return restore({Ending::refused, "the new values were not written: " + why, {}}, now);
-    make_check(stored);
     enter(Step::write, now);
     write_ = std::make_unique<CalibrationWrite>(device(), cache_, sensor_, new_);
     write_->on_end([this](TimePoint then) { written(then); });

@@ -84,8 +84,8 @@ void Device::hear(FrameView frame, TimePoint now) {
         DeviceInfo info{said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
                         said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
         const bool is_for_us = frame.destination() == own_ || frame.destination() == address::broadcast;
-        const bool is_asked = info_asked_at_ && now - *info_asked_at_ <= info_may_come_for;
-        const bool is_announced = is_for_us && !is_asked;    // it restarted, and may have other parameters and commands
+        // It restarted, and may have other parameters and commands.
+        const bool is_announced = is_for_us && !answers_for_info(info, now);
         if (is_announced) ++announcements_;
         if (is_announced || (info_ && *info_ != info)) forget_it();
         info_ = std::move(info);
@@ -94,6 +94,22 @@ void Device::hear(FrameView frame, TimePoint now) {
     if (count && count->get<"cmd">() == 1) parameter_count_ = count->get<"val">();
     const auto commands = as<"command_query">(frame);
     if (commands && commands->get<"cmd">() == 0) command_count_ = commands->get<"val">();
+}
+
+void Device::expect_info(TimePoint now) {
+    info_asked_at_ = now;
+    if (info_questions_.size() == max_info_questions) info_questions_.erase(info_questions_.begin());
+    info_questions_.push_back(now);
+}
+
+// Each question has one answer.
+bool Device::answers_for_info(const DeviceInfo& info, TimePoint now) {
+    std::erase_if(info_questions_, [&](TimePoint asked_at) { return now - asked_at > info_may_come_for; });
+    const bool is_doubled = info_answered_at_ && now - *info_answered_at_ <= info_doubled_within && info_ == info;
+    if (info_questions_.empty()) return is_doubled;
+    info_questions_.erase(info_questions_.begin());
+    info_answered_at_ = now;
+    return true;
 }
 
 // Answers come when somebody asks, and log lines now and then: a pause between those shows nothing, except before a second device info.

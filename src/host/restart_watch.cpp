@@ -1,6 +1,7 @@
 #include <host/restart_watch.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace ano::host {
 namespace {
@@ -14,14 +15,10 @@ std::string length_of_gap(Duration time) {
 }    // namespace
 
 void RestartWatch::sampled(TimePoint now) {
-    if (!last_) {
-        last_ = now;
-        return;
-    }
-    const Duration interval = now - *last_;
-    last_ = now;
-    if (usual_ && interval > std::max(max_gap, usual_gaps * *usual_)) gap_ = gap_.value_or(interval);
-    usual_ = usual_ ? (7 * *usual_ + interval) / 8 : interval;
+    const Duration interval = now - std::exchange(last_, now);
+    longest_ = std::max(longest_, interval);
+    if (usual_ && longest_ > std::max(max_gap, usual_gaps * *usual_)) gap_ = gap_.value_or(longest_);
+    if (std::exchange(is_sampled_, true)) usual_ = usual_ ? (7 * *usual_ + interval) / 8 : interval;
 }
 
 std::optional<std::string> RestartWatch::sign(const Device& device) const {

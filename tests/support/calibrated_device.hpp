@@ -29,8 +29,11 @@ public:
     Values flash{-30, 20, 10, 0.97f, 1.02f, 1, 1, 0.01f, 0, 0, 1, 0, 0, 0, 1};    // of an earlier calibration, of another sensor
     Duration uses_after{};                                                        // the time from storing to using it
     Values (*as_it_uses)(Values) = [](Values values) { return values; };          // by another formula than ours
-    bool uses_nothing = false;                                                    // it stores what it never uses
-    bool shows_the_clear = true;                                                  // in its parameters
+    struct Sensor {
+        ano::host::Vector offset{25, -15, 5}, factor{1.02, 1.01, 1.00};
+    } sensor;
+    bool uses_nothing = false;      // it stores what it never uses
+    bool shows_the_clear = true;    // in its parameters
     bool is_dead = false;
     bool holds_still = true;    // the person
     std::vector<std::uint16_t> actions;
@@ -47,6 +50,11 @@ public:
         };
     }
 
+    /// After a change of `flash`, before it starts.
+    void load_flash() {
+        load(flash);
+        used_ = flash;
+    }
     /// It is an older one, whose values are i32 with this scale.
     void make_scaled(std::int32_t mul) {
         fake.scaled = true;
@@ -118,9 +126,9 @@ private:
         return values;
     }
     // What its sensor measures.
-    static ano::host::Vector felt(std::size_t face) {
-        ano::host::Vector v{25, -15, 5};
-        v[face / 2] += (face % 2 == 0 ? 1 : -1) * ano::host::SixFaces::gravity * (1.02 - 0.01 * static_cast<double>(face / 2));
+    ano::host::Vector felt(std::size_t face) const {
+        ano::host::Vector v = sensor.offset;
+        v[face / 2] += (face % 2 == 0 ? 1 : -1) * ano::host::SixFaces::gravity * sensor.factor[face / 2];
         return v;
     }
     void take_step() {

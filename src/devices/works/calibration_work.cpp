@@ -19,6 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using ano::TimePoint;
 using ano::host::Calibration;
+using ano::host::CalibrationValues;
 using ano::host::Sensor;
 using ano::host::Task;
 
@@ -26,7 +27,7 @@ double hundredths(double value) { return std::round(value * 100) / 100; }
 
 std::string_view name_of(Sensor sensor) { return sensor == Sensor::accelerometer ? "accelerometer" : "compass"; }
 
-Json values_json(const ano::host::CalibrationValues& values) {
+Json values_json(const CalibrationValues& values) {
     Json json = Json::object();
     for (const auto& [name, value] : values) json[name] = value_json(value, ano::Type::f32);
     return json;
@@ -59,7 +60,7 @@ Json sphere_json(const ano::host::CompassSphere& sphere) {
 }
 
 // As on the wire, so that a NaN comes back as it was: {"CAL_AOFF_X": "0000c07f", …}
-Json bytes_json(const ano::host::CalibrationValues& values) {
+Json bytes_json(const CalibrationValues& values) {
     Json json = Json::object();
     for (const auto& [name, value] : values) {
         std::vector<std::uint8_t> bytes;
@@ -85,12 +86,12 @@ std::optional<ano::host::AnyValue> value_told(const Json& json) {
 }
 
 // The values in a note; std::nullopt: it is damaged. Notes of older versions have no "bytes".
-std::optional<ano::host::CalibrationValues> values_in_note(const std::string& text, Sensor sensor) {
+std::optional<CalibrationValues> values_in_note(const std::string& text, Sensor sensor) {
     const Json note = note_json(text);
     const bool has_bytes = note.is_object() && note.contains("bytes");
     const Json kept = note.is_object() ? note.value(has_bytes ? "bytes" : "parameters", Json{}) : Json{};
     if (!kept.is_object()) return std::nullopt;
-    ano::host::CalibrationValues values;
+    CalibrationValues values;
     for (const std::string& name : ano::host::calibration_names(sensor)) {
         const Json one = kept.value(name, Json{});
         auto value = has_bytes ? value_of_hex(one) : value_told(one);
@@ -98,6 +99,58 @@ std::optional<ano::host::CalibrationValues> values_in_note(const std::string& te
         values.emplace_back(name, *std::move(value));
     }
     return values;
+}
+
+// Further values in a note of this key; std::nullopt: it has none.
+std::optional<CalibrationValues> further_values(const Json& note, const char* key, Sensor sensor) {
+    const Json kept = note.is_object() ? note.value(key, Json{}) : Json{};
+    CalibrationValues values;
+    for (const std::string& name : ano::host::calibration_names(sensor)) {
+        auto value = value_of_hex(kept.is_object() ? kept.value(name, Json{}) : Json{});
+        if (!value) return std::nullopt;
+        values.emplace_back(name, *std::move(value));
+    }
+    return values;
+}
+
+// Those that correct nothing.
+CalibrationValues neutral_values(Sensor sensor) {
+    const auto names = ano::host::calibration_names(sensor);
+    const auto accelerometer = ano::host::AccelerometerCalibration{}.values();
+    const auto compass = ano::host::CompassCalibration{}.values();
+    CalibrationValues values;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        values.emplace_back(names[i], double{sensor == Sensor::accelerometer ? accelerometer[i] : compass[i]});
+    return values;
+}
+
+// Whether a device has what the calibration of the note has left in it: each value is the old one, the one after the clear, or the new one.
+// Otherwise it was calibrated by somebody else meanwhile, or is another one of its type. A note without the cleared values is of an older
+// version, or of a calibration that ended at once.
+bool is_left_by_calibration(const CalibrationValues& has, const std::string& text, Sensor sensor) {
+    const Json note = note_json(text);
+    std::vector<CalibrationValues> left;
+    if (auto old = values_in_note(text, sensor)) left.push_back(*std::move(old));
+    auto cleared = further_values(note, "cleared", sensor);
+    left.push_back(cleared ? *std::move(cleared) : neutral_values(sensor));
+    if (auto found = further_values(note, "new", sensor)) left.push_back(*std::move(found));
+    for (std::size_t i = 0; i < has.size(); ++i) {
+        const auto is_it = [&](const CalibrationValues& one) {
+            return ano::host::same_bytes(has[i].second, one[i].second, ano::Type::f32);
+        };
+        if (std::none_of(left.begin(), left.end(), is_it)) return false;
+    }
+    return true;
+}
+
+// The note is the only copy of its values, so the log has them.
+std::string drop_note(const WorkPlace& place, const std::string& name) {
+    const std::string text = *place.notes.find(name);
+    place.notes.drop(name, "removed: the device has other calibration values");
+    return "the device has other calibration values than its unfinished calibration left, so they stay, and the file is "
+           "removed: " +
+           describe_note(name, text) + ", " +
+           note_json(text).value("parameters", Json{}).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 // The name of the kept values of this very device; empty: there are none.
@@ -109,8 +162,10 @@ class WriteBack final : public TaskWork {
 public:
     WriteBack(const WorkPlace& place, std::string name) : TaskWork{place}, name_{std::move(name)} {}
     void start(TimePoint now) override {
+        const auto sensor = sensor_of_note(name_);
+        if (!sensor) return finish(work_fault(409, name_ + " is no note of a calibration"));
         auto task = std::make_unique<ano::host::Parameters>(place().device, &place().cache);
-        next(std::move(task)).read(ano::host::Parameters::Values::none, now);
+        next(std::move(task)).read_named(ano::host::calibration_names(*sensor), now);
     }
     std::string message() const override { return "writing back what was before a calibration that never ended"; }
     std::string half_done() const override { return "the old values are kept, and written back at the next start"; }
@@ -125,10 +180,17 @@ private:
         if (!values) return finish(work_fault(422, name_ + " is damaged: calibrate again, or remove it"));
         if (const std::string misfit = misfit_of_note(*text, place()); !misfit.empty())
             return finish(work_fault(409, name_ + " is left alone: it is " + misfit));
-        writes_ = true;
         const auto& parameters = static_cast<const ano::host::Parameters&>(task);
-        for (auto& [name, value] : *values)    // the note has them as f32
-            if (const auto* info = parameters.find(name).parameter) value = ano::host::nearest_value(value, *info);
+        CalibrationValues has;
+        for (auto& [name, value] : *values) {    // the note has them as f32
+            const auto* info = parameters.find(name).parameter;
+            auto stored = info != nullptr ? parameters.value(info->id) : std::nullopt;
+            if (!stored) return finish(work_fault(409, "the device has no " + name));
+            has.emplace_back(name, *std::move(stored));
+            value = ano::host::nearest_value(value, *info);
+        }
+        if (!is_left_by_calibration(has, *text, *sensor)) return finish(work_fault(409, drop_note(place(), name_)));
+        writes_ = true;
         next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
     }
 
@@ -157,6 +219,7 @@ public:
         auto task = std::make_unique<Calibration>(place().device, sensor_, &place().cache);
         calibration_ = task.get();
         calibration_->ask_before_writing(place().refusal);
+        calibration_->keep_before_writing();
         next(std::move(task)).start(now);
     }
     std::string half_done() const override { return kept_where("the old values", "at the next start"); }
@@ -182,6 +245,7 @@ public:
         case Phase::turn:
             return after_restart(sensor_ == Sensor::accelerometer ? "lay it on each of its six faces" : "turn it to all sides");
         case Phase::confirm: return "checking that nothing was corrected meanwhile";
+        case Phase::keep_new: return "keeping the new values";
         case Phase::write: return "writing the new values";
         case Phase::verify:
             if (const auto face = calibration_->face_to_verify())
@@ -215,6 +279,8 @@ private:
     void look(TimePoint now) override {
         if (end() || calibration_ == nullptr) return;
         calibration_->look(now);
+        if (phase() == Phase::turn) keep_cleared();
+        if (phase() == Phase::keep_new) keep_new(now);
         if (phase() != Phase::keep) return;
         if (!std::exchange(kept_->is_asked, true)) keep();
         if (is_waiting()) return look_at_clock(now);
@@ -235,7 +301,12 @@ private:
         const std::string name = kept_note(place(), sensor_);
         const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
         if (!values) return false;
+        if (!is_left_by_calibration(calibration_->old_values(), *place().notes.find(name), sensor_)) {
+            place().net.report(name + " is not used: " + drop_note(place(), name), true);
+            return false;
+        }
         note_ = name;
+        json_ = note_json(*place().notes.find(name));
         calibration_->set_old_values(*values);
         kept_->is_done = true;
         return true;
@@ -243,14 +314,33 @@ private:
     void keep() {
         if (uses_kept()) return;
         note_ = keep_name(place(), sensor_);
-        Json json = unit_json(place(), place().device.info());
-        json["parameters"] = values_json(calibration_->old_values());
-        json["bytes"] = bytes_json(calibration_->old_values());
-        place().notes.keep(note_, ano::compact_json(json) + "\n", [kept = kept_, &net = place().net](std::string fault) {
-            kept->fault = std::move(fault);
-            kept->is_done = true;
+        json_ = unit_json(place(), place().device.info());
+        json_["parameters"] = values_json(calibration_->old_values());
+        json_["bytes"] = bytes_json(calibration_->old_values());
+        keep_note(kept_);
+    }
+    void keep_note(const std::shared_ptr<Kept>& as) {
+        place().notes.keep(note_, ano::compact_json(json_) + "\n", [as, &net = place().net](std::string fault) {
+            as->fault = std::move(fault);
+            as->is_done = true;
             net.wake(net.now());
         });
+    }
+    // By these and the new values the device is known as the one to which the old values belong.
+    void keep_cleared() {
+        if (std::exchange(clears_kept_, calibration_->restarts() + 1) == calibration_->restarts() + 1) return;
+        json_["cleared"] = bytes_json(calibration_->cleared_values());
+        json_.erase("new");
+        keep_note(std::make_shared<Kept>());
+    }
+    void keep_new(TimePoint now) {
+        if (!std::exchange(kept_new_->is_asked, true)) {
+            json_["new"] = bytes_json(calibration_->new_values());
+            keep_note(kept_new_);
+        }
+        if (!kept_new_->is_done) return;
+        if (kept_new_->fault.empty()) calibration_->kept(now);
+        else calibration_->not_kept(kept_new_->fault, now);
     }
     void forget() {
         if (!note_.empty()) place().notes.forget(note_);
@@ -285,7 +375,9 @@ private:
     Calibration* calibration_ = nullptr;
     std::string note_;    // the name of the kept values
     std::optional<TimePoint> waits_since_;
-    std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
+    std::shared_ptr<Kept> kept_ = std::make_shared<Kept>(), kept_new_ = std::make_shared<Kept>();
+    Json json_;    // the note
+    unsigned clears_kept_ = 0;
 };
 
 }    // namespace

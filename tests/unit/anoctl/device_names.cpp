@@ -44,6 +44,10 @@ TEST(DeviceNames, what_was_left_behind_is_told) {
         (std::vector<std::string>{"an upgrade did not end: it was left in its loader, anoctl flash FILE gives it its firmware",
                                   "a calibration did not end: the old values are kept (calibration-0xDC-compass.json) and "
                                   "written back when that can be done"}));
+    EXPECT_EQ(
+        left_behind(Json{{"dropped", {"calibration-0xDC-compass.json (removed: the device has other calibration values)"}}}),
+        (std::vector<std::string>{"a calibration did not end, and its old values are not written back: "
+                                  "calibration-0xDC-compass.json (removed: the device has other calibration values)"}));
 }
 
 }    // namespace

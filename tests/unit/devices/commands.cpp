@@ -219,6 +219,19 @@ TEST_F(KnownCommands, of_a_device_that_announces_itself_are_read_again) {
     EXPECT_EQ(Bytes(net.sent.back().begin() + 6, net.sent.back().end() - 2), (Bytes{7, 7, 7}));
 }
 
+// Each of the three questions of a scan has one answer, and so has the question of a job.
+TEST_F(KnownCommands, of_a_device_that_announces_itself_soon_after_a_scan_are_read_again) {
+    const Bytes info = frame(0xDC, 0xFF, 0xE3, {0xDC, 100, 0, 100, 0, 0, 0, 32, 3, 'f', 'a', 'k', 'e'});
+    net.pass(10s);
+    const auto all = net.asked("POST", "/devices/scan");
+    net.pass(2s);
+    EXPECT_TRUE(all->has_value());
+    EXPECT_EQ(ids_of_call(), only_the_call);
+    fake.commands = {{{7, 7, 7}, {}, "LAND", ""}, fake.commands[0]};
+    net.passes(info);
+    EXPECT_EQ(ids_of_call()[0], 0xC1);
+}
+
 TEST_F(KnownCommands, of_a_device_that_reports_another_number_of_them_are_read_again) {
     net.passes(frame(0xDC, 0xFD, 0xC1, {0, 3, 0}));
     EXPECT_EQ(ids_of_call()[0], 0xC1);

@@ -159,6 +159,11 @@ struct Calibrates : LongJobs {
             fake.parameters.push_back({8, name, "", bytes});
         }
         before = fake.parameters[0].value;
+        fake.instead = [this](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+            const bool clears = f.id() == 0xE0 && f.data()[0] == 0x10 && f.data()[1] == 0x20;
+            if (clears) fake.parameters[0].value = cleared;
+            return std::nullopt;
+        };
     }
     std::string state() { return net.ask("GET", "/jobs/1").json.at("state").get<std::string>(); }
     std::string message() { return net.ask("GET", "/jobs/1").json.at("message").get<std::string>(); }
@@ -178,7 +183,20 @@ struct Calibrates : LongJobs {
         net.pass(200ms);
     }
 
-    Bytes before;
+    // A second of samples that lie on no face.
+    void fall() {
+        const Bytes sample = frame(0xDC, 0xFF, 0x01, Bytes(13));
+        for (int i = 0; i < 10; ++i) {
+            net.pass(100ms);
+            net.passes(sample);
+        }
+    }
+    void go_on() {
+        net.ask("POST", "/jobs/1/next");
+        fall();
+    }
+
+    Bytes before, cleared = Bytes(4);    // of the first parameter
 };
 
 TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
@@ -194,7 +212,7 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
     EXPECT_EQ(next.json.at("state"), "running");
     EXPECT_EQ(next.json.at("message"), "the device is told to forget them");
     EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 409u) << "it goes on already";
-    net.pass(1s);
+    fall();
     lie(0);
     const json step = net.ask("GET", "/jobs/1").json.at("step");
     EXPECT_EQ(step.at("face"), "+x");
@@ -214,9 +232,8 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
 TEST_F(Calibrates, and_puts_the_old_values_back_when_it_is_cancelled) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
-    net.ask("POST", "/jobs/1/next");
-    net.pass(1s);
-    fake.parameters[0].value = Bytes(4);    // it has forgotten
+    go_on();
+    EXPECT_EQ(fake.parameters[0].value, cleared) << "it has forgotten";
     const json over = net.ask("DELETE", "/jobs/1").json;
     EXPECT_EQ(over.at("state"), "cancelled");
     EXPECT_EQ(over.at("error"), "cancelled; the old values are back");
@@ -227,12 +244,11 @@ TEST_F(Calibrates, and_puts_the_old_values_back_when_it_is_cancelled) {
 TEST_F(Calibrates, again_from_the_beginning_when_the_device_restarts) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
-    net.ask("POST", "/jobs/1/next");
-    net.pass(1s);
+    go_on();
     for (std::size_t face = 0; face < 3; ++face) lie(face);
     net.pass(600ms);
     lie(3);
-    net.pass(1s);
+    fall();
     EXPECT_EQ(message(),
               "the device restarted (no samples for 0.8 s), so all samples are discarded: lay it on each of its six faces");
     EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("step").at("done"), json::array());
@@ -248,8 +264,7 @@ TEST_F(Calibrates, again_from_the_beginning_when_the_device_restarts) {
 TEST_F(Calibrates, without_an_end_for_those_who_ask_who_is_there) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
-    net.ask("POST", "/jobs/1/next");
-    net.pass(1s);
+    go_on();
     for (int i = 0; i < 25; ++i) lie(0);    // longer than an answer to the last question may take
     const auto all = net.asked("POST", "/devices/scan");
     for (int i = 0; i < 35; ++i) lie(0);
@@ -264,8 +279,7 @@ TEST_F(Calibrates, without_an_end_for_those_who_ask_who_is_there) {
 TEST_F(Calibrates, whose_device_dies_is_over_within_five_seconds_and_the_old_values_are_written_when_it_is_back) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
-    net.ask("POST", "/jobs/1/next");
-    net.pass(1s);
+    go_on();
     lie(0);
     fake.deaf = true;
     const auto died = net.time;
@@ -278,7 +292,7 @@ TEST_F(Calibrates, whose_device_dies_is_over_within_five_seconds_and_the_old_val
     net.pass(10min);
     EXPECT_EQ(net.kept.size(), 1u);
     fake.deaf = false;
-    fake.parameters[0].value = Bytes(4);
+    EXPECT_EQ(fake.parameters[0].value, cleared);
     net.where[0xDC] = {.is_known = true};
     EXPECT_TRUE(net.until([&] { return net.kept.empty(); }, 1min));
     EXPECT_EQ(fake.parameters[0].value, before);
@@ -304,8 +318,7 @@ TEST_F(Calibrates, nothing_when_nobody_says_go_on) {
 TEST_F(Calibrates, and_does_not_write_to_who_took_off_meanwhile) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
-    net.ask("POST", "/jobs/1/next");
-    net.pass(1s);
+    go_on();
     for (std::size_t face = 0; face < 5; ++face) lie(face);
     net.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));
     lie(5);
@@ -316,20 +329,19 @@ TEST_F(Calibrates, and_does_not_write_to_who_took_off_meanwhile) {
 }
 
 struct CutOff : Calibrates {
-    // The gateway ended while the device was turned; it has half of other values since.
+    // The gateway ended while the device was turned, which has forgotten the first value.
     explicit CutOff(const Bytes& first_value = {}) {
         if (!first_value.empty()) before = fake.parameters[0].value = first_value;
         net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
         net.until([&] { return state() == "waiting"; });
-        net.ask("POST", "/jobs/1/next");
-        net.pass(1s);
+        go_on();
         auto lines = net.lines("GET", "/jobs/1");
         net.service.stop(net.time);
         std::string text;
         lines->next(text);
         last = json::parse(text);
         again.add() = fake;
-        again.fakes[0]->parameters[0].value = Bytes(4);
+        again.fakes[0]->instead = nullptr;
         again.kept = net.kept;
     }
     void start() {
@@ -519,6 +531,95 @@ TEST_F(CutOff, a_calibration_before_that_puts_back_what_was_before_the_first) {
     EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
     EXPECT_EQ(value(), before);
     EXPECT_TRUE(again.kept.empty());
+}
+
+// It was calibrated by another program meanwhile, or is a spare one of the same type.
+TEST_F(CutOff, a_device_with_other_values_by_now_keeps_them) {
+    const std::string name = net.kept.begin()->first;
+    start();
+    auto& parameters = again.fakes[0]->parameters;
+    const Bytes own{0, 0, 0x80, 0x41};    // 16
+    parameters[2].value = own;
+    const std::size_t sent_before = again.sent.size();
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 1min));
+    EXPECT_EQ(parameters[0].value, cleared);
+    EXPECT_EQ(parameters[2].value, own);
+    const auto writes = [](const Bytes& sent) { return sent[3] == 0xE1; };
+    EXPECT_TRUE(std::none_of(again.sent.begin() + static_cast<std::ptrdiff_t>(sent_before), again.sent.end(), writes));
+    again.pass(5s);
+    ASSERT_EQ(again.reports.size(), 1u);
+    EXPECT_EQ(again.reports[0].find(name + " is not written back: the device has other calibration values than its unfinished "
+                                           "calibration left, so they stay, and the file is removed: accelerometer of fake "
+                                           "(0xDC), link 'fc', kept 2026-11-26 12:00:00 UTC, {\"CAL_AOFF_X\":0.625,"),
+              0u)
+        << again.reports[0];
+    const json device = again.ask("GET", "/devices").json.at("devices")[0];
+    EXPECT_FALSE(device.contains("kept")) << device;
+    EXPECT_EQ(device.at("dropped"), json::array({name + " (removed: the device has other calibration values)"}));
+    again.pass(3min);
+    EXPECT_EQ(again.ask("GET", "/jobs").json.at("jobs").size(), 1u);
+}
+
+TEST_F(CutOff, a_calibration_of_a_device_with_other_values_by_now_keeps_those) {
+    EXPECT_TRUE(again.service.remember(net.kept.begin()->first, net.kept.begin()->second));
+    const Bytes own{0, 0, 0x80, 0x41};
+    again.fakes[0]->parameters[2].value = own;
+    const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_EQ(answer.status, 202u) << answer.json;
+    const std::string job = "/jobs/" + std::to_string(answer.json.at("id").get<int>());
+    ASSERT_TRUE(again.until([&] { return again.ask("GET", job).json.at("state") == "waiting"; }, 1min));
+    ASSERT_EQ(again.kept.size(), 1u);
+    EXPECT_EQ(json::parse(again.kept.begin()->second).at("parameters").at("CAL_AOFF_Z"), 16);
+    EXPECT_EQ(again.reports.size(), 1u);
+    EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("dropped"));
+    again.ask("POST", job + "/next");
+    again.pass(1s);
+    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(again.fakes[0]->parameters[2].value, own);
+    EXPECT_EQ(value(), cleared);
+}
+
+// Cut off while the new values were written: it has some of them.
+TEST_F(Calibrates, whose_device_dies_in_the_writing_has_its_old_values_back) {
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    std::vector<Bytes> old;
+    for (const auto& parameter : fake.parameters) old.push_back(parameter.value);
+    go_on();
+    fake.parameters[3].store = [&](Bytes value) {
+        fake.deaf = true;
+        return value;
+    };
+    for (std::size_t face = 0; face < 6; ++face) lie(face);
+    EXPECT_EQ(until_over(1).at("state"), "failed");
+    EXPECT_NE(fake.parameters[1].value, old[1]);
+    EXPECT_NE(fake.parameters[3].value, old[3]);
+    EXPECT_EQ(fake.parameters[4].value, old[4]);
+    const json note = json::parse(net.kept.begin()->second);
+    EXPECT_EQ(note.at("cleared").size(), 15u);
+    EXPECT_EQ(note.at("new").size(), 15u);
+    fake.parameters[3].store = nullptr;
+    fake.deaf = false;
+    EXPECT_TRUE(net.until([&] { return net.kept.empty(); }, 3min));
+    for (std::size_t i = 0; i < old.size(); ++i) EXPECT_EQ(fake.parameters[i].value, old[i]) << i;
+}
+
+// Older versions did not keep what the device had after the clear.
+TEST_F(CutOff, a_note_without_cleared_values_is_for_a_device_that_looks_cleared) {
+    json note = json::parse(net.kept.begin()->second);
+    EXPECT_EQ(note.erase("cleared"), 1u);
+    const std::string name = net.kept.begin()->first;
+    for (const bool looks_cleared : {true, false}) {
+        again.kept = {{name, note.dump()}};
+        EXPECT_TRUE(again.service.remember(name, note.dump()));
+        auto& parameters = again.fakes[0]->parameters;
+        for (std::size_t i = 0; i < 15; ++i) {
+            const bool is_one = (i >= 3 && i < 6) || i == 6 || i == 10 || i == 14;
+            ano::store(parameters[i].value.data(), is_one || !looks_cleared ? 1.0f : 0.0f);
+        }
+        ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 3min));
+        EXPECT_EQ(value() == before, looks_cleared);
+    }
 }
 
 TEST_F(CutOff, to_import_them_is_as_good) {

@@ -144,6 +144,71 @@ TEST_F(Calibrates, a_compass) {
     EXPECT_NEAR(load<float>(stored()[3].data()), 448.1 / 500, 0.01);
 }
 
+TEST_F(Calibrates, a_compass_again_when_it_restarts_right_behind_the_clear) {
+    make(Sensor::compass);
+    Calibration task{device, Sensor::compass, &cache};
+    begin(task);
+    simulation.pass(700ms);
+    Draft<"compass"> m;
+    (void)m.set<"mag_x">(500);
+    for (int i = 0; i < 3; ++i) hear(task, m);
+    EXPECT_EQ(task.restarts(), 1u);
+    simulation.run(task);
+    EXPECT_EQ(task.step(), Calibration::Step::turn);
+    EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x30}));
+}
+
+TEST_F(Calibrates, a_compass_again_when_its_samples_were_corrected_already) {
+    make(Sensor::compass);
+    Calibration task{device, Sensor::compass, &cache};
+    begin(task);
+    Draft<"compass"> m;
+    for (int i = 0; i < 3000 && task.step() == Calibration::Step::turn; ++i) {
+        const double z = 2 * (i % 100 + 0.5) / 100 - 1, around = i * 2.4;
+        (void)m.set<"mag_x">(std::round(500 * std::sqrt(1 - z * z) * std::cos(around)));
+        (void)m.set<"mag_y">(std::round(500 * std::sqrt(1 - z * z) * std::sin(around)));
+        (void)m.set<"mag_z">(std::round(500 * z));
+        hear(task, m);
+    }
+    simulation.run(task);
+    EXPECT_EQ(task.step(), Calibration::Step::turn);
+    EXPECT_EQ(task.last_restart(), "its samples were corrected already");
+    EXPECT_FALSE(task.residuals());
+    EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x30}));
+}
+
+TEST_F(Calibrates, and_writes_nothing_before_the_new_values_are_kept) {
+    make(Sensor::accelerometer);
+    Calibration task{device, Sensor::accelerometer, &cache};
+    task.keep_before_writing();
+    begin(task);
+    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
+    simulation.run(task);
+    ASSERT_EQ(task.step(), Calibration::Step::keep_new);
+    EXPECT_EQ(task.new_values().size(), 15u);
+    EXPECT_EQ(stored(), old);
+    EXPECT_EQ(task.cleared_values().size(), 15u);
+    task.kept(simulation.now);
+    simulation.run(task);
+    EXPECT_EQ(task.step(), Calibration::Step::verify);
+}
+
+TEST_F(Calibrates, and_writes_no_values_that_could_not_be_kept) {
+    make(Sensor::accelerometer);
+    Calibration task{device, Sensor::accelerometer, &cache};
+    task.keep_before_writing();
+    begin(task);
+    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
+    simulation.run(task);
+    ASSERT_EQ(task.step(), Calibration::Step::keep_new);
+    task.not_kept("the disk is full", simulation.now);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->what,
+              "the new values were not written, because they could not be kept: the disk is full; the old values are back");
+    EXPECT_EQ(stored(), old);
+}
+
 TEST_F(Calibrates, a_rejected_one_writes_the_old_values_back) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};

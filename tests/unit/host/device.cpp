@@ -434,6 +434,34 @@ TEST(Device, one_that_announces_itself_may_be_another_one) {
     EXPECT_FALSE(host.device.parameter_count());
 }
 
+const Bytes info_of_fc{0xDC, 1, 0, 2, 0, 3, 0, 4, 0, 'f', 'c'};
+
+TEST(Device, each_question_for_its_info_has_one_answer) {
+    Host host;
+    host.device.expect_info(start);
+    host.device.expect_info(start + 200ms);    // repeated
+    host.take(0xE3, info_of_fc, start + 1s);
+    host.take(0xE3, info_of_fc, start + 1200ms);
+    EXPECT_EQ(host.device.announcements(), 0u) << "both were answered";
+    host.take(0xE3, info_of_fc, start + 1250ms);
+    EXPECT_EQ(host.device.announcements(), 0u) << "the line doubled it";
+    host.take(0xE3, info_of_fc, start + 1500ms);
+    EXPECT_EQ(host.device.announcements(), 1u);
+    host.device.expect_info(start + 2s);
+    host.take(0xE3, info_of_fc, start + 8s);
+    EXPECT_EQ(host.device.announcements(), 2u) << "too late for an answer";
+}
+
+TEST(Device, a_question_of_its_own_counts_once) {
+    Host host;
+    ASSERT_TRUE(host.device.ask(question::device_info(0), host.listener));
+    EXPECT_EQ(host.sent(start).size(), 1u);
+    host.take(0xE3, info_of_fc, start + 10ms);
+    ASSERT_EQ(host.listener.ends.size(), 1u);
+    host.take(0xE3, info_of_fc, start + 500ms);
+    EXPECT_EQ(host.device.announcements(), 1u);
+}
+
 TEST(Device, an_action_waits_five_seconds_and_says_nothing_about_the_round_trip) {
     Host host;
     ASSERT_TRUE(host.device.ask(action(Action::save), host.listener));

@@ -66,6 +66,8 @@ std::vector<std::string> left_behind(const Json& device) {
         all.emplace_back("an upgrade did not end: it was left in its loader, anoctl flash FILE gives it its firmware");
     if (const std::string kept = names_at(device, "kept"); !kept.empty())
         all.push_back("a calibration did not end: the old values are kept (" + kept + ") and written back when that can be done");
+    if (const std::string dropped = names_at(device, "dropped"); !dropped.empty())
+        all.push_back("a calibration did not end, and its old values are not written back: " + dropped);
     if (const std::string hint = text_at(device, "hint"); !hint.empty()) all.push_back(hint);
     return all;
 }
