@@ -217,7 +217,7 @@ private:
         if (!value) return finish(work_fault(422, name_ + ": the text " + texts().misfit()));
         limits_.max_bytes = place().net.manners(place().device.address()).text.max_bytes;
         auto write = std::make_unique<ParameterWrite>(place().device, *info, *value, limits_);
-        write->set_before(parameters().bytes(info->id), parameters().presence());
+        write->set_before(parameters().bytes(info->id), parameters().doubts());
         write_ = &next(std::move(write));
         write_->start(now);
     }
