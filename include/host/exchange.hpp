@@ -114,8 +114,9 @@ public:
     bool may_be_repeated() const noexcept { return sent_ < patience_.sends; }
     /// To be called when its wait is over, but not by time.
     void stop_waiting() noexcept { on_its_way_ = false; }
-    /// May be sent only once. An equal request is not sent as long as an answer to this one may come: it would be taken for its answer.
-    bool is_once() const noexcept { return patience_.sends == 1; }
+    /// An order that may be sent only once. An equal one is not sent as long as an answer to this one may come: it would be taken for its
+    /// answer.
+    bool is_once() const noexcept { return patience_.sends == 1 && expects_->is_alone(); }
     TimePoint first_sent() const noexcept { return first_sent_; }
     unsigned sent() const noexcept { return sent_; }
     /// The last send was waited for as long as the measured round trips told.

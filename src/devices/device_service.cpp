@@ -720,7 +720,7 @@ void DeviceService::await(TimePoint now) {
     for (const auto& job : jobs_) {
         if (job->is_over()) continue;
         if (!job->work) no_later(std::max(job->begins_at, job->heard_by.value_or(job->begins_at)));
-        else if (job->work->end()) no_later(now);
+        else if (job->work->end() || job->work->is_ready()) no_later(now);
         else {
             no_later(job->work->due());
             no_later(now + between_progress);
