@@ -209,6 +209,30 @@ TEST_F(KnownCommands, that_an_answer_contradicts_are_not_sent) {
     EXPECT_EQ(calls(), 0u);
 }
 
+// It hears, and nothing of it arrives any more.
+TEST_F(KnownCommands, of_a_device_that_was_not_heard_for_long_go_where_it_was_heard_last) {
+    net.pass(31s);
+    net.where[0xDC] = {.was_heard = true};
+    fake.instead = [](ano::FrameView) { return std::vector<Bytes>{}; };
+    net.sent.clear();
+    TimePoint begin = net.time;
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/commands?known").json.at("known"), true);
+    EXPECT_EQ(net.time, begin) << "anoctl asks so before it calls one";
+    const auto land = net.asked("POST", "/devices/0xDC/commands/LAND");
+    ASSERT_TRUE(net.until([&] { return calls() == 1; }, 3s));
+    EXPECT_LE(net.time - begin, 510ms);
+    ASSERT_TRUE(net.until([&] { return land->has_value(); }));
+    EXPECT_EQ((*land)->json.at("what"), "unknown") << (*land)->json;
+
+    begin = net.time;
+    const auto by_cid = net.asked("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 1], "values": [{"u16": 3}]})");
+    ASSERT_TRUE(net.until([&] { return calls() == 2; }, 3s));
+    EXPECT_LE(net.time - begin, 10ms) << "at once";
+    ASSERT_TRUE(net.until([&] { return by_cid->has_value(); }));
+    EXPECT_EQ((*by_cid)->status, 504u);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 404u);
+}
+
 TEST_F(KnownCommands, of_a_device_that_reports_another_version_are_read_again) {
     fake.commands = {{{7, 7, 7}, {}, "LAND", ""}};
     net.passes(frame(0xDC, 0xFF, 0xE3, {0xDC, 100, 0, 101, 0, 0, 0, 32, 3, 'f', 'a', 'k', 'e'}));
