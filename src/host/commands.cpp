@@ -233,13 +233,13 @@ void CommandCall::ended(const Ended& ended, TimePoint now) {
                     " was sent more than once: the acknowledgement does not show which of them was carried out";
         return finish({Ending::done, std::move(what), ended.evidence}, now);
     }
-    if (repeat_) return finish_unacknowledged("command " + command_.name, ended.evidence, now, "it probably can't do that now");
     if (!ended.evidence.unfit.empty())
         return finish({Ending::unknown,
                        hex_of(device().address()) + " acknowledged " + command_.name + " with wrong check bytes (" +
                            spaced_hex(ended.evidence.unfit) + "): it has probably been carried out",
                        ended.evidence},
                       now);
+    if (repeat_) return finish_unacknowledged("command " + command_.name, ended.evidence, now, "it probably can't do that now");
     finish({Ending::unknown,
             "no answer to " + command_.name + ": it may have been carried out" +
                 (ended.evidence.is_heard ? ", or it can't be done now" : ""),
