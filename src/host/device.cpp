@@ -186,7 +186,7 @@ std::optional<FrameView> Device::next_frame(TimePoint now) {
 }
 
 void Device::expire(TimePoint now) {
-    const auto is_over = [&](const Exchange& e) { return e.is_on_its_way() && e.due() <= now; };
+    const auto is_over = [&](Exchange& e) { return e.is_on_its_way() && e.due() <= now && !e.waits_on(heard_at_); };
     for (auto over = std::find_if(sent_.begin(), sent_.end(), is_over); over != sent_.end();
          over = std::find_if(sent_.begin(), sent_.end(), is_over)) {
         if (over->is_lost_by_measure()) window_.lost(over->last().alone, round_trip_.grows());
