@@ -76,6 +76,16 @@ TEST_F(ParameterRoutes, what_did_not_come_is_told_as_missing) {
     EXPECT_EQ(all.at("parameters")[3], json::parse(R"({"id": 3, "name": "BIG", "type": "u64", "missing": true})"));
 }
 
+TEST_F(ParameterRoutes, a_value_that_is_longer_than_its_type_is_none) {
+    fake.parameters[0].value = {0x2A, 0xC0, 0x81, 0x00};
+    const auto [status, all] = net.ask("GET", "/devices/0xDC/parameters");
+    EXPECT_EQ(status, 200u);
+    const json row = json::parse(R"({"id": 0, "name": "U8", "type": "u8", "text": "a byte", "unreadable": "4 bytes for u8"})");
+    EXPECT_EQ(all.at("parameters")[0], row);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/U8").json, row);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters?values=0").json.at("parameters")[0].contains("unreadable"), false);
+}
+
 TEST_F(ParameterRoutes, one_is_read_by_name_or_number) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/F32").json.at("value"), 0.1);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/4").json.at("name"), "I16");

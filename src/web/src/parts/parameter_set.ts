@@ -9,6 +9,7 @@ export interface Parameter {
   max?: number;
   mul?: number; // the device has the value times this, as an integer
   missing?: boolean;
+  unreadable?: string; // "4 bytes for u8": what came is no value of its type
 }
 
 export const nameOf = (parameter: Parameter): string => parameter.name || String(parameter.id);
