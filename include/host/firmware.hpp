@@ -100,6 +100,7 @@ private:
     void described(std::optional<FirmwareCode> code, const Ended& ended, TimePoint now);
     void refused(const Evidence& evidence, TimePoint now);
     void begin_erasing(TimePoint now);
+    bool is_tried() const noexcept { return is_refused_ && purpose_ == Purpose::begin; }
     void erased(const FirmwareCode& answer, const Ended& ended, TimePoint now);
     void check_failed(const Evidence& evidence, TimePoint now);
     void check_unanswered(const Ended& ended, TimePoint now);

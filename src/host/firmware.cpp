@@ -31,8 +31,8 @@ constexpr Patience for_erase{.sends = 1, .wait = 60s}, for_check{.sends = 1, .wa
 constexpr Patience for_first_erases{.sends = 1, .wait = 60s, .if_heard = 5s};
 constexpr unsigned first_erases = 2;
 
-// The order of its bytes is not known: "refused" reads the same in both.
-constexpr Patience for_erase_in_one_order{.sends = 1, .wait = 5s};
+// In both byte orders in turns: "refused" reads the same in both.
+constexpr Patience for_tried_erase{.sends = 1, .wait = 5s};
 
 }    // namespace
 
@@ -106,10 +106,7 @@ void Firmware::ask_order(Step step, TimePoint now) {
     step_ = step;
     ++orders_;
     const auto draft = firmware_step(step == erase ? code::erase : code::all_sent, order_);
-    const bool is_first_of_two = is_refused_ && purpose_ == Purpose::begin && orders_ == 1;
-    const auto& erases = is_first_of_two                           ? for_erase_in_one_order
-                         : orders_ <= first_erases && !is_refused_ ? for_first_erases
-                                                                   : for_erase;
+    const auto& erases = is_tried() ? for_tried_erase : orders_ <= first_erases ? for_first_erases : for_erase;
     ask(request(draft, step, step == erase ? erases : orders_ == 1 ? for_check : for_check_again), now);
 }
 
@@ -251,12 +248,9 @@ void Firmware::unanswered(const Ended& ended, TimePoint now) {
     if (ended.tag == send_frame) return frame_unanswered(ended, now);
     if (ended.tag == describe) return described(std::nullopt, ended, now);
     if (ended.tag == check) return check_unanswered(ended, now);
-    if (is_refused_ && purpose_ == Purpose::begin && orders_ == 1) {
-        order_ = order_ == ByteOrder::little ? ByteOrder::big : ByteOrder::little;
-        return ask_order(erase, now);
-    }
-    if (is_refused_) return refused(ended.evidence, now);
+    if (is_tried()) order_ = order_ == ByteOrder::little ? ByteOrder::big : ByteOrder::little;
     if (orders_ < max_erases) return ask_order(erase, now);
+    if (is_refused_) return refused(ended.evidence, now);
     give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
 }
 
