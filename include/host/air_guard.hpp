@@ -22,6 +22,7 @@ struct Whereabouts {
     bool is_known = false;               // it was heard, so that a frame to it is not flooded
     bool in_conflict = false;            // two devices use it
     bool on_several_channels = false;    // channels that are not of one group
+    bool was_heard = false;              // however long ago: a command goes where that was last, by a link that is up
 };
 
 enum class Refusal : std::uint8_t {

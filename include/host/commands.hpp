@@ -97,8 +97,8 @@ private:
 /// doubts. Null: they are not known, or the device has reported otherwise since. Valid as CommandCache::find() says.
 const std::vector<CommandInfo>* commands_read_last(CommandCache& cache, const Device& device);
 
-/// Asks the device whether a command that it described earlier is still the same: one question. Timeout: it does not answer, so that it is
-/// not known which command would be carried out.
+/// Asks the device once whether a command that it described earlier is still the same. Without an answer in time it is taken for the same:
+/// a device that does not answer this may carry out the command, which may be LAND.
 class CommandCheck final : public Task {
 public:
     /// `cache` must outlive this; it learns that the command is confirmed.
@@ -107,13 +107,15 @@ public:
 
     void start(TimePoint now);
     void ended(const Ended& ended, TimePoint now) override;
-    /// When done.
-    bool is_same() const noexcept { return is_same_; }
+    /// The answer is waited for as long as two round trips take, within these.
+    static constexpr Duration least_wait = std::chrono::milliseconds{200}, longest_wait = std::chrono::milliseconds{500};
+    /// At its end: an answer describes another command in its place.
+    bool is_another() const noexcept { return is_another_; }
 
 private:
     CommandInfo known_;
     CommandCache& cache_;
-    bool is_same_ = false;
+    bool is_another_ = false;
 };
 
 /// Calls one command. There is no negative answer, and a repeated frame runs it again, so it is sent once, and silence for 2 s is

@@ -57,6 +57,7 @@ public:
     struct Entry {
         DescriptionKey key;
         std::vector<Description> descriptions;
+        std::uint32_t doubts;    // Device::doubts() when it was read
     };
     /// What was stored last for `address`, whatever became of the device since; null: nothing. Valid as find() says.
     Entry* last_of(std::uint8_t address) noexcept {
@@ -65,11 +66,11 @@ public:
         return found == entries_.end() ? nullptr : &*found;
     }
 
-    /// Replaces what was known of the same address.
-    void store(DescriptionKey key, std::vector<Description> descriptions) {
+    /// Replaces what was known of the same address. `doubts`: Device::doubts() when the reading began.
+    void store(DescriptionKey key, std::vector<Description> descriptions, std::uint32_t doubts = 0) {
         forget(key.address);
         if (earlier_.keep) earlier_.keep(key, descriptions);
-        entries_.push_front({std::move(key), std::move(descriptions)});
+        entries_.push_front({std::move(key), std::move(descriptions), doubts});
         if (entries_.size() > max_devices) entries_.pop_back();
     }
     void forget(std::uint8_t address) {

@@ -26,6 +26,8 @@ struct Patience {
     unsigned sends = 5;
     std::optional<Duration> wait{};    // std::nullopt: by the device's round trips
     Duration at_least{};               // minimum of a wait that is computed from round trips
+    /// Shorter than `wait`: so long, where other frames of the device come in the second half of it.
+    std::optional<Duration> if_heard{};
 };
 
 /// DATA of one message, for a device.
@@ -86,6 +88,8 @@ public:
     TimePoint kept_until() const noexcept { return kept_until_; }
     /// The frame that was sent last has not left yet: its wait begins anew.
     void wait_to_leave(TimePoint now) noexcept;
+    /// To be called when the wait of Patience::if_heard is over. True: it waits on, since the device was not heard.
+    bool waits_on(std::optional<TimePoint> heard_at) noexcept;
     std::uint64_t first_number() const noexcept { return first_number_; }
     const Send& last() const noexcept { return last_; }
     TimePoint last_sent() const noexcept { return last_sent_; }
@@ -114,8 +118,9 @@ public:
     bool may_be_repeated() const noexcept { return sent_ < patience_.sends; }
     /// To be called when its wait is over, but not by time.
     void stop_waiting() noexcept { on_its_way_ = false; }
-    /// May be sent only once. An equal request is not sent as long as an answer to this one may come: it would be taken for its answer.
-    bool is_once() const noexcept { return patience_.sends == 1; }
+    /// An order that may be sent only once. An equal one is not sent as long as an answer to this one may come: it would be taken for its
+    /// answer.
+    bool is_once() const noexcept { return patience_.sends == 1 && expects_->is_alone(); }
     TimePoint first_sent() const noexcept { return first_sent_; }
     unsigned sent() const noexcept { return sent_; }
     /// The last send was waited for as long as the measured round trips told.
@@ -144,6 +149,7 @@ private:
     Send last_{};
     TimePoint due_{};
     bool was_kept_ = false;    // its next send
+    bool waits_on_ = false;    // longer than Patience::if_heard
     TimePoint kept_until_ = TimePoint::min();
     Duration kept_for_{};    // all sends
 };

@@ -35,7 +35,11 @@ struct FirmwareOptions {
 /// On a bad line a frame is repeated until it is acknowledged, so an upgrade survives a lost connection. Where most frames get lost, a
 /// second info proposes shorter ones, as long as less than half is written; a device that does not accept it keeps the length. A device
 /// that lost the upgrade (it was switched off, for instance) fails every frame or does not answer: then the upgrade begins again, once
-/// for a frame.
+/// for a frame. It begins again as well, with the shortest frames, where frames had to be repeated and the image did not pass the device's
+/// check: the two sums of a frame do not show every error.
+///
+/// A device that refuses an info behind one without an answer may have accepted that: it is told to erase, and if it does, the upgrade goes
+/// on.
 ///
 /// Done: only after the device said that its check passed. Refused: by the device, before anything was changed. Failed: it could not
 /// erase, write or check. Timeout: it does not answer. Invalid: the image is not for it. The text of every failure after the erase
@@ -46,6 +50,7 @@ public:
     static constexpr unsigned max_failures = 5;           // "frame failed" in a row, of one frame
     static constexpr unsigned max_erases = 4;             // sends of "erase"
     static constexpr unsigned max_restarts = 3;
+    static constexpr unsigned max_checks_failed = 2;    // before the last one
     /// How long a frame is repeated without an answer: while other frames of the device come, and while nothing comes from it at all, as
     /// when the connection is lost.
     static constexpr Duration patience = std::chrono::seconds{30};
@@ -89,7 +94,7 @@ public:
 
 private:
     enum Step : std::uint32_t { identify, describe, erase, send_frame, check, probe };
-    enum class Purpose : std::uint8_t { begin, shorten, begin_again };    // of an info
+    enum class Purpose : std::uint8_t { begin, shorten, begin_again, begin_after_check };    // of an info
 
     std::string_view half_done() const noexcept override { return erasing_ ? "; it is left in its loader, begin again" : ""; }
     void ask_info(Purpose purpose, std::size_t frame_len, TimePoint now);
@@ -97,6 +102,11 @@ private:
     void send_info(TimePoint now);
     void probed(bool answers, const Ended& ended, TimePoint now);
     void described(std::optional<FirmwareCode> code, const Ended& ended, TimePoint now);
+    void refused(const Evidence& evidence, TimePoint now);
+    void begin_erasing(TimePoint now);
+    bool is_tried() const noexcept { return is_refused_ && purpose_ == Purpose::begin; }
+    void erased(const FirmwareCode& answer, const Ended& ended, TimePoint now);
+    void check_failed(const Evidence& evidence, TimePoint now);
     void check_unanswered(const Ended& ended, TimePoint now);
     void frame_ended(std::uint16_t code, const Ended& ended, TimePoint now);
     void unanswered(const Ended& ended, TimePoint now);
@@ -122,6 +132,9 @@ private:
     std::size_t asked_len_ = 0;      // in the last info
     TimePoint described_since_{};    // the first of the infos for the same purpose
     bool answers_probes_ = false;    // the last one
+    unsigned infos_ = 0;             // sends of those
+    bool is_refused_ = false;        // the last of them was, and one before may have been accepted
+    unsigned checks_failed_ = 0;
     std::uint32_t frame_ = 0;
     std::vector<std::uint8_t> piece_;    // of the image, in that frame
     unsigned orders_ = 0;                // sends of this step

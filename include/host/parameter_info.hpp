@@ -55,6 +55,9 @@ bool same_bytes(const AnyValue& a, const AnyValue& b, const ParameterInfo& info)
 /// The nearest number that append() accepts, of one that is within the range; other values as they are.
 AnyValue nearest_value(const AnyValue& value, const ParameterInfo& info);
 
+/// "4 bytes for u8": what the device sent is no value of this type; empty: it is, or may be.
+std::string unreadable_value(Bytes value, const ParameterInfo& info);
+
 /// Why a number may not be written as a value of `size` bytes where the device sent `had` bytes, as a clause; empty: it may.
 std::string length_misfit(std::size_t size, std::size_t had, const ParameterInfo& info);
 

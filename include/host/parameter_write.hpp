@@ -42,8 +42,9 @@ class ParameterWrite final : public Task {
 public:
     ParameterWrite(Device& device, ParameterInfo info, AnyValue value, WriteLimits limits = {});
 
-    /// To be called before start(): the old value, which was read just now from the device of that presence, is not read again.
-    void set_before(Bytes value, std::uint32_t presence);
+    /// To be called before start(): the old value, which was read just now, is not read again. `doubts`: Device::doubts() when that
+    /// and the description were read; after later ones both are asked again.
+    void set_before(Bytes value, std::uint32_t doubts);
     void start(TimePoint now);
     Progress progress() const noexcept override { return {step_, 4}; }
     void cancel(TimePoint now) override;
@@ -91,7 +92,7 @@ private:
     bool was_repeated_ = false;          // the write
     Evidence acknowledgement_;           // of the write
     std::optional<Evidence> silence_;    // set when the write was not acknowledged
-    std::uint32_t presence_ = 0;         // of the device that `info` is of
+    std::uint32_t doubts_ = 0;           // Device::doubts() when `info` was the device's
     Wire wire_;
     std::optional<Wire> before_, stored_;
 };

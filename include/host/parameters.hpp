@@ -26,8 +26,9 @@ namespace ano::host {
 /// If the device is known and not all values are wanted, device info and number are asked just before the values, without waiting for
 /// the answers: one round trip. The ids are below the number that it reported last, since when it was not away.
 ///
-/// Where only an earlier run knew it (DescriptionCache::recall()), the descriptions of the wanted values are read with them and compared. If
-/// one differs, or not as many are found as are wanted, everything is read.
+/// Where only an earlier run knew it (DescriptionCache::recall()), or it may have restarted or be another one since (Device::doubts()), the
+/// descriptions of the wanted values are read with them and compared. If one differs, or not as many are found as are wanted, everything
+/// is read. All values are read with all descriptions then.
 class Parameters final : public Gather {
 public:
     enum class Values : std::uint8_t { all, none, named };
@@ -70,8 +71,8 @@ public:
     std::optional<AnyValue> value(std::uint16_t id) const;
     /// The parameter with this name.
     Found find(std::string_view name) const noexcept { return find_parameter(descriptions_, name); }
-    /// Device::presence() of the device that was read.
-    std::uint32_t presence() const noexcept { return presence_; }
+    /// Device::doubts() when it began to read: what was read may be wrong after later ones.
+    std::uint32_t doubts() const noexcept { return doubts_; }
     /// Whether the descriptions come from the cache.
     bool from_cache() const noexcept { return from_cache_; }
 
@@ -89,6 +90,7 @@ private:
     void counted(TimePoint now);
     void counted_again(TimePoint now);
     void start_known(const std::vector<ParameterInfo>& known, TimePoint now);
+    bool is_certain(TimePoint now) const;
     bool has_changed() const;
     std::optional<std::uint16_t> first_lacking() const;
     void settle_layout();
@@ -101,12 +103,13 @@ private:
 
     // If all values are wanted, descriptions and values are read alternately, so that the first parameters are complete early.
     enum class Asks : std::uint8_t { descriptions, values, both, named_values, named_both };
+    // checks_ is even.
     bool is_description(std::uint32_t i) const noexcept {
         return asks_ == Asks::descriptions || ((asks_ == Asks::both || asks_ == Asks::named_both) && i % 2 == 0);
     }
     std::uint16_t id_of_question(std::uint32_t i) const noexcept {
         if (asks_ == Asks::named_values) return named_[i - checks_];
-        if (asks_ == Asks::named_both) return named_[i / 2];
+        if (asks_ == Asks::named_both) return named_[(i - checks_) / 2];
         return static_cast<std::uint16_t>(asks_ == Asks::both ? i / 2 : i);
     }
 
@@ -114,6 +117,7 @@ private:
     Values values_wanted_ = Values::all;
     std::optional<std::uint16_t> count_;
     std::uint32_t presence_ = 0;
+    std::uint32_t doubts_ = 0;
     Asks asks_ = Asks::both;
     std::uint32_t checks_ = 0;    // the first questions ask whether the device is still the same: 2, or 0
     std::vector<std::string> names_;
@@ -123,8 +127,8 @@ private:
     std::vector<std::uint16_t> wanted_;    // by id
     std::vector<std::uint16_t> named_;     // the ids of names_ and wanted_
     bool from_cache_ = false;
-    bool is_recalled_ = false;    // they are of an earlier run
-    bool differs_ = false;        // one of them is not as it was
+    bool compares_ = false;    // they are of an earlier run, or the device may be another one since
+    bool differs_ = false;     // one of them is not as it was
     bool started_again_ = false;
     std::vector<ParameterInfo> descriptions_;
     std::vector<std::vector<std::uint8_t>> frames_;    // of the descriptions as received, until all are there

@@ -62,7 +62,8 @@ private:
 /// the device has more, the end says so.
 ///
 /// One that is not acknowledged is read back, and written again if it is not stored: for `patience`, since some devices take 3 s, and as
-/// long as the device does not store something else. If there are several, or anything was lost on the way, or the device was away, the
+/// long as the device does not store something else. One that is acknowledged and read back otherwise is written once more: the device may
+/// store others than it is sent, or have restarted with its old list. If there are several, or anything was lost on the way, or the device was away, the
 /// whole list is read again at the end: the device may have restarted and lost waypoints. Failed: the list differs from what was stored;
 /// then the progress counts those that the device has.
 class WaypointsPut final : public Task {
@@ -103,6 +104,7 @@ private:
     std::size_t unacknowledged_ = 0;
     std::optional<TimePoint> begun_at_;    // this waypoint
     bool is_acknowledged_ = false;         // this waypoint
+    bool is_written_again_ = false;        // this waypoint, because it was read back otherwise
     TimePoint acknowledged_at_{};
     unsigned mismatches_ = 0;    // of this waypoint, read back without an acknowledgement
     Evidence silence_;           // of its writes

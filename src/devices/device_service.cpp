@@ -274,12 +274,17 @@ std::shared_ptr<Job> DeviceService::shared(const JobOrder& order) const {
     return found != jobs_.end() ? *found : nullptr;
 }
 
+// Who is not heard any more may hear: a command, which may be LAND, is sent at once, and anoctl asks what it is before that.
+bool DeviceService::may_go_unheard(const JobOrder& order) const {
+    return order.kind == JobKind::command || (order.kind == JobKind::commands && commands_.has(*order.address));
+}
+
 std::optional<NotBegun> DeviceService::refusal(const JobOrder& order, TimePoint now) {
     if (!order.address) return std::nullopt;
     const std::uint8_t address = *order.address;
     const auto where = net_.whereabouts(address, now);
     auto refused = guard_.refusal(order.deed, address, where, now, order.force);
-    if (!refused && !where.is_known) refused = Refusal::not_known;
+    if (!refused && !where.is_known && !(where.was_heard && may_go_unheard(order))) refused = Refusal::not_known;
     if (!refused) return std::nullopt;
     NotBegun told = not_begun(status_of(*refused),
                               why(*refused, address, guard_.busy_with(address, now), net_.links_in_conflict(address, now)));
@@ -738,7 +743,7 @@ void DeviceService::await(TimePoint now) {
     for (const auto& job : jobs_) {
         if (job->is_over()) continue;
         if (!job->work) no_later(std::max(job->begins_at, job->heard_by.value_or(job->begins_at)));
-        else if (job->work->end()) no_later(now);
+        else if (job->work->end() || job->work->is_ready()) no_later(now);
         else {
             no_later(job->work->due());
             no_later(now + between_progress);

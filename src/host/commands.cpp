@@ -91,22 +91,18 @@ void CommandCheck::start(TimePoint now) {
     Draft<"command_query"> draft;
     (void)draft.set<"cmd">(1);
     (void)draft.set<"val">(known_.id);
-    ask(request(draft), now);
+    const Duration wait = std::clamp(2 * device().round_trip().smoothed().value_or(Duration{}), least_wait, longest_wait);
+    ask(request(draft, 0, {.sends = 1, .wait = wait}), now);
 }
 
 void CommandCheck::ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome != Outcome::answered)
-        return finish({Ending::timeout,
-                       known_.name + " was not sent: " + hex_of(device().address()) +
-                           " was silent or away since it described its commands, and did not confirm this one, asked " +
-                           std::to_string(ended.evidence.sent) + " times; by its three bytes it is sent at once (by-cid, --cid)",
-                       ended.evidence},
-                      now);
-    const auto described = command_info_in(*ended.answer);
-    is_same_ = described && is_same_command(*described, known_);
-    const auto* const last = commands_read_last(cache_, device());
-    if (is_same_ && last != nullptr && known_.id < last->size())
-        cache_.last_of(device().address())->descriptions[known_.id].doubts = device().doubts();
+    if (ended.outcome == Outcome::answered) {
+        const auto described = command_info_in(*ended.answer);
+        is_another_ = !described || !is_same_command(*described, known_);
+        const auto* const last = commands_read_last(cache_, device());
+        if (!is_another_ && last != nullptr && known_.id < last->size())
+            cache_.last_of(device().address())->descriptions[known_.id].doubts = device().doubts();
+    }
     finish({}, now);
 }
 
@@ -237,13 +233,13 @@ void CommandCall::ended(const Ended& ended, TimePoint now) {
                     " was sent more than once: the acknowledgement does not show which of them was carried out";
         return finish({Ending::done, std::move(what), ended.evidence}, now);
     }
-    if (repeat_) return finish_unacknowledged("command " + command_.name, ended.evidence, now, "it probably can't do that now");
     if (!ended.evidence.unfit.empty())
         return finish({Ending::unknown,
                        hex_of(device().address()) + " acknowledged " + command_.name + " with wrong check bytes (" +
                            spaced_hex(ended.evidence.unfit) + "): it has probably been carried out",
                        ended.evidence},
                       now);
+    if (repeat_) return finish_unacknowledged("command " + command_.name, ended.evidence, now, "it probably can't do that now");
     finish({Ending::unknown,
             "no answer to " + command_.name + ": it may have been carried out" +
                 (ended.evidence.is_heard ? ", or it can't be done now" : ""),

@@ -18,6 +18,11 @@ std::optional<std::uint16_t> parameter_in(FrameView request) noexcept {
 
 bool is_command(const Exchange& exchange) noexcept { return exchange.frame().id() == id_of<"command">; }
 
+// Each time it arrives the device does something: a command, or an action such as a save. A write says the same each time.
+bool runs_each_time(FrameView acknowledged) noexcept {
+    return acknowledged.id() == id_of<"command"> || acknowledged.id() == id_of<"parameter_command">;
+}
+
 }    // namespace
 
 bool is_question_for_info(FrameView frame) noexcept { return answer_to(frame) == Answer{id_of<"device_info">, {}}; }
@@ -137,14 +142,14 @@ Taken Device::past(FrameView frame) noexcept {
     return frame.destination() == own_ ? Taken::unasked : Taken::foreign;
 }
 
-// A wrong acknowledgement is one of the only write or command on its way: it is repeated at once, or ends if it may not be repeated. One of
-// an earlier frame, such as a question that needs none, is not meant.
+// A wrong acknowledgement is one of the only write or command on its way: a write is repeated at once; a command or an action has arrived and
+// ends. One of an earlier frame, such as a question that needs none, is not meant.
 bool Device::missed(FrameView frame, TimePoint now) {
     const auto is_missed = [&](const Exchange& e) { return e.is_on_its_way() && e.expects().is_missed_by(frame); };
     const auto it = std::find_if(sent_.begin(), sent_.end(), is_missed);
     if (it == sent_.end() || is_of_the_past(frame) || !it->miss(frame)) return false;
     it->stop_waiting();
-    if (!it->may_be_repeated()) end(sent_, it, Outcome::timeout, {}, now);
+    if (!it->may_be_repeated() || runs_each_time(it->frame())) end(sent_, it, Outcome::timeout, {}, now);
     return true;
 }
 
@@ -195,7 +200,7 @@ std::optional<FrameView> Device::next_frame(TimePoint now) {
 }
 
 void Device::expire(TimePoint now) {
-    const auto is_over = [&](const Exchange& e) { return e.is_on_its_way() && e.due() <= now; };
+    const auto is_over = [&](Exchange& e) { return e.is_on_its_way() && e.due() <= now && !e.waits_on(heard_at_); };
     for (auto over = std::find_if(sent_.begin(), sent_.end(), is_over); over != sent_.end();
          over = std::find_if(sent_.begin(), sent_.end(), is_over)) {
         if (over->is_lost_by_measure()) window_.lost(over->last().alone, round_trip_.grows());

@@ -18,7 +18,8 @@ void Exchange::send(TimePoint now, const RoundTrip& round_trip, const Send& send
     last_sent_ = now;
     last_ = send;
     known_ = round_trip.smoothed().has_value();
-    due_ = now + wait_for_answer(round_trip, send);
+    due_ = now + patience_.if_heard.value_or(wait_for_answer(round_trip, send));
+    waits_on_ = false;
     ++sent_;
     on_its_way_ = true;
     was_kept_ = false;
@@ -29,6 +30,13 @@ Duration Exchange::wait_for_answer(const RoundTrip& round_trip, const Send& send
     const bool often = asks_often(round_trip.smoothed().has_value());
     return std::max(patience_.at_least,
                     often ? RoundTrip::first : round_trip.time_out_after(sent_, send.answers, send.by_itself));
+}
+
+bool Exchange::waits_on(std::optional<TimePoint> heard_at) noexcept {
+    if (!patience_.if_heard || !patience_.wait || std::exchange(waits_on_, true)) return false;
+    if (heard_at && *heard_at > last_sent_ + *patience_.if_heard / 2) return false;
+    due_ = last_sent_ + *patience_.wait;
+    return true;
 }
 
 bool Exchange::keep(TimePoint now, Duration time) noexcept {

@@ -31,6 +31,13 @@ constexpr Patience for_probe{.sends = 1, .wait = 1s};
 constexpr Patience for_erase{.sends = 1, .wait = 60s}, for_check{.sends = 1, .wait = 15s},
     for_check_again{.sends = 5, .wait = 3s};
 
+// It is not busy with erasing while it sends other frames: "erased" was lost.
+constexpr Patience for_first_erases{.sends = 1, .wait = 60s, .if_heard = 5s};
+constexpr unsigned first_erases = 2;
+
+// In both byte orders in turns: "refused" reads the same in both.
+constexpr Patience for_tried_erase{.sends = 1, .wait = 5s};
+
 }    // namespace
 
 Firmware::Firmware(Device& device, FirmwareImage image, FirmwareOptions options)
@@ -79,6 +86,8 @@ void Firmware::ask_info(Purpose purpose, std::size_t frame_len, TimePoint now) {
     purpose_ = purpose;
     asked_len_ = frame_len;
     described_since_ = now;
+    infos_ = 0;
+    is_refused_ = false;
     send_info(now);
 }
 
@@ -113,7 +122,8 @@ void Firmware::ask_order(Step step, TimePoint now) {
     step_ = step;
     ++orders_;
     const auto draft = firmware_step(step == erase ? code::erase : code::all_sent, order_);
-    ask(request(draft, step, step == erase ? for_erase : orders_ == 1 ? for_check : for_check_again), now);
+    const auto& erases = is_tried() ? for_tried_erase : orders_ <= first_erases ? for_first_erases : for_erase;
+    ask(request(draft, step, step == erase ? erases : orders_ == 1 ? for_check : for_check_again), now);
 }
 
 void Firmware::ask_frame(TimePoint now) {
@@ -156,14 +166,10 @@ void Firmware::ended(const Ended& ended, TimePoint now) {
     const FirmwareCode answer = firmware_code_in(*ended.answer).value_or(FirmwareCode{});
     switch (ended.tag) {
     case describe: return described(answer, ended, now);
-    case erase:
-        if (answer.code == code::erase_failed) return give_up(Ending::failed, "the device could not erase", ended.evidence, now);
-        frames_since_ = now;
-        return ask_frame(now);
+    case erase: return erased(answer, ended, now);
     case send_frame: return frame_ended(answer.code, ended, now);
     default:
-        if (answer.code == code::check_failed)
-            return give_up(Ending::failed, "the image did not pass the device's check", ended.evidence, now);
+        if (answer.code == code::check_failed) return check_failed(ended.evidence, now);
         finish({Ending::done, remark_, ended.evidence}, now);
     }
 }
@@ -171,6 +177,7 @@ void Firmware::ended(const Ended& ended, TimePoint now) {
 // `answer`: std::nullopt: none. A device that refuses a second info keeps what it accepted before.
 void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended, TimePoint now) {
     const bool accepted = answer && answer->code == code::info_accepted;
+    infos_ += ended.evidence.sent;
     const bool may_restart = !answer && purpose_ != Purpose::shorten && ended.evidence.unfit.empty();
     if (may_restart && now - described_since_ < patience) {
         if (purpose_ != Purpose::begin) return send_info(now);
@@ -182,23 +189,54 @@ void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended,
         may_shorten_ = false;
         return ask_frame(now);
     }
-    if (!accepted && purpose_ == Purpose::begin_again)
-        return give_up(lost_ending_, lost_because_ + (answer ? ", and does not accept the image again" : ""), ended.evidence,
-                       now);
+    const bool is_begun_again = purpose_ == Purpose::begin_again || purpose_ == Purpose::begin_after_check;
+    if (!answer && is_begun_again) return give_up(lost_ending_, lost_because_, ended.evidence, now);
     if (!answer) return give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
-    if (!accepted)
-        return finish({Ending::refused, hex_of(device().address()) + " does not want this image", ended.evidence}, now);
+    if (!accepted) {
+        is_refused_ = true;
+        return infos_ > 1 || is_begun_again ? begin_erasing(now) : refused(ended.evidence, now);
+    }
     order_ = answer->order;
     if (purpose_ == Purpose::shorten)
         note("with frames of " + std::to_string(asked_len_) + " bytes, because most longer ones were lost");
     if (purpose_ == Purpose::begin_again)
         note("begun again at frame " + std::to_string(frame_) + ", because " + hex_of(device().address()) +
              " had lost the upgrade");
+    if (purpose_ == Purpose::begin_after_check)
+        note("begun again with frames of " + std::to_string(asked_len_) + " bytes, because " + lost_because_);
     options_.frame_len = asked_len_;
-    frame_wait_.reset();
     erasing_ = true;
+    begin_erasing(now);
+}
+
+void Firmware::begin_erasing(TimePoint now) {
+    frame_wait_.reset();
     frame_ = failures_ = sends_ = judged_frames_ = judged_sends_ = 0;
     ask_order(erase, now);
+}
+
+void Firmware::refused(const Evidence& evidence, TimePoint now) {
+    if (purpose_ != Purpose::begin)
+        return give_up(lost_ending_, lost_because_ + ", and does not accept the image again", evidence, now);
+    finish({Ending::refused, hex_of(device().address()) + " does not want this image", evidence}, now);
+}
+
+void Firmware::erased(const FirmwareCode& answer, const Ended& ended, TimePoint now) {
+    if (answer.code == code::erase_failed && is_refused_) return refused(ended.evidence, now);
+    if (answer.code == code::erase_failed) return give_up(Ending::failed, "the device could not erase", ended.evidence, now);
+    if (is_refused_) order_ = answer.order;
+    erasing_ = true;
+    frames_since_ = now;
+    ask_frame(now);
+}
+
+void Firmware::check_failed(const Evidence& evidence, TimePoint now) {
+    lost_because_ = "the image did not pass the device's check";
+    lost_ending_ = Ending::failed;
+    if (repeats_ == 0 || checks_failed_ == max_checks_failed) return give_up(lost_ending_, lost_because_, evidence, now);
+    ++checks_failed_;
+    const std::size_t shortest = std::min(options_.frame_len, least_len);
+    ask_info(Purpose::begin_after_check, frames_of(shortest) <= max_frames ? shortest : options_.frame_len, now);
 }
 
 void Firmware::frame_ended(std::uint16_t answer, const Ended& ended, TimePoint now) {
@@ -232,7 +270,9 @@ void Firmware::unanswered(const Ended& ended, TimePoint now) {
     if (ended.tag == send_frame) return frame_unanswered(ended, now);
     if (ended.tag == describe) return described(std::nullopt, ended, now);
     if (ended.tag == check) return check_unanswered(ended, now);
+    if (is_tried()) order_ = order_ == ByteOrder::little ? ByteOrder::big : ByteOrder::little;
     if (orders_ < max_erases) return ask_order(erase, now);
+    if (is_refused_) return refused(ended.evidence, now);
     give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
 }
 
@@ -281,7 +321,7 @@ void Firmware::give_up(Ending ending, const std::string& what, const Evidence& e
 }
 
 void Firmware::cancel(TimePoint now) {
-    give_up(Ending::cancelled, erasing_ ? "cancelled" : "cancelled, nothing was changed", {}, now);
+    give_up(Ending::cancelled, erasing_ || step_ == erase ? "cancelled" : "cancelled, nothing was changed", {}, now);
 }
 
 }    // namespace ano::host

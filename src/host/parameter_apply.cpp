@@ -136,7 +136,7 @@ void ParameterApply::write(std::size_t row, const AnyValue& value, WriteLimits l
                            TimePoint now) {
     last_ = std::move(write_);
     write_ = std::make_unique<ParameterWrite>(device(), infos_[row], value, limits);
-    if (!undoing_) write_->set_before(parameters_.bytes(infos_[row].id), parameters_.presence());
+    if (!undoing_) write_->set_before(parameters_.bytes(infos_[row].id), parameters_.doubts());
     write_->on_end([this, then](TimePoint later) { (this->*then)(later); });
     write_->start(now);
 }

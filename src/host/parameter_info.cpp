@@ -131,6 +131,11 @@ std::string length_misfit(std::size_t size, std::size_t had, const ParameterInfo
            std::to_string(had) + ": its description does not fit its value";
 }
 
+std::string unreadable_value(Bytes value, const ParameterInfo& info) {
+    if (!info.type || *info.type == Type::text || value.empty() || value.size() == width(*info.type)) return {};
+    return std::to_string(value.size()) + (value.size() == 1 ? " byte for " : " bytes for ") + std::string{name_of(*info.type)};
+}
+
 void LayoutVotes::count(FrameView description) noexcept {
     const Message* const row = layout_taken(description);
     const auto layout = layout_of(row);

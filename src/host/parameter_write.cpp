@@ -49,23 +49,23 @@ void ParameterWrite::start(TimePoint now) {
     if (const std::string beyond = range_misfit(value_, info_, limits_); !beyond.empty()) return refuse(beyond, now);
     const std::string too_long = *info_.type == Type::text ? text_misfit(wire_.size(), wire_.size(), limits_) : "";
     if (!too_long.empty()) return refuse(too_long, now);
-    if (!before_) presence_ = device().presence();
-    else if (presence_ == device().presence()) step_ = write_value;
+    if (!before_) doubts_ = device().doubts();
+    else if (doubts_ == device().doubts()) step_ = write_value;
     go_on(now);
 }
 
-void ParameterWrite::set_before(Bytes value, std::uint32_t presence) {
+void ParameterWrite::set_before(Bytes value, std::uint32_t doubts) {
     before_.emplace(value.begin(), value.end());
-    presence_ = presence;
+    doubts_ = doubts;
 }
 
-// Sends the request of the step; if the device was away, first those for its parameter count and the description.
+// Sends the request of the step; if the device was away or may have restarted, first those for its parameter count and the description.
 void ParameterWrite::go_on(TimePoint now) {
     const auto count = device().parameter_count();
     if (!count) return ask(question::parameter_count(ask_count), now);
     if (info_.id >= *count)
         return finish({Ending::invalid, hex_of(device().address()) + " has no parameter " + std::to_string(info_.id), {}}, now);
-    if (device().presence() != presence_) return ask(question::parameter_info(info_.id, ask_description), now);
+    if (device().doubts() != doubts_) return ask(question::parameter_info(info_.id, ask_description), now);
     if (step_ == write_value) return write(now);
     ask(question::parameter_value(info_.id, step_), now);
 }
@@ -74,7 +74,7 @@ void ParameterWrite::described(const Ended& ended, TimePoint now) {
     const auto info = parameter_info_in(*ended.answer, info_.layout);
     if (!info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul)
         return finish({Ending::failed, hex_of(device().address()) + " became another device meanwhile", {}}, now);
-    presence_ = device().presence();
+    doubts_ = device().doubts();
     go_on(now);
 }
 

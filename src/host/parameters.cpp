@@ -25,6 +25,7 @@ void Parameters::read(Values values, TimePoint now) {
 
 void Parameters::start(TimePoint now) {
     checks_ = 0;
+    compares_ = differs_ = false;
     const bool may_be_known = cache_ != nullptr && !started_again_ && values_wanted_ != Values::all;
     const auto key = may_be_known ? key_of(device(), device().parameter_count(), now) : std::nullopt;
     if (const auto* const known = key ? cache_->find(*key) : nullptr) return start_known(*known, now);
@@ -36,9 +37,17 @@ void Parameters::start_known(const std::vector<ParameterInfo>& known, TimePoint 
     count_ = device().parameter_count();
     presence_ = device().presence();
     from_cache_ = true;
+    compares_ = !is_certain(now);
+    doubts_ = device().doubts();
     descriptions_ = known;
     values_.assign(*count_, {});
     ask_named(now);
+}
+
+// Whether what the cache has of the device is of it for certain.
+bool Parameters::is_certain(TimePoint now) const {
+    const auto* const entry = cache_->last_of(device().address());
+    return entry != nullptr && device().is_certain_since(entry->doubts, now);
 }
 
 void Parameters::step_ended(const Ended& ended, TimePoint now) {
@@ -64,9 +73,11 @@ void Parameters::counted(TimePoint now) {
     if (!device().info()) return start(now);
     count_ = device().parameter_count();
     presence_ = device().presence();
+    doubts_ = device().doubts();
     descriptions_.clear();
     const auto* known = cache_ == nullptr ? nullptr
                                           : cache_->find({device().address(), device().presence(), *device().info(), *count_});
+    if (known != nullptr && !is_certain(now)) known = nullptr;
     from_cache_ = known != nullptr;
     if (known != nullptr) descriptions_ = *known;
     if (recall()) return ask_named(now);
@@ -83,11 +94,10 @@ void Parameters::counted(TimePoint now) {
 
 // True: descriptions of an earlier run are there, for some values.
 bool Parameters::recall() {
-    is_recalled_ = differs_ = false;
     if (cache_ == nullptr || from_cache_ || started_again_ || values_wanted_ != Values::named) return false;
     auto earlier = cache_->recall({device().address(), device().presence(), *device().info(), *count_});
     if (!earlier || earlier->size() != *count_) return false;
-    is_recalled_ = from_cache_ = true;
+    compares_ = from_cache_ = true;
     descriptions_ = *std::move(earlier);
     values_.assign(*count_, {});
     return true;
@@ -102,7 +112,7 @@ void Parameters::read_again(TimePoint now) {
 
 // Called when the descriptions are there: selects the values to be read.
 void Parameters::ask_named(TimePoint now) {
-    asks_ = is_recalled_ ? Asks::named_both : Asks::named_values;
+    asks_ = compares_ ? Asks::named_both : Asks::named_values;
     named_.clear();
     for (const std::string& name : names_) {
         const Found found = may_be_numbers_ ? parameter_called(descriptions_, name) : find(name);
@@ -112,8 +122,8 @@ void Parameters::ask_named(TimePoint now) {
         if (is_wanted_(descriptions_[id])) named_.push_back(static_cast<std::uint16_t>(id));
     for (const std::uint16_t id : wanted_)
         if (id < descriptions_.size()) named_.push_back(id);
-    if (is_recalled_ && named_.size() < std::max({std::size_t{1}, names_.size(), at_least_})) return read_again(now);
-    gather(is_recalled_ ? 2 * named_.size() : checks_ + named_.size(), now);
+    if (compares_ && named_.size() < std::max({std::size_t{1}, names_.size(), at_least_})) return read_again(now);
+    gather(checks_ + (compares_ ? 2 * named_.size() : named_.size()), now);
 }
 
 Request Parameters::question(std::uint32_t i) {
@@ -128,7 +138,7 @@ bool Parameters::took(std::uint32_t i, FrameView answer) {
     return is_description(i) ? took_description(id, answer) : took_value(id, answer);
 }
 
-// The description of an earlier run is still the device's; otherwise nothing of that run is.
+// The description known before is still the device's; otherwise nothing known before is.
 bool Parameters::compared(std::uint16_t id, FrameView answer) {
     const auto info = parameter_info_in(answer, descriptions_[id].layout);
     if (!info) return false;
@@ -137,7 +147,7 @@ bool Parameters::compared(std::uint16_t id, FrameView answer) {
 }
 
 bool Parameters::took_description(std::uint16_t id, FrameView answer) {
-    if (is_recalled_) return compared(id, answer);
+    if (compares_) return compared(id, answer);
     auto info = parameter_info_in(answer);
     if (!info) return false;
     descriptions_[id] = std::move(*info);
@@ -172,7 +182,7 @@ std::optional<AnyValue> Parameters::value(std::uint16_t id) const {
 void Parameters::gathered(TimePoint now) {
     if (checks_ > 0) return counted_again(now);
     settle_layout();
-    if (is_recalled_) return ask(question::parameter_count(ask_count_again), now);
+    if (compares_) return ask(question::parameter_count(ask_count_again), now);
     const bool descriptions_are_there = missing().empty() && asks_ != Asks::named_values;
     if (values_wanted_ == Values::named && descriptions_are_there) return ask_named(now);
     ask(question::parameter_count(ask_count_again), now);
@@ -186,7 +196,7 @@ void Parameters::counted_again(TimePoint now) {
     if (changed) return finish({Ending::failed, hex_of(device().address()) + " changes while its parameters are read", {}}, now);
     if (lacking) return finish({Ending::incomplete, "parameter " + std::to_string(*lacking) + " did not come whole", {}}, now);
     if (cache_ != nullptr && !from_cache_)
-        cache_->store({device().address(), presence_, *device().info(), *count_}, descriptions_);
+        cache_->store({device().address(), presence_, *device().info(), *count_}, descriptions_, doubts_);
     finish({}, now);
 }
 

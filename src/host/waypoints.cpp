@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 
 namespace ano::host {
 namespace {
@@ -92,7 +93,7 @@ void WaypointsPut::start(TimePoint now) {
 void WaypointsPut::next(TimePoint now) {
     if (at_ == writes_.size()) return ask(WaypointsGet::how_many(ask_count), now);
     begun_at_.reset();
-    is_acknowledged_ = false;
+    is_acknowledged_ = is_written_again_ = false;
     mismatches_ = 0;
     silence_ = {};
     write_it(now);
@@ -148,6 +149,8 @@ void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
         return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number() + " and does not give it back",
                        ended.evidence},
                       now);
+    // It may have restarted with its old list between the write and this answer.
+    if (!is_as_written && !std::exchange(is_written_again_, true)) return write_it(now);
     stored_.push_back(*stored);
     if (!is_acknowledged_) ++unacknowledged_;
     if (!is_as_written) ++changed_;

@@ -350,7 +350,12 @@ ano::host::Whereabouts GatewayDevices::whereabouts(std::uint8_t address, ano::Ti
                         std::any_of(conflicts.begin(), conflicts.end(), [&](const Conflict& c) { return c.address == address; });
     std::size_t channels = 0;
     std::string group;
+    std::optional<ano::TimePoint> last;
     for (const ChannelId id : forwarder.channels()) {
+        if (const auto at = router.heard_at(address, id); at && (!last || *at > *last)) {
+            last = at;
+            where.was_heard = !router.are_all_down(id);
+        }
         const LinkId link = gateway_.channel(id).link;
         if (!links.contains(link) || !router.heard_at(address, id)) continue;
         const std::string& of_link = gateway_.settings(link).group;

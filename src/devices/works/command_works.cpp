@@ -210,7 +210,7 @@ public:
 private:
     void done(const Task& task, TimePoint now) override {
         if (check() != nullptr) {
-            if (check()->is_same()) return call_it(now);
+            if (!check()->is_another()) return call_it(now);
             command_.reset();
             return read(now);
         }

@@ -103,6 +103,15 @@ protected:
         return found.parameter;
     }
 
+    /// The low bytes of a value that is not as long as its type are no value: writing it is refused as well.
+    Json row(const ano::host::ParameterInfo& info, std::optional<ano::host::AnyValue> value, bool with_value) const {
+        const std::string unreadable = value ? ano::host::unreadable_value(parameters_->bytes(info.id), info) : std::string{};
+        if (unreadable.empty()) return parameter_json(info, value, with_value, texts());
+        Json json = parameter_json(info, std::nullopt, false, texts());
+        json["unreadable"] = unreadable;
+        return json;
+    }
+
     WorkEnd ambiguous(const std::string& name, const std::vector<ano::host::ParameterInfo>& all) const {
         std::string ids;
         for (const ano::host::ParameterInfo& one : all)
@@ -156,7 +165,7 @@ private:
         for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < end_of_rows_; ++n, ++told_) {
             ano::host::ParameterInfo row = all[told_];
             row.id = static_cast<std::uint16_t>(told_);
-            if (is_wanted(row)) text_->add(parameter_json(row, value(row.id), order_.values, texts()));
+            if (is_wanted(row)) text_->add(ParameterWork::row(row, value(row.id), order_.values));
         }
         if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
         if (told_ < end_of_rows_) return;
@@ -194,7 +203,7 @@ private:
     void done(const Task& task, TimePoint) override {
         const ano::host::ParameterInfo* const info = parameter(name_);
         if (info == nullptr) return;
-        finish(with_result(end_of(*task.end(), texts()), parameter_json(*info, parameters().value(info->id), true, texts())));
+        finish(with_result(end_of(*task.end(), texts()), row(*info, parameters().value(info->id), true)));
     }
 
     std::string name_;
@@ -218,7 +227,7 @@ private:
         if (!value) return finish(work_fault(422, name_ + ": the text " + texts().misfit()));
         limits_.max_bytes = place().net.manners(place().device.address()).text.max_bytes;
         auto write = std::make_unique<ParameterWrite>(place().device, *info, *value, limits_);
-        write->set_before(parameters().bytes(info->id), parameters().presence());
+        write->set_before(parameters().bytes(info->id), parameters().doubts());
         write_ = &next(std::move(write));
         write_->start(now);
     }

@@ -40,7 +40,7 @@ WorkEnd work_fault(unsigned status, std::string error) {
 
 void TaskWork::run(ano::TimePoint now) {
     while (!end() && task_ && task_->end()) {
-        const ano::host::Task* const before = task_.get();
+        const ano::host::Task* const before = handled_ = task_.get();
         if (before->end()->ending == Ending::done) done(*before, now);
         else failed(*before, now);
         if (task_.get() == before) break;

@@ -68,6 +68,8 @@ public:
     virtual std::string half_done() const { return "it is left as it is"; }
     /// When run() has to be called, in addition to Device::due().
     virtual std::optional<ano::TimePoint> due() const { return std::nullopt; }
+    /// run() has something to do at once: a request ended while frames were sent.
+    virtual bool is_ready() const noexcept { return false; }
     /// Whether it waits for go_on(), which returns false if it does not.
     virtual bool is_waiting() const { return false; }
     virtual bool go_on(ano::TimePoint /*now*/) { return false; }
@@ -89,6 +91,7 @@ public:
     explicit TaskWork(const WorkPlace& place) : place_{place} {}
 
     void run(ano::TimePoint now) final;
+    bool is_ready() const noexcept final { return task_ && task_->end() && task_.get() != handled_; }
     void cancel(ano::TimePoint now) override;
     ano::host::Progress progress() const override;
 
@@ -115,6 +118,7 @@ protected:
 private:
     WorkPlace place_;
     std::unique_ptr<ano::host::Task> task_, former_;
+    const ano::host::Task* handled_ = nullptr;    // its end
 };
 
 }    // namespace anogate

@@ -261,6 +261,7 @@ export const words = {
   file_unknown: ["The device has no {names}", "设备没有 {names}"],
   no_parameter_file: ["{name} is no file of parameters", "{name} 不是参数文件"],
   parameter_missing: ["did not come", "没有读到"],
+  parameter_unreadable: ["not readable: {bytes}", "无法读取：{bytes}"],
   nothing_fits: ["Nothing fits.", "没有符合的。"],
 
   recordings: ["Recordings", "录制"],

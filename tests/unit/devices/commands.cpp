@@ -179,19 +179,58 @@ TEST_F(KnownCommands, of_a_device_that_paused_are_confirmed) {
     EXPECT_EQ(ids_of_call(), one_question_first) << "it pauses now";
 }
 
-TEST_F(KnownCommands, that_are_not_confirmed_are_not_sent) {
-    stream(1s);
-    net.service.link_was_down(0xDC);
+TEST_F(KnownCommands, that_are_not_confirmed_in_time_are_sent) {
     fake.instead = [](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
         return f.id() == 0xC1 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
     };
-    net.sent.clear();
-    const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/LAND");
-    EXPECT_EQ(status, 504u);
-    EXPECT_TRUE(error.at("error").get<std::string>().starts_with("LAND was not sent: 0xDC was silent or away")) << error;
+    for (const auto& [delay, longest] : {std::pair{10ms, 200ms}, {50ms, 200ms}, {110ms, 500ms}, {400ms, 500ms}}) {
+        net.line.delay = delay;
+        for (int i = 0; i < 30; ++i) EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
+        for (int i = 0; i < 2; ++i) {    // the second at once behind the first
+            stream(1s);
+            net.service.link_was_down(0xDC);
+            stream(300ms);
+            const TimePoint begin = net.time;
+            Bytes ids = ids_of_call();
+            std::erase(ids, std::uint8_t{0xE0});    // its device info is asked for as well
+            EXPECT_EQ(ids, one_question_first);
+            EXPECT_LE(net.time - begin, longest + 2 * delay);
+            EXPECT_GE(net.time - begin, 200ms + 2 * delay);
+        }
+    }
+}
+
+TEST_F(KnownCommands, that_an_answer_contradicts_are_not_sent) {
+    stream(1s);
+    net.service.link_was_down(0xDC);
+    stream(300ms);
+    fake.commands = {{{1, 0, 1}, {3}, "TAKE_OFF", ""}, {{1, 0, 2}, {}, "FULL_SPEED", ""}};
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 404u);
     EXPECT_EQ(calls(), 0u);
-    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})").status, 200u) << "by its bytes, at once";
-    EXPECT_EQ(calls(), 1u);
+}
+
+// It hears, and nothing of it arrives any more.
+TEST_F(KnownCommands, of_a_device_that_was_not_heard_for_long_go_where_it_was_heard_last) {
+    net.pass(31s);
+    net.where[0xDC] = {.was_heard = true};
+    fake.instead = [](ano::FrameView) { return std::vector<Bytes>{}; };
+    net.sent.clear();
+    TimePoint begin = net.time;
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/commands?known").json.at("known"), true);
+    EXPECT_EQ(net.time, begin) << "anoctl asks so before it calls one";
+    const auto land = net.asked("POST", "/devices/0xDC/commands/LAND");
+    ASSERT_TRUE(net.until([&] { return calls() == 1; }, 3s));
+    EXPECT_LE(net.time - begin, 510ms);
+    ASSERT_TRUE(net.until([&] { return land->has_value(); }));
+    EXPECT_EQ((*land)->json.at("what"), "unknown") << (*land)->json;
+
+    begin = net.time;
+    const auto by_cid = net.asked("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 1], "values": [{"u16": 3}]})");
+    ASSERT_TRUE(net.until([&] { return calls() == 2; }, 3s));
+    EXPECT_LE(net.time - begin, 10ms) << "at once";
+    ASSERT_TRUE(net.until([&] { return by_cid->has_value(); }));
+    EXPECT_EQ((*by_cid)->status, 504u);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 404u);
 }
 
 TEST_F(KnownCommands, of_a_device_that_reports_another_version_are_read_again) {

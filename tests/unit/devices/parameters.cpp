@@ -76,6 +76,16 @@ TEST_F(ParameterRoutes, what_did_not_come_is_told_as_missing) {
     EXPECT_EQ(all.at("parameters")[3], json::parse(R"({"id": 3, "name": "BIG", "type": "u64", "missing": true})"));
 }
 
+TEST_F(ParameterRoutes, a_value_that_is_longer_than_its_type_is_none) {
+    fake.parameters[0].value = {0x2A, 0xC0, 0x81, 0x00};
+    const auto [status, all] = net.ask("GET", "/devices/0xDC/parameters");
+    EXPECT_EQ(status, 200u);
+    const json row = json::parse(R"({"id": 0, "name": "U8", "type": "u8", "text": "a byte", "unreadable": "4 bytes for u8"})");
+    EXPECT_EQ(all.at("parameters")[0], row);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/U8").json, row);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters?values=0").json.at("parameters")[0].contains("unreadable"), false);
+}
+
 TEST_F(ParameterRoutes, one_is_read_by_name_or_number) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/F32").json.at("value"), 0.1);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/4").json.at("name"), "I16");
@@ -245,6 +255,21 @@ struct KnownParameters : ParameterRoutes {
         EXPECT_EQ(get("values=0&known").at("known"), true);
         EXPECT_TRUE(net.sent.empty());
     }
+    /// Telemetry, and a pause in it as of a quick restart.
+    void pause() {
+        stream(1s);
+        net.pass(900ms);
+        stream(600ms);    // its device info is asked for
+        net.sent.clear();
+    }
+    void stream(Duration time) {
+        for (const TimePoint end = net.time + time; net.time < end; net.pass(100ms))
+            net.passes(frame(0xDC, 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 0}));
+    }
+    std::size_t described_again() const {
+        return static_cast<std::size_t>(
+            std::count_if(net.sent.begin(), net.sent.end(), [](const Bytes& f) { return f[3] == 0xE0 && f[6] == 3; }));
+    }
     static std::string five(int value) {
         json parameters = json::object();
         for (const int i : {10, 20, 30, 40, 50}) parameters["PAR_" + std::to_string(i)] = value;    // u8 all of them
@@ -317,6 +342,62 @@ TEST_F(KnownParameters, of_a_device_that_has_fewer_now_are_read_again_and_nothin
     EXPECT_EQ(written.at("was"), 8);
     EXPECT_EQ(fake.parameters[1].value, Bytes{99});
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
+}
+
+TEST_F(KnownParameters, of_a_device_that_paused_are_compared_without_another_round_trip) {
+    pause();
+    EXPECT_EQ(
+        time([&] { EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_20", R"({"value": 99})").json.at("stored"), 99); }),
+        2 * round_trip);
+    EXPECT_EQ(described_again(), 1u);
+    const auto all = net.asked("GET", "/devices/0xDC/parameters");
+    for (int i = 0; i < 300 && !all->has_value(); ++i) stream(100ms);
+    net.sent.clear();
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_20", R"({"value": 98})").json.at("stored"), 98);
+    EXPECT_EQ(described_again(), 0u) << "all were described since";
+}
+
+// Firmware of the same version, with as many parameters in another order.
+TEST_F(KnownParameters, of_a_device_that_paused_and_has_them_in_another_order_are_read_again_before_one_is_written) {
+    pause();
+    std::swap(fake.parameters[25].name, fake.parameters[35].name);
+    const json written = net.ask("PUT", "/devices/0xDC/parameters/PAR_20", R"({"value": 99})").json;
+    EXPECT_EQ(written.at("id"), 35);
+    EXPECT_EQ(fake.parameters[25].value, Bytes{20});
+    EXPECT_EQ(fake.parameters[35].value, Bytes{99});
+
+    pause();
+    std::swap(fake.parameters[25].name, fake.parameters[35].name);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", five(77)).status, 200u);
+    for (const std::size_t id : {15u, 25u, 35u, 45u, 55u}) EXPECT_EQ(fake.parameters[id].value, Bytes{77}) << id;
+    EXPECT_GT(described_again(), 100u);
+
+    pause();
+    std::swap(fake.parameters[25].name, fake.parameters[36].name);
+    EXPECT_EQ(get("").at("parameters")[25].at("name"), "PAR_31") << "the list as well";
+}
+
+TEST_F(KnownParameters, of_a_device_that_paused_and_has_another_type_take_nothing_of_the_old_one) {
+    const Bytes before = fake.parameters[13].value;    // PAR_8
+    pause();
+    fake.parameters[13].type = 5;    // i32, was f32
+    const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_8", R"({"value": 7.5})");
+    EXPECT_EQ(status, 422u) << error;
+    EXPECT_EQ(fake.parameters[13].value, before);
+    EXPECT_EQ(sent(0xE1), 0u);
+}
+
+// The pause is noticed between two values.
+TEST_F(KnownParameters, that_are_set_together_are_compared_when_the_device_pauses_meanwhile) {
+    stream(1s);
+    const auto answer = net.asked("POST", "/devices/0xDC/apply", five(99));
+    ASSERT_TRUE(net.until([&] { return sent(0xE1) == 1; }));
+    std::swap(fake.parameters[35].name, fake.parameters[36].name);
+    net.pass(150ms);
+    stream(100ms);
+    ASSERT_TRUE(net.until([&] { return answer->has_value(); }));
+    EXPECT_EQ((*answer)->status, 502u) << (*answer)->json;
+    EXPECT_EQ(fake.parameters[35].value, Bytes{30});
 }
 
 TEST_F(KnownParameters, of_a_device_of_another_version_are_read_again) {

@@ -317,6 +317,92 @@ TEST_F(Upgrade, an_image_that_the_device_finds_damaged_is_no_success) {
     EXPECT_TRUE(task->is_left_in_loader());
 }
 
+// The two sums of a frame do not show every error.
+TEST_F(Upgrade, an_image_that_noise_has_damaged_is_sent_again_in_the_shortest_frames) {
+    for (const std::size_t damaged : {std::size_t{1}, std::size_t{2}, std::size_t{99}}) {
+        loader = {};
+        std::size_t lost = 0;
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            if (f.id() == 0xF0 && f.data()[0] == 0x10 && lost++ == 0) return std::vector<Bytes>{};
+            const bool is_last = f.id() == 0xF0 && f.data()[0] == 0 && f.data()[1] == 0x10 && f.data()[2] == 0x10;
+            if (is_last && loader.checks < damaged) loader.flash[7] ^= 1;
+            return loader.take(fake, f);
+        };
+        const auto task = run();
+        if (damaged == 99) {
+            EXPECT_EQ(task->end()->what, "the image did not pass the device's check; it is left in its loader, begin again");
+            EXPECT_EQ(loader.checks, 3u);
+            continue;
+        }
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(loader.flash, bytes_of(3000));
+        EXPECT_EQ(task->frame_len(), 32u);
+        EXPECT_TRUE(
+            task->remark().starts_with("begun again with frames of 32 bytes, because the image did not pass the device's check"))
+            << task->remark();
+    }
+}
+
+TEST_F(Upgrade, an_image_that_noise_has_damaged_is_sent_again_also_to_a_loader_that_refuses_another_info) {
+    loader.second_info = FakeLoader::SecondInfo::refuses;
+    std::size_t lost = 0;
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xF0 && f.data()[0] == 0x10 && lost++ == 0) return std::vector<Bytes>{};
+        const bool is_last = f.id() == 0xF0 && f.data()[0] == 0 && f.data()[1] == 0x10 && f.data()[2] == 0x10;
+        if (is_last && loader.checks == 0) loader.flash[7] ^= 1;
+        return loader.take(fake, f);
+    };
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(loader.flash, bytes_of(3000));
+    EXPECT_EQ(loader.erases, 2u);
+}
+
+TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_erased_for) {
+    for (const bool reads_codes : {false, true}) {
+        loader = {};
+        loader.reads_codes = reads_codes;
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            const bool is_first = f.id() == 0xF0 && loader.infos == 0;
+            auto answers = loader.take(fake, f);
+            if (!is_first) return answers;
+            loader.refuses = true;
+            return std::vector<Bytes>{};
+        };
+        const auto task = run();
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(loader.flash, bytes_of(3000));
+        EXPECT_EQ(loader.erases, 1u);
+    }
+    loader = {};
+    loader.refuses = true;    // the first refusal is lost
+    bool is_lost = false;
+    fake.instead = [&](FrameView f) {
+        auto answers = loader.take(fake, f);
+        return f.id() == 0xF0 && !std::exchange(is_lost, true) ? std::optional{std::vector<Bytes>{}} : answers;
+    };
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::refused);
+    EXPECT_EQ(task->end()->what, "0xDC does not want this image");
+    EXPECT_FALSE(task->is_left_in_loader());
+    EXPECT_EQ(loader.erases, 0u);
+}
+
+TEST_F(Upgrade, an_erase_whose_answer_was_lost_is_sent_again_soon_where_the_device_is_heard) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        auto answers = loader.take(fake, f);
+        return loader.erases == 1 && loader.frames == 0 ? std::optional{std::vector<Bytes>{}} : answers;
+    };
+    simulation.each_step = [&](TimePoint now) {
+        const Bytes telemetry = support::frame(0xDC, 0xFF, 0x03, Bytes(7));
+        device.take(FrameView{telemetry}, now);
+    };
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(loader.erases, 2u);
+    EXPECT_LT(took, 10s);
+}
+
 TEST_F(Upgrade, an_image_for_other_hardware_is_never_sent_unless_forced) {
     image.hw_ver_min = 101;
     EXPECT_EQ(run()->end()->ending, Ending::invalid);

@@ -174,8 +174,28 @@ TEST_F(WaypointsOf, all_that_a_short_restart_has_cost_are_named) {
         ASSERT_TRUE(task.end());
         EXPECT_EQ(task.end()->ending, Ending::failed);
         EXPECT_EQ(task.end()->what, std::string{"0xDC has not kept these waypoints (it has probably restarted): "} +
-                                        (at == 3 ? "0, 1, 2, 3" : "0, 1, 2, 3, 4, 5"));
-        EXPECT_EQ(task.progress().done, at == 3 ? 2u : 0u);
+                                        (at == 3 ? "0, 1, 2" : "0, 1, 2, 3, 4"));
+        EXPECT_EQ(task.progress().done, at == 3 ? 3u : 1u) << "the one that was read back otherwise is written again";
+    }
+}
+
+// The list before it is as it was, so that nothing but the read-back shows it.
+TEST_F(WaypointsOf, one_that_is_read_back_otherwise_is_written_once_more) {
+    for (const std::size_t size : {1u, 2u}) {
+        const std::vector<Waypoint> wanted{route.begin(), route.begin() + static_cast<std::ptrdiff_t>(size)};
+        fake.waypoints.clear();
+        for (std::uint8_t num = 0; num < 2; ++num) fake.waypoints.push_back(support::operator+(Bytes{num}, Bytes(21)));
+        bool is_restarted = false;
+        fake.instead = [&, old = fake.waypoints](FrameView f) -> std::optional<std::vector<Bytes>> {
+            if (f.id() != 0x61 || std::exchange(is_restarted, true)) return std::nullopt;
+            auto answers = fake.usual(f);
+            fake.waypoints = old;
+            return answers;
+        };
+        const End end = put(wanted);
+        EXPECT_EQ(end.ending, Ending::done) << end.what;
+        EXPECT_EQ(get()[0], route[0]);
+        EXPECT_EQ(end.what.find("otherwise"), std::string::npos) << end.what;
     }
 }
 

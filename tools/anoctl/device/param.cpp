@@ -68,12 +68,17 @@ private:
         if (options.json) {
             for (const Json& row : at(answer, "parameters")) streams.out << ano::json_text(row) << '\n';
         } else if (action == "get") {
-            for (const Json& row : at(answer, "parameters")) write_assigned(row, streams.out);
+            for (const Json& row : at(answer, "parameters"))
+                if (!row.contains("unreadable")) write_assigned(row, streams.out);
+            if (const std::string names = names_not_readable(at(answer, "parameters")); !names.empty())
+                tell(streams, "not readable: " + names);
         } else {
             Table table{{" ID", "NAME", "TYPE", "VALUE", "MIN", "MAX", "WHAT"}};
             for (const Json& row : at(answer, "parameters"))
                 table.row({text_at(row, "id"), text_at(row, "name"), text_at(row, "type"),
-                           row.contains("value") ? without_controls(value_text(row["value"])) : "did not come",
+                           row.contains("value")        ? without_controls(value_text(row["value"]))
+                           : row.contains("unreadable") ? "not readable: " + text_at(row, "unreadable")
+                                                        : "did not come",
                            text_at(row, "min"), text_at(row, "max"), text_at(row, "text")});
             if (table.empty()) say(streams, client.device_words() + " has no parameters");
             else table.write(streams.out, "", streams.terminal ? streams.width : 0);
@@ -103,6 +108,7 @@ private:
         }
         for (const std::string& name : words) {
             const Json& row = parameter_called(rows, name);
+            if (row.contains("unreadable")) throw Failure{"not readable: " + names_not_readable(Json::array({row}))};
             if (!row.contains("value")) continue;
             if (options.json) streams.out << ano::json_text(row) << '\n';
             else write_assigned(row, streams.out);
@@ -233,7 +239,10 @@ private:
             tell(streams, "nothing was read");
             return failed;
         }
-        const Json made = parameter_file(client.run("GET", client.target("/parameters")));
+        const Json answer = client.run("GET", client.target("/parameters"));
+        const Json made = parameter_file(answer);
+        if (const std::string names = names_not_readable(at(answer, "parameters")); !names.empty())
+            tell(streams, "left out, because they are not readable: " + names);
         if (const std::string names = names_without_value(made); !names.empty())
             tell(streams, "inf and nan are null in the file, and import leaves them out: " + names);
         const std::string text = made.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -62,6 +62,7 @@ Json parameter_file(const Json& answer) {
     const Json& rows = at(answer, "parameters");
     for (const Json& row : rows) {
         const std::string name = name_in_file(row, rows);
+        if (row.contains("unreadable")) continue;
         if (!row.contains("value") || row.contains("missing")) add_name(missing, name);
         else if (values.contains(name)) add_name(twice, name);
         else values[name] = is_real(row) && row["value"].is_string() ? Json(nullptr) : row["value"];
@@ -107,6 +108,13 @@ Json wanted_values(const Json& file, bool with_calibration, std::size_t& left_ou
         else if (!is_lost(value)) wanted[name] = value;
     }
     return wanted;
+}
+
+std::string names_not_readable(const Json& rows) {
+    std::string names;
+    for (const Json& row : rows)
+        if (row.contains("unreadable")) add_name(names, name_in_file(row, rows) + " (" + text_at(row, "unreadable") + ")");
+    return names;
 }
 
 std::string names_without_value(const Json& file) {

@@ -12,6 +12,7 @@ namespace anoctl {
 
 /// Makes {"device": "0xDC", "name", "dev_id", "hw", "sw", "parameters": {NAME: value}} from the response of GET /devices/A/parameters; null
 /// stands for inf and nan, which JSON does not have. A name that is empty, not clean or not the only one has its number behind it: "NAME#3".
+/// What is not readable is left out.
 /// Throws Failure with the names of parameters that were not received: an incomplete backup would be useless.
 ano::Json parameter_file(const ano::Json& answer);
 
@@ -30,6 +31,9 @@ bool is_calibration(std::string_view name) noexcept;
 ano::Json wanted_values(const ano::Json& file, bool with_calibration, std::size_t& left_out);
 /// "A, B": the names whose value is null.
 std::string names_without_value(const ano::Json& file);
+
+/// "A (4 bytes for u8), B (…)": those of the rows that the device sends in another length than their type has.
+std::string names_not_readable(const ano::Json& rows);
 
 /// Whether `path` has the name of a file that a calibration keeps: calibration-0xDC-compass.json.
 bool is_kept_by_calibration(const std::string& path);

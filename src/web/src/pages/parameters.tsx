@@ -36,9 +36,10 @@ function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Par
   return (
     <li class={changed ? "changed" : ""}>
       <label for={id}><b><DeviceText text={parameter.key} /></b> <small>{parameter.type ?? ""}{parameter.mul !== undefined ? ` / ${parameter.mul}` : ""}{parameter.min !== undefined ? ` ${parameter.min}…${parameter.max}` : ""}</small></label>
-      <input id={id} disabled={disabled || parameter.missing === true} value={typed ?? String(parameter.value ?? "")} aria-invalid={fault !== undefined} aria-describedby={id + "-text"} onInput={(event) => onType(event.currentTarget.value)} />
+      <input id={id} disabled={disabled || parameter.missing === true || parameter.unreadable !== undefined} value={typed ?? String(parameter.value ?? "")} aria-invalid={fault !== undefined} aria-describedby={id + "-text"} onInput={(event) => onType(event.currentTarget.value)} />
       <span id={id + "-text"} class="about">
         {fault && <b class="bad fault">{t(fault.key, "min" in fault ? { min: fault.min, max: fault.max } : {})} </b>}
+        {parameter.unreadable && <span class="bad">{t("parameter_unreadable", { bytes: parameter.unreadable })} </span>}
         {parameter.missing && <span class="bad">{t("parameter_missing")} </span>}
         {changed && <button class="plain" onClick={() => onType(undefined)}>{t("undo_to", { value: String(parameter.value ?? "–") })}</button>}
         {differs && <button class="plain warn" onClick={() => onType(file)}>{t("file_says", { value: file })}</button>}

@@ -13,6 +13,7 @@ export interface Parameter {
   max?: number;
   mul?: number; // the device has the value times this, as an integer
   missing?: boolean;
+  unreadable?: string; // "4 bytes for u8": what came is no value of its type
 }
 
 /** With their keys, as in files of anoctl: the name; with the number, "GAIN#3", where several have that name, or none. */
