@@ -94,22 +94,51 @@ namespace {
 
 bool is_hex_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 
-/// Without the mark of UTF-8 and empty lines, which editors put before a text.
+/// Without the mark of UTF-8, and without empty lines in whichever form and padding before a text.
 std::string_view without_mark(std::string_view text) {
-    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    constexpr std::string_view mark = "\xEF\xBB\xBF", blank{" \t\r\n\v\f\x1A\0", 8};
+    const auto skip_blank = [&] { text.remove_prefix(std::min(text.find_first_not_of(blank), text.size())); };
+    skip_blank();
     if (text.starts_with(mark)) text.remove_prefix(mark.size());
-    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    skip_blank();
     return text;
 }
 
-/// A record of Intel HEX: a colon, and at least five bytes.
-bool begins_as_hex(std::string_view begin) {
-    constexpr std::size_t digits = 10;
-    begin = without_mark(begin);
-    if (!begin.starts_with(':') || begin.size() <= digits) return false;
-    const std::string_view record = begin.substr(1, digits);
-    return std::all_of(record.begin(), record.end(), is_hex_digit);
+/// The first `digits` characters are hexadecimal digits.
+bool begins_with_digits(std::string_view text, std::size_t digits) {
+    return text.size() >= digits && std::all_of(text.begin(), text.begin() + digits, is_hex_digit);
 }
+
+/// A record of Intel HEX: a colon, and at least five bytes.
+bool begins_as_hex(std::string_view begin) { return begin.starts_with(':') && begins_with_digits(begin.substr(1), 10); }
+
+/// A record of Motorola S-record: S, its type, and at least four bytes.
+bool begins_as_s_record(std::string_view begin) {
+    return begin.size() > 1 && begin[0] == 'S' && begin[1] >= '0' && begin[1] <= '9' && begins_with_digits(begin.substr(2), 8);
+}
+
+struct FileKind {
+    std::string_view magic;    // the first bytes of the file
+    std::string_view says;
+};
+
+constexpr std::array file_kinds{
+    FileKind{"\x7F"
+             "ELF",
+             "this is an ELF file; convert it: arm-none-eabi-objcopy -O binary FILE.elf FILE.bin"},
+    FileKind{"UF2\n", "this is a UF2 file; convert it: uf2conv.py FILE.uf2 --convert --output FILE.bin"},
+    FileKind{"PK\3\4", "this is a ZIP file; unpack it first"},
+    FileKind{"PK\5\6", "this is a ZIP file; unpack it first"},
+    FileKind{"\x1F\x8B\x08", "this is a gzip file; unpack it first: gunzip FILE.gz"},
+    FileKind{"\xFD"
+             "7zXZ",
+             "this is an xz file; unpack it first: unxz FILE.xz"},
+    FileKind{"\x28\xB5\x2F\xFD", "this is a zstd file; unpack it first: unzstd FILE.zst"},
+    FileKind{"BZh", "this is a bzip2 file; unpack it first: bunzip2 FILE.bz2"},
+    FileKind{"7z\xBC\xAF\x27\x1C", "this is a 7-Zip file; unpack it first"},
+    FileKind{"Rar!\x1A\7", "this is a RAR file; unpack it first"},
+    FileKind{"%PDF-", "this is a PDF document"},
+};
 
 // Bytes from 0x80 on may be of UTF-8 or GBK.
 bool is_printed(char c) {
@@ -158,12 +187,12 @@ std::string looks_unlike_firmware(const FirmwareBytes& file) {
     std::vector<std::uint8_t> bytes(std::min(file.size(), looked_at));
     if (!file.read(0, bytes)) return {};    // whoever reads all of it says so
     const std::string_view begin{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    const std::string_view text = without_mark(begin);
     const std::string converts = "; convert it: arm-none-eabi-objcopy ";
-    if (begins_as_hex(begin)) return "this is an Intel HEX file" + converts + "-I ihex -O binary FILE.hex FILE.bin";
-    if (begin.starts_with("\x7F"
-                          "ELF"))
-        return "this is an ELF file" + converts + "-O binary FILE.elf FILE.bin";
-    if (begin.starts_with("PK\3\4") || begin.starts_with("PK\5\6")) return "this is a ZIP file; unpack it first";
+    if (begins_as_hex(text)) return "this is an Intel HEX file" + converts + "-I ihex -O binary FILE.hex FILE.bin";
+    if (begins_as_s_record(text)) return "this is a Motorola S-record file" + converts + "-I srec -O binary FILE.s19 FILE.bin";
+    for (const FileKind& kind : file_kinds)
+        if (begin.starts_with(kind.magic)) return std::string{kind.says};
     if (begins_as_form(begin)) return "this is a form of a web page (multipart/form-data); send the file itself";
     if (!begin.empty() && is_text(begin)) return "this is a text file";
     return {};

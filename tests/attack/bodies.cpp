@@ -59,6 +59,9 @@ TEST_F(Bodies, that_look_unlike_firmware_need_force) {
              rest,
          "ELF"},
         {"PK\x03\x04" + rest, "ZIP"},
+        {"UF2\nWQ]\x9E" + rest, "UF2"},
+        {"\x1F\x8B\x08" + rest, "gzip"},
+        {"S00F000068656C6C6F202020202000003C\r\nS9030000FC\r\n", "Motorola S-record"},
         {"<!doctype html><title>Not found</title>\n" + std::string(3000, 'x'), "text"},
         {"\xEF\xBB\xBF:10010000214601360121470136007EFE09D2190140\r\n", "Intel HEX"},
         {"\r\n:10010000214601360121470136007EFE09D2190140\r\n", "Intel HEX"},
@@ -74,7 +77,7 @@ TEST_F(Bodies, that_look_unlike_firmware_need_force) {
         EXPECT_EQ(job.value("status", 0), 422) << name << ' ' << job;
         const std::string error = job.value("error", "");
         EXPECT_NE(error.find(name), std::string::npos) << error;
-        if (name == "ELF" || name == "Intel HEX") {
+        if (name == "ELF" || name == "Intel HEX" || name == "Motorola S-record") {
             EXPECT_NE(error.find("objcopy"), std::string::npos) << error;
         }
     }

@@ -1,0 +1,74 @@
+// Files that are no image of firmware: each is told by its first bytes, with how to convert it.
+#include <host/firmware_image.hpp>
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ano::host::unlike_firmware_tests {
+namespace {
+
+std::string doubt_about(std::string_view file) {
+    return looks_unlike_firmware(std::vector<std::uint8_t>{file.begin(), file.end()});
+}
+
+void expect_doubt(std::string_view file, std::string_view kind, std::string_view remedy) {
+    const std::string doubt = doubt_about(file);
+    EXPECT_NE(doubt.find(kind), std::string::npos) << kind << ": '" << doubt << '\'';
+    EXPECT_NE(doubt.find(remedy), std::string::npos) << kind << ": '" << doubt << '\'';
+}
+
+// What a compiled image has behind its first bytes.
+std::string with_bytes(std::string_view begin) {
+    std::string file{begin};
+    for (std::size_t i = 0; i < 3000; ++i) file += static_cast<char>(i * 37 + i / 256);
+    return file;
+}
+
+TEST(UnlikeFirmware, is_what_other_programs_pack) {
+    expect_doubt(with_bytes({"UF2\nWQ]\x9E", 8}), "UF2", "uf2conv.py FILE.uf2 --convert --output FILE.bin");
+    expect_doubt(with_bytes({"\x1F\x8B\x08\0", 4}), "gzip", "gunzip FILE.gz");
+    expect_doubt(with_bytes({"\xFD"
+                             "7zXZ\0",
+                             6}),
+                 "xz", "unxz FILE.xz");
+    expect_doubt(with_bytes("\x28\xB5\x2F\xFD"), "zstd", "unzstd FILE.zst");
+    expect_doubt(with_bytes("BZh9"), "bzip2", "bunzip2 FILE.bz2");
+    expect_doubt(with_bytes("7z\xBC\xAF\x27\x1C"), "7-Zip", "unpack");
+    expect_doubt(with_bytes("Rar!\x1A\x07"), "RAR", "unpack");
+    expect_doubt(with_bytes("PK\x03\x04"), "ZIP", "unpack");
+    expect_doubt(with_bytes("%PDF-1.7\n%\xE2\xE3\xCF\xD3\n"), "PDF", "");
+}
+
+TEST(UnlikeFirmware, is_intel_hex_with_any_line_ending) {
+    const std::string record = ":10010000214601360121470136007EFE09D2190140", end = ":00000001FF";
+    for (const std::string line_end : {"\n", "\r\n", "\r", "\n\r", "\v", "\f", "\x1A"})
+        for (const std::string& file : {record + line_end + end + line_end, line_end + record + line_end + end,
+                                        line_end + line_end + "\xEF\xBB\xBF" + record, "\xEF\xBB\xBF" + line_end + record})
+            expect_doubt(file, "Intel HEX", "objcopy -I ihex -O binary FILE.hex FILE.bin");
+    const std::string zero(1, '\0');
+    expect_doubt(zero + record + zero + end + zero, "Intel HEX", "objcopy -I ihex");
+    expect_doubt(end, "Intel HEX", "objcopy -I ihex");
+}
+
+TEST(UnlikeFirmware, is_a_motorola_s_record_with_any_line_ending) {
+    for (const std::string line_end : {"\n", "\r\n", "\r"})
+        for (const std::string record : {"S00F000068656C6C6F202020202000003C", "S1137AF00A0A0D0000000000000000000000000061",
+                                         "S2100000007C0802A6900100049421FFF0B6", "S31500000000215A1A6B00000000000000000000000009",
+                                         "S5030003F9", "S9030000FC"})
+            expect_doubt(line_end + record + line_end + "S9030000FC" + line_end, "Motorola S-record",
+                         "objcopy -I srec -O binary FILE.s19 FILE.bin");
+}
+
+TEST(UnlikeFirmware, is_no_image_that_begins_as_compiled_ones_do) {
+    for (const std::string_view begin :
+         {std::string_view{"\0\0\2\x20\xC1\1\0\x08", 8}, std::string_view{"\x1F\x8B\0\x20\xC1\1\0\x08", 8},
+          std::string_view{"\x55\x46\0\x20", 4}, std::string_view{"\xE9\6\2\x20", 4}, std::string_view{"\0\0\0\0S1", 6},
+          std::string_view{":\0\1\x20", 4}, std::string_view{"\xFF\xFF", 2}})
+        EXPECT_EQ(doubt_about(with_bytes(begin)), "");
+}
+
+}    // namespace
+}    // namespace ano::host::unlike_firmware_tests
