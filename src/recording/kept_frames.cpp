@@ -1,8 +1,8 @@
 #include <ano/typed.hpp>
-#include <config/link_kind.hpp>
 #include <device/device.hpp>
 #include <recording/kept_frames.hpp>
 #include <runtime/gateway.hpp>
+#include <runtime/known_origin.hpp>
 
 #include <utility>
 #include <variant>
@@ -136,12 +136,6 @@ void FaultEar::more() {
         }
     }
     if (is_fault) call_();
-}
-
-bool is_known_origin(const Gateway& gateway, const Channel& from, std::uint8_t source) {
-    const Router& router = gateway.forwarder().router();
-    const bool is_wired = gateway.settings(from.link).kind->reach == nullptr;
-    return !router.claims(source, from.id) && (is_wired || router.pinned(source).contains(from.link));
 }
 
 bool FaultEar::is_at_home(const FrameRecord& record) const {

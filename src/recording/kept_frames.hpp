@@ -84,10 +84,6 @@ private:
     LostFrames lost_;                  // since the last part
 };
 
-/// `source` is not at home elsewhere, and came by a serial port, CAN or another link that is no network, or by the link that it is pinned
-/// to. In a network anybody can send in the name of a device.
-bool is_known_origin(const Gateway& gateway, const Channel& from, std::uint8_t source);
-
 /// Calls `call` when a device logs a fault: a received frame 0xA0 with the colour red. It counts only from a device that is at home there,
 /// by a serial port, CAN, or another link that is no network; or by the link that its address is pinned to.
 class FaultEar final : private Watcher {

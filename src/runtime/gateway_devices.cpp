@@ -17,6 +17,7 @@
 #include <runtime/control_link.hpp>
 #include <runtime/gateway.hpp>
 #include <runtime/gateway_devices.hpp>
+#include <runtime/known_origin.hpp>
 #include <runtime/route_rows.hpp>
 #include <sys/kept_file.hpp>
 #include <sys/state_folder.hpp>
