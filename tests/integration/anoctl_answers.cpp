@@ -277,10 +277,13 @@ TEST_F(AnoctlAnswers, log_lines_from_before_are_shown_without_what_controls_a_te
     })) << shown.output;
     EXPECT_EQ(shown.exit, 0);
     EXPECT_TRUE(contains(shown.output, " 0x35 m")) << shown.output;
-    const auto lines = lines_of(anoctl({"log", "--since", "10m", "--no-follow", "--json", "--device", "0x35"}).output);
+    const std::string printed = anoctl({"log", "--since", "10m", "--no-follow", "--json", "--device", "0x35"}).output;
+    const auto lines = lines_of(printed);
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_EQ(lines[0].at("from"), "0x35");
     EXPECT_EQ(lines[0].at("fields").at("color"), 1);
+    EXPECT_TRUE(contains(lines[0].at("fields").at("str").get<std::string>(), "\xE2\x80\xAE"));
+    EXPECT_FALSE(contains(printed, "\xE2\x80\xAE")) << printed;
     EXPECT_TRUE(anoctl({"log", "--since", "0s", "--no-follow"}).output.empty());
     EXPECT_EQ(anoctl({"log", "--since", "soon"}).exit, 2);
     EXPECT_EQ(anoctl({"log", "--no-follow"}).exit, 2);

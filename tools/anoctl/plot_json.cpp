@@ -1,6 +1,7 @@
 #include "plot_json.hpp"
 
 #include <ano/hex.hpp>
+#include <ano_json/escapes.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -28,7 +29,7 @@ Json numbers_of(const Json& value) {
     return has_any ? kept : Json{};
 }
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string text_of(const Json& json) { return ano::json_text(json); }
 
 }    // namespace
 

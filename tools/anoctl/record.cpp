@@ -9,6 +9,7 @@
 #include "table.hpp"
 #include "watch.hpp"
 
+#include <ano_json/escapes.hpp>
 #include <ano_json/text.hpp>
 #include <link/clocks.hpp>
 #include <record/recording_writer.hpp>
@@ -192,7 +193,9 @@ private:
         output.write(recording);
         output.sync();
         if (!output.fault().empty()) throw Failure{file + ": it can't be written: " + output.fault()};
-        if (json) (file == "-" ? streams.err : streams.out) << ano::Json{{"file", file}, {"bytes", output.size()}}.dump() << '\n';
+        if (json)
+            (file == "-" ? streams.err : streams.out)
+                << ano::json_text(ano::Json{{"file", file}, {"bytes", output.size()}}) << '\n';
         else tell(streams, file + ": " + counted(output.size(), "byte") + ", what the gateway held of the last while");
         return fine;
     }
@@ -217,12 +220,11 @@ private:
         const double seconds = recorder.seconds();
         if (json) {
             std::ostream& out = file == "-" ? streams.err : streams.out;
-            out << ano::Json{{"file", file},
-                             {"frames", recorder.frames},
-                             {"bytes", output.size()},
-                             {"seconds", std::round(seconds * 1000) / 1000},
-                             {"lost", recorder.lost}}
-                       .dump(-1, ' ', false, ano::Json::error_handler_t::replace)
+            out << ano::json_text(ano::Json{{"file", file},
+                                            {"frames", recorder.frames},
+                                            {"bytes", output.size()},
+                                            {"seconds", std::round(seconds * 1000) / 1000},
+                                            {"lost", recorder.lost}})
                 << '\n';
             return;
         }

@@ -10,6 +10,7 @@
 #include <ano/address.hpp>
 #include <ano/hex.hpp>
 #include <ano/typed.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/shown_text.hpp>
 #include <ano_json/text.hpp>
 #include <config/values.hpp>
@@ -69,7 +70,7 @@ public:
                                   {"time", time},
                                   {"link", text_at(line, "link")},
                                   {"kept", true}};
-            streams_.out << shown.dump(-1, ' ', false, ano::Json::error_handler_t::replace) << '\n';
+            streams_.out << ano::json_text(shown) << '\n';
             return;
         }
         std::string text = text_at(line, "text");

@@ -241,7 +241,7 @@ private:
         const Json made = parameter_file(client.run("GET", client.target("/parameters")));
         if (const std::string names = names_without_value(made); !names.empty())
             tell(streams, "inf and nan are null in the file, and import leaves them out: " + names);
-        const std::string text = made.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+        const std::string text = ano::with_json_escapes(made.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
         if (path == "-") {
             streams.out << text;
             return fine;
