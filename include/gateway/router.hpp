@@ -125,10 +125,10 @@ public:
     /// conflict.
     bool heard_again(ChannelId from, std::uint8_t source, TimePoint now);
 
-    /// `source` is at home behind `channel`: pinned to its link, or learned there.
+    /// `source` is at home behind `channel`: learned there; or pinned to its link, and not at home behind another channel of it.
     bool holds(std::uint8_t source, ChannelId channel) const noexcept;
     /// A frame of `source` by `channel` is a claim: `source` is at home elsewhere, and that place is not known to be down. Links of
-    /// one group are one place; hosts are at home everywhere.
+    /// one group are one place; hosts are at home everywhere. A pinned address has a home on each of its links, and never another.
     bool claims(std::uint8_t source, ChannelId channel) const noexcept;
 
     /// A question to the holder of an address, whether it is still there. It goes to `channels`; only an answer from there counts.
@@ -184,6 +184,15 @@ private:
     ChannelSet heard_from(std::uint8_t address, TimePoint now) const;
     void claim(std::uint8_t source, ChannelId from, TimePoint now);
     void refuse(std::uint8_t source, TimePoint now);
+    void keep_conflict(std::uint8_t source, TimePoint now) noexcept;
+    /// `source` is pinned, and neither to the link of `channel` nor to one of its group.
+    bool is_outside(std::uint8_t source, ChannelId channel) const noexcept;
+    /// The homes of `source` that exclude one behind `channel`: of a pinned address those on its link, else all.
+    ChannelSet rivals(std::uint8_t source, ChannelId channel) const noexcept { return known_[source] & bounds(source, channel); }
+    ChannelSet bounds(std::uint8_t source, ChannelId channel) const noexcept {
+        return pinned_[source].empty() ? ~ChannelSet{} : channels_of_link_[index(link_of_[index(channel)])];
+    }
+    void to_pinned(Route& route, std::uint8_t destination) const;
     void settle();
     void forget_conflict(std::uint8_t address);
     /// Removes the first address from `untold`, which is new_conflicts_ or new_claimants_, and returns it.
@@ -266,6 +275,8 @@ private:
     std::array<ChannelSet, 256> also_{};
 
     Claims claims_;
+    // When a claim of a pinned address by another link is counted next.
+    std::array<TimePoint, 256> next_refusal_{};
     std::array<Conflict, 256> conflicts_{};
     std::bitset<256> new_conflicts_;
     std::array<ChannelId, 256> claimants_{};

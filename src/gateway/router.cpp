@@ -71,7 +71,10 @@ void Router::forget_conflict(std::uint8_t address) {
 }
 
 void Router::pin(std::uint8_t first, std::uint8_t last, LinkId link) {
-    for (unsigned a = first; a <= last; ++a) pinned_[a].insert(link);
+    for (unsigned a = first; a <= last; ++a) {
+        pinned_[a].insert(link);
+        claims_.end(static_cast<std::uint8_t>(a));    // the claimant may be on another link
+    }
 }
 
 void Router::unpin(std::uint8_t first, std::uint8_t last, LinkId link) {
@@ -119,8 +122,10 @@ void Router::went_down(ChannelId channel) {
 void Router::settle() {
     for (unsigned a = 0; a < known_.size(); ++a) {
         const auto address = static_cast<std::uint8_t>(a);
-        if (!claims_.is_under_way(address) || !(known_[a] - down_).empty()) continue;
-        move(address, claims_.claimant(address));
+        if (!claims_.is_under_way(address)) continue;
+        const ChannelId claimant = claims_.claimant(address);
+        if (!(rivals(address, claimant) - down_).empty()) continue;
+        move(address, claimant);
         claims_.end(address);
     }
 }
@@ -129,9 +134,10 @@ void Router::settle() {
 void Router::move(std::uint8_t source, ChannelId to) {
     note_move(source, to);
     ChannelSet& first = first_[source];
-    if (was_first(source, to)) first.clear();
-    else if (first.empty()) first = known_[source];
-    known_[source] = to;
+    const ChannelSet left = rivals(source, to);
+    if (was_first(source, to)) first -= bounds(source, to);
+    else if ((first & bounds(source, to)).empty()) first |= left;
+    known_[source] = (known_[source] - left) | to;
     homes_changed_ = true;
 }
 
@@ -211,7 +217,7 @@ void Router::decide(Route& route, std::uint8_t destination, ChannelSet from, ano
         route.channels |= port_channels_[destination];
     } else if (!pinned_[destination].empty()) {
         route.via = Via::pinned;
-        to_links(route, pinned_[destination]);
+        to_pinned(route, destination);
     } else if (const ChannelSet heard = heard_from(destination, now); !heard.empty()) {
         route.via = Via::learned;
         route.channels = heard;
@@ -378,13 +384,13 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
         if (!links_[index(link_of_[index(from)])].teaches) return;
         if (source == address::unassigned || source == address::broadcast) return;
         if (claims(source, from)) return claim(source, from, now);
-        const bool anywhere = address::is_host(source) || !pinned_[source].empty();
+        const bool adds_home = address::is_host(source) || (!pinned_[source].empty() && rivals(source, from).empty());
         homes_changed_ = true;
-        if (anywhere || leads_to(known, from)) known.insert(from);
+        if (adds_home || leads_to(known, from)) known.insert(from);
         else come_back(source, from, now);
     }
     heard(source, from) = now;
-    if (claims_.is_under_way(source)) refuse(source, now);
+    if (claims_.is_under_way(source) && rivals(source, claims_.claimant(source)).contains(from)) refuse(source, now);
 }
 
 std::optional<TimePoint> Router::heard_at(std::uint8_t address, ChannelId channel) const noexcept {
@@ -404,7 +410,7 @@ void Router::restore(std::uint8_t source, ChannelId channel, TimePoint at) {
 // conflict.
 void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
     std::optional<ChannelId> other;
-    for (const ChannelId channel : known_[source] - down_)
+    for (const ChannelId channel : rivals(source, from) - down_)
         if (now - heard(source, channel) < moved_after && (!other || heard(source, channel) > heard(source, *other)))
             other = channel;
     move(source, from);
@@ -419,41 +425,51 @@ bool Router::heard_again(ChannelId from, std::uint8_t source, TimePoint now) {
 
 bool Router::holds(std::uint8_t source, ChannelId channel) const noexcept {
     const LinkSet pinned = pinned_[source];
-    return pinned.empty() ? known_[source].contains(channel) : pinned.contains(link_of_[index(channel)]);
+    if (pinned.empty()) return known_[source].contains(channel);
+    return pinned.contains(link_of_[index(channel)]) && !claims(source, channel);
 }
 
 bool Router::claims(std::uint8_t source, ChannelId channel) const noexcept {
     if (address::is_host(source) || source == address::unassigned || source == address::broadcast) return false;
     if (!links_[index(link_of_[index(channel)])].teaches) return false;
-    if (const LinkSet pinned = pinned_[source]; !pinned.empty()) {
-        const LinkId link = link_of_[index(channel)];
-        return !pinned.contains(link) && (pinned & mates(link)).empty();
-    }
-    const ChannelSet known = known_[source];
+    if (is_outside(source, channel)) return true;
+    const ChannelSet known = rivals(source, channel);
     if (known.contains(channel) || (known - down_).empty() || was_first(source, channel)) return false;
     return !leads_to(known, channel);
 }
 
-// A claim of a pinned address is refused without a question.
+bool Router::is_outside(std::uint8_t source, ChannelId channel) const noexcept {
+    const LinkSet pinned = pinned_[source];
+    const LinkId link = link_of_[index(channel)];
+    return !pinned.empty() && !pinned.contains(link) && (pinned & mates(link)).empty();
+}
+
+// A claim of a pinned address by another link is refused without a question, and does not take the turn of one by its own.
 void Router::claim(std::uint8_t source, ChannelId from, TimePoint now) {
     also_[source].insert(from);
+    if (is_outside(source, from)) {
+        if (now < next_refusal_[source]) return keep_conflict(source, now);
+        next_refusal_[source] = now + Claims::Pace{}.between_tests;
+        return note_conflict(source, pinned_[source] | link_of_[index(from)], from, now);
+    }
     if (!claims_.is_under_way(source) || claims_.claimant(source) == from) heard(source, from) = now;
-    const bool begins = claims_.begin(source, from, now);
-    if (begins && !pinned_[source].empty()) return refuse(source, now);
+    if (!claims_.begin(source, from, now)) keep_conflict(source, now);
+}
+
+void Router::keep_conflict(std::uint8_t source, TimePoint now) noexcept {
     Conflict& c = conflicts_[source];
-    if (!begins && c.count > 0 && now - c.last < forget_after_) c.last = now;    // the conflict continues
+    if (c.count > 0 && now - c.last < forget_after_) c.last = now;
 }
 
 void Router::refuse(std::uint8_t source, TimePoint now) {
     const ChannelId claimant = claims_.claimant(source);
     claims_.end(source);
-    const LinkSet home = pinned_[source].empty() ? links_of(known_[source]) : pinned_[source];
-    note_conflict(source, home | link_of_[index(claimant)], claimant, now);
+    note_conflict(source, links_of(rivals(source, claimant)) | link_of_[index(claimant)], claimant, now);
 }
 
 std::optional<Router::Question> Router::take_question(TimePoint now) {
     while (const auto due = claims_.take(now)) {
-        if (!due->silent) return Question{due->address, known_[due->address] - down_};
+        if (!due->silent) return Question{due->address, rivals(due->address, due->claimant) - down_};
         move(due->address, due->claimant);
     }
     return std::nullopt;
@@ -523,6 +539,15 @@ void Router::to_links(Route& route, LinkSet links) const {
     route.channels |= channels_of(links);
     for (const LinkId link : links)
         if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
+}
+
+// Of each link the channel where the device is at home, else all.
+void Router::to_pinned(Route& route, std::uint8_t destination) const {
+    to_links(route, pinned_[destination]);
+    if (address::is_host(destination)) return;
+    const ChannelSet homes = known_[destination] - down_;
+    for (const LinkId link : pinned_[destination])
+        if (const ChannelSet all = channels_of_link_[index(link)]; !(all & homes).empty()) route.channels -= all - homes;
 }
 
 // The other links of the group of `link`.

@@ -118,8 +118,9 @@ bool begins_as_s_record(std::string_view begin) {
 }
 
 struct FileKind {
-    std::string_view magic;    // the first bytes of the file
+    std::string_view magic;    // the bytes of the file from `at` on
     std::string_view says;
+    std::size_t at = 0;
 };
 
 constexpr std::array file_kinds{
@@ -129,6 +130,7 @@ constexpr std::array file_kinds{
     FileKind{"UF2\n", "this is a UF2 file; convert it: uf2conv.py FILE.uf2 --convert --output FILE.bin"},
     FileKind{"PK\3\4", "this is a ZIP file; unpack it first"},
     FileKind{"PK\5\6", "this is a ZIP file; unpack it first"},
+    FileKind{"PK\7\x08", "this is a part of a split ZIP file; unpack it first"},
     FileKind{"\x1F\x8B\x08", "this is a gzip file; unpack it first: gunzip FILE.gz"},
     FileKind{"\xFD"
              "7zXZ",
@@ -138,6 +140,7 @@ constexpr std::array file_kinds{
     FileKind{"7z\xBC\xAF\x27\x1C", "this is a 7-Zip file; unpack it first"},
     FileKind{"Rar!\x1A\7", "this is a RAR file; unpack it first"},
     FileKind{"%PDF-", "this is a PDF document"},
+    FileKind{"ustar", "this is a tar file; unpack it first: tar -xf FILE.tar", 257},
 };
 
 // Bytes from 0x80 on may be of UTF-8 or GBK.
@@ -180,10 +183,28 @@ bool is_text(std::string_view begin) {
     return std::all_of(begin.begin(), begin.end(), is_printed) || is_utf16(begin, 0) || is_utf16(begin, 1);
 }
 
+bool is_text_and_padding(std::string_view begin) {
+    const std::size_t last = begin.find_last_not_of('\0');
+    return last != std::string_view::npos && is_text(begin.substr(0, last + 1));
+}
+
+bool is_zero_from(const FirmwareBytes& file, std::size_t at) {
+    std::vector<std::uint8_t> bytes(piece);
+    for (; at < file.size(); at += bytes.size()) {
+        bytes.resize(std::min(piece, file.size() - at));
+        if (!file.read(at, bytes) || std::any_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte != 0; }))
+            return false;
+    }
+    return true;
+}
+
 }    // namespace
 
-std::string looks_unlike_firmware(const FirmwareBytes& file) {
+std::string looks_unlike_firmware(const FirmwareBytes& whole) {
     constexpr std::size_t looked_at = 1024;
+    Header header{};
+    const bool has_header = whole.size() > header.size() && whole.read(0, header) && begins_with_magic(header);
+    const FirmwareBytes file = has_header ? whole.behind(header.size()) : whole;
     std::vector<std::uint8_t> bytes(std::min(file.size(), looked_at));
     if (!file.read(0, bytes)) return {};    // whoever reads all of it says so
     const std::string_view begin{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -192,9 +213,10 @@ std::string looks_unlike_firmware(const FirmwareBytes& file) {
     if (begins_as_hex(text)) return "this is an Intel HEX file" + converts + "-I ihex -O binary FILE.hex FILE.bin";
     if (begins_as_s_record(text)) return "this is a Motorola S-record file" + converts + "-I srec -O binary FILE.s19 FILE.bin";
     for (const FileKind& kind : file_kinds)
-        if (begin.starts_with(kind.magic)) return std::string{kind.says};
+        if (begin.substr(std::min(kind.at, begin.size())).starts_with(kind.magic)) return std::string{kind.says};
     if (begins_as_form(begin)) return "this is a form of a web page (multipart/form-data); send the file itself";
     if (!begin.empty() && is_text(begin)) return "this is a text file";
+    if (is_text_and_padding(begin) && is_zero_from(file, begin.size())) return "this is a text file with zeros behind it";
     return {};
 }
 

@@ -18,14 +18,14 @@ std::string names_of(const Gateway& gateway, LinkSet links) {
 std::string conflict_text(const Gateway& gateway, const Conflict& conflict) {
     const LinkSet pinned = gateway.forwarder().router().pinned(conflict.address);
     std::string who;
-    if (const Forwarder::Claimant* by = gateway.forwarder().claimant(conflict))
-        who = gateway.name(by->link) + (by->peer.empty() ? "" : " (" + by->peer + ")");
-    if (!pinned.empty() && !who.empty())
-        return fmt::format(
-            "0x{:02X} is pinned to {}, and is claimed by {}: frames from there are not taken for its own. The same device? give "
-            "the "
-            "links one `group`; another one? give it another id",
-            conflict.address, names_of(gateway, pinned), who);
+    const Forwarder::Claimant* const by = gateway.forwarder().claimant(conflict);
+    if (by != nullptr) who = gateway.name(by->link) + (by->peer.empty() ? "" : " (" + by->peer + ")");
+    if (!pinned.empty() && by != nullptr)
+        return fmt::format("0x{:02X} is pinned to {}, and is claimed by {}: frames from there are not taken for its own. {}",
+                           conflict.address, names_of(gateway, pinned), who,
+                           pinned.contains(by->link)
+                               ? "Another device? give it another id"
+                               : "The same device? give the links one `group`; another one? give it another id");
     const std::string names = names_of(gateway, conflict.links);
     if (!who.empty()) who.insert(0, ", claimed by ");
     if (!pinned.empty())

@@ -1,5 +1,6 @@
 // Who answers in the name of a device that is at home elsewhere. tests/README.md has the figures.
 #include <support/asked.hpp>
+#include <support/fake_device.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
@@ -183,6 +184,63 @@ TEST_P(ForgedClaims, of_a_pinned_address_block_nothing) {
     EXPECT_EQ(written.status, 200u) << written.body;
 }
 INSTANTIATE_TEST_SUITE_P(At, ForgedClaims, testing::Values(true), [](const auto&) { return "a_pinned_address"; });
+
+/// A flight controller in the network, whose address is pinned to the link where others may send as well, or not. PAR_0 is 0.
+class ForgedBeside : public testing::TestWithParam<bool> {
+protected:
+    void SetUp() override {
+        device.make_parameters(10);
+        device.instead = [this](ano::FrameView asked) {
+            return ignores_writes && asked.id() == 0xE1 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+        };
+        std::vector<std::string> words{"udp-listen:127.0.0.1:0,name=net"};
+        if (GetParam()) words.insert(words.end(), {"--route", "0xDC=net"});
+        daemon.emplace(ANOGATED, socket, words, std::vector<std::string>{"STATE_DIRECTORY=" + (dir / "state")});
+        ASSERT_TRUE(daemon->until_answers());
+        answers = std::thread{[this, port = daemon->port("net")] {
+            for (int turn = 0; !stops; ++turn) {
+                if (turn % 50 == 0) peer.send(port, frame(0xDC, 0xFF, 0x03, Bytes(7)));
+                for (const Bytes& one : peer.frames())
+                    for (const Bytes& said : device.take(ano::FrameView{one})) peer.send(port, said);
+                std::this_thread::sleep_for(2ms);
+            }
+        }};
+        ASSERT_TRUE(wait_until([&] { return asked(socket, "GET", "/devices/0xDC/parameters").status == 200; }));
+    }
+    void TearDown() override {
+        stops = true;
+        if (answers.joinable()) answers.join();
+    }
+
+    std::atomic<bool> ignores_writes = false, stops = false;
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    FakeDevice device;
+    UdpPeer peer;
+    std::optional<Daemon> daemon;
+    std::thread answers;
+};
+
+TEST_P(ForgedBeside, answers_of_a_value_and_to_a_write_are_not_believed) {
+    const auto check = [](std::uint8_t source) {
+        const Bytes write = frame(0xFE, 0xDC, 0xE1, {0, 0, 5});
+        return frame(source, 0xFE, 0x00, {write[3], write[write.size() - 2], write.back()});
+    };
+    const Forger forger{daemon->port("net"), {frame(0xDC, 0xFE, 0xE1, {0, 0, 99}), check(0xDC), check(1)}};
+    ASSERT_TRUE(daemon->until([](const json& status) { return status.at("conflicts").size() == 1; }));
+    for (int i = 0; i < 10; ++i) {
+        const auto answer = asked(socket, "GET", "/devices/0xDC/parameters/PAR_0");
+        ASSERT_EQ(answer.status, 200u) << answer.body;
+        EXPECT_EQ(json::parse(answer.body).at("value"), 0) << answer.body;
+    }
+    ignores_writes = true;
+    const auto written = asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
+    EXPECT_GE(written.status, 400u) << written.body;
+    EXPECT_NE(written.body.find("answers in the name of 0xDC came by net (127.0.0.1:"), std::string::npos) << written.body;
+}
+
+INSTANTIATE_TEST_SUITE_P(At, ForgedBeside, testing::Values(true, false),
+                         [](const auto& pinned) { return pinned.param ? "a_pinned_address" : "a_learned_address"; });
 
 }    // namespace
 }    // namespace forged_answers_tests

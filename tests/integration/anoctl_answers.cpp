@@ -268,6 +268,22 @@ TEST_F(AnoctlOtherDevice, has_values_that_are_no_numbers) {
     EXPECT_TRUE(contains(diff.output, "without a value in the file: A, B\n")) << diff.output;
 }
 
+TEST_F(AnoctlOtherDevice, whose_names_control_a_terminal_has_a_backup_that_does_not_and_fits_it) {
+    hear_of_another();
+    const Bytes value{0, 0, 0x80, 0x3F};
+    fake.parameters = {{8, "P\xE2\x80\xAEX", "", value}, {8, "P\xE2\x80\xADX", "", value}, {8, "a\x01", "", value},
+                       {8, "SAME", "", value},           {8, "SAME", "", value},           {8, "\xE5\x90\x8D", "", value}};
+    const std::string file = dir / "f.json";
+    ASSERT_EQ(asked({"param", "export", file}).exit, 0);
+    EXPECT_TRUE(contains(text_of(file), R"("P\u202eX": 1.0)")) << text_of(file);
+    EXPECT_TRUE(contains(text_of(file), "\"\xE5\x90\x8D\": 1.0")) << text_of(file);
+    EXPECT_FALSE(contains(text_of(file), "\xE2\x80")) << text_of(file);
+    const Ran diff = asked({"param", "diff", file});
+    EXPECT_EQ(diff.exit, 0) << diff.output;
+    const Ran import = asked({"param", "import", file, "--yes"});
+    EXPECT_EQ(import.exit, 0) << import.output;
+}
+
 TEST_F(AnoctlAnswers, log_lines_from_before_are_shown_without_what_controls_a_terminal) {
     peer.send(gateway.port("peer"), frame(0x35, 0xFF, 0xA0, {1, 'm', 0xE2, 0x80, 0xAE, '1', '\r', '\n'}));
     peer.send(gateway.port("peer"), frame(0x36, 0xFF, 0xA1, {0, 0, 0xC0, 0x3F, 'v'}));
@@ -277,10 +293,13 @@ TEST_F(AnoctlAnswers, log_lines_from_before_are_shown_without_what_controls_a_te
     })) << shown.output;
     EXPECT_EQ(shown.exit, 0);
     EXPECT_TRUE(contains(shown.output, " 0x35 m")) << shown.output;
-    const auto lines = lines_of(anoctl({"log", "--since", "10m", "--no-follow", "--json", "--device", "0x35"}).output);
+    const std::string printed = anoctl({"log", "--since", "10m", "--no-follow", "--json", "--device", "0x35"}).output;
+    const auto lines = lines_of(printed);
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_EQ(lines[0].at("from"), "0x35");
     EXPECT_EQ(lines[0].at("fields").at("color"), 1);
+    EXPECT_TRUE(contains(lines[0].at("fields").at("str").get<std::string>(), "\xE2\x80\xAE"));
+    EXPECT_FALSE(contains(printed, "\xE2\x80\xAE")) << printed;
     EXPECT_TRUE(anoctl({"log", "--since", "0s", "--no-follow"}).output.empty());
     EXPECT_EQ(anoctl({"log", "--since", "soon"}).exit, 2);
     EXPECT_EQ(anoctl({"log", "--no-follow"}).exit, 2);

@@ -49,13 +49,12 @@ struct Model {
     void hear(ChannelId from, std::uint8_t source, TimePoint now) {
         if (source == 0x00 || source == 0xFF) return;
         Open& channel = channels[from];
-        bool at_home = age(channel, source, now).has_value() || heard_within(Duration::max(), source, now).empty();
-        if (const auto found = pinned.find(source); found != pinned.end()) at_home = found->second.contains(channel.link);
+        if (const auto found = pinned.find(source); found != pinned.end() && !found->second.contains(channel.link)) return;
+        const bool at_home = age(channel, source, now).has_value() || homes(source, channel.link, now).empty();
         if (at_home || ano::address::is_host(source)) {
             channel.heard.push_back({source, now});
-            claims.erase(source);
-        } else if (pinned.contains(source)) {
-            return;
+            const auto claim = claims.find(source);
+            if (claim != claims.end() && homes(source, channels[claim->second.by].link, now).contains(from)) claims.erase(claim);
         } else if (const auto claim = claims.find(source); claim != claims.end()) {
             if (claim->second.by == from) claim->second.heard = now;
         } else if (!next_claim.contains(source) || now >= next_claim[source]) {
@@ -70,7 +69,7 @@ struct Model {
         std::erase_if(claims, [&](const auto& claim) { return claim.second.by == id; });
         std::erase_if(claims, [&](const auto& claim) {
             const auto& [source, its] = claim;
-            if (!heard_within(Duration::max(), source, now).empty()) return false;
+            if (!homes(source, channels[its.by].link, now).empty()) return false;
             channels[its.by].heard.push_back({source, its.heard});
             return true;
         });
@@ -86,6 +85,20 @@ struct Model {
         for (const auto& [id, channel] : channels)
             if (const auto a = age(channel, source, now); a && *a < limit) set.insert(id);
         return set;
+    }
+    /// Where the source is at home; of a pinned one, on this link.
+    ChannelSet homes(std::uint8_t source, LinkId link, TimePoint now) const {
+        ChannelSet all = heard_within(Duration::max(), source, now);
+        for (const auto& [id, channel] : channels)
+            if (pinned.contains(source) && channel.link != link) all.erase(id);
+        return all;
+    }
+    Route to_pinned(std::uint8_t destination, LinkSet links, TimePoint now) const {
+        Route route = to(links, Via::pinned);
+        for (const auto& [id, channel] : channels)
+            if (const ChannelSet at_home = homes(destination, channel.link, now); !at_home.empty() && !at_home.contains(id))
+                route.channels.erase(id);
+        return route;
     }
     Route to(LinkSet links, Via via) const {
         Route route{{}, links, via};
@@ -138,7 +151,7 @@ struct Model {
         for (unsigned n = 0; n < rules.size(); ++n)
             if (rules[n].port_id == destination) bearers.insert(static_cast<LinkId>(n));
         if (!bearers.empty()) return to(bearers, Via::port);
-        if (const auto found = pinned.find(destination); found != pinned.end()) return to(found->second, Via::pinned);
+        if (const auto found = pinned.find(destination); found != pinned.end()) return to_pinned(destination, found->second, now);
         const bool host = destination == 0xFE || destination == 0xD2;
         ChannelSet heard = heard_within(host ? Duration::max() : settings.forget_after, destination, now);
         if (!host) {

@@ -7,6 +7,7 @@
 #include "say.hpp"
 
 #include <ano/hex.hpp>
+#include <ano_json/escapes.hpp>
 #include <http/client/client.hpp>
 #include <sys/asio.hpp>
 #include <sys/thread_signals.hpp>
@@ -187,11 +188,10 @@ private:
         message.remove_prefix(head);
         if (!options_.json) return show(text_.add(direction, time, message, ano::Clock::now()));
         const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(message.data()), message.size()};
-        streams_.out << nlohmann::ordered_json{{"time", time},
-                                               {"direction", direction == '<' ? "in" : "out"},
-                                               {"bytes", ano::hex(bytes)},
-                                               {"text", ano::to_utf8(bytes, encoding_)}}
-                            .dump()
+        streams_.out << ano::json_text(nlohmann::ordered_json{{"time", time},
+                                                              {"direction", direction == '<' ? "in" : "out"},
+                                                              {"bytes", ano::hex(bytes)},
+                                                              {"text", ano::to_utf8(bytes, encoding_)}})
                      << '\n';
     }
     void send(const std::string& line) {

@@ -45,7 +45,7 @@ public:
         place().net.aside(
             [read, file = std::move(order_.file), crc = order_.crc] {
                 read->file = ano::host::read_firmware(file, crc);
-                if (read->file.image && !read->file.image->has_header) read->doubt = ano::host::looks_unlike_firmware(file);
+                if (read->file.image) read->doubt = ano::host::looks_unlike_firmware(file);
             },
             [read, &net = place().net](std::string fault) {
                 read->fault = std::move(fault);

@@ -27,10 +27,15 @@ using ano::host::Parameters;
 using ano::host::ParameterWrite;
 using ano::host::Task;
 
-// A file has something else in their place.
-bool has_controls(std::string_view text) {
-    return std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }) ||
-           text.find('\xC2') != std::string_view::npos;    // those beyond ASCII begin so
+// `marked` is `name` with a '?' in place of each control character, as files of older versions have it.
+bool is_marked(std::string_view name, std::string_view marked) {
+    while (!name.empty() && !marked.empty()) {
+        const std::size_t control = ano::control_size(name, 0);
+        if (marked.front() != (control > 0 ? '?' : name.front())) return false;
+        name.remove_prefix(std::max(control, std::size_t{1}));
+        marked.remove_prefix(1);
+    }
+    return name.empty() && marked.empty();
 }
 
 WorkEnd with_result(WorkEnd end, const Json& result) {
@@ -89,7 +94,8 @@ protected:
         std::uint16_t id = 0;
         const auto [rest, fault] = std::from_chars(word.data() + end + 1, word.data() + word.size(), id);
         if (fault != std::errc{} || rest != word.data() + word.size() || id >= all.size()) return nullptr;
-        return shown_[id] == word.substr(0, end) || has_controls(shown_[id]) ? &all[id] : nullptr;
+        const std::string_view name = word.substr(0, end);
+        return shown_[id] == name || is_marked(shown_[id], name) ? &all[id] : nullptr;
     }
     /// nullptr, and the work has ended, if there is no parameter with this name or number.
     const ano::host::ParameterInfo* parameter(const std::string& word) {

@@ -1,9 +1,11 @@
 #include <sys/files/read_file.hpp>
+#include <sys/unique_fd.hpp>
 
+#include <fcntl.h>
+#include <unistd.h>
+#include <array>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 
 namespace anogate {
 namespace {
@@ -22,22 +24,28 @@ bool is_file(const std::string& path, std::error_code& error) {
 
 std::string read_file(const std::string& path, std::size_t max_bytes, std::error_code& error) {
     if (!is_file(path, error)) return {};
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file{std::fopen(path.c_str(), "re"), std::fclose};
+    const UniqueFd file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     if (!file) {
         error.assign(errno, std::system_category());
         return {};
     }
     std::string text;
-    char piece[16 * 1024];
-    while (const std::size_t count = std::fread(piece, 1, sizeof piece, file.get())) {
-        text.append(piece, count);
+    std::array<char, std::size_t{16} * 1024> piece{};
+    while (true) {
+        const ssize_t count = ::read(file.get(), piece.data(), piece.size());
+        if (count == 0) return text;
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) {    // EAGAIN: /proc/kmsg and the like have no end
+            error = errno == EAGAIN ? make_error_code(std::errc::operation_not_supported)
+                                    : std::error_code{errno, std::system_category()};
+            return {};
+        }
+        text.append(piece.data(), static_cast<std::size_t>(count));
         if (text.size() > max_bytes) {
             error = make_error_code(std::errc::file_too_large);
             return {};
         }
     }
-    if (std::ferror(file.get()) != 0) error.assign(errno, std::system_category());
-    return text;
 }
 
 }    // namespace anogate

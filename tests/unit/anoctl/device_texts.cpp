@@ -92,7 +92,8 @@ TEST(ParameterFile, says_the_number_where_a_name_is_not_enough) {
     alike["parameters"][2]["id"] = 2;
     alike["parameters"][2]["name"] = "PID_P";
     alike["parameters"][1]["name"] = "a\nb";
-    EXPECT_EQ(parameter_file(alike)["parameters"].dump(), R"({"PID_P#0":1.5,"a?b#1":0.25,"PID_P#2":"x"})");
+    EXPECT_EQ(parameter_file(alike)["parameters"].dump(), R"({"PID_P#0":1.5,"a\nb":0.25,"PID_P#2":"x"})")
+        << "a name is as the device has it";
     alike["parameters"][1]["name"] = "";
     EXPECT_TRUE(parameter_file(alike)["parameters"].contains("#1"));
 }

@@ -256,5 +256,117 @@ TEST(Router, pinned_address_refuses_every_claim_and_asks_nobody) {
     EXPECT_FALSE(net->holds(31, channel(1)));
 }
 
+// A link with several channels, 1, 10 and 11: peers that are independent of one another.
+struct PinnedNet : Net {
+    PinnedNet() {
+        router->open(channel(10), link(1));
+        router->open(channel(11), link(1));
+        router->pin(30, 30, link(1));
+    }
+};
+
+TEST(Router, pinned_address_is_at_home_behind_the_first_channel_of_its_link_that_brought_it) {
+    PinnedNet net;
+    EXPECT_TRUE(net->holds(30, channel(1)) && net->holds(30, channel(10))) << "nobody was heard";
+    expect(net.route(0, 0xFE, 30), channels({1, 10, 11}), Via::pinned);
+    net.route(10, 30, 0xFF);
+    EXPECT_TRUE(net->holds(30, channel(10)) && !net->claims(30, channel(10)));
+    EXPECT_TRUE(net->claims(30, channel(11)) && !net->holds(30, channel(11)));
+    expect(net.route(0, 0xFE, 30), channels({10}), Via::pinned);
+    expect(net->find(link(0), 30, net.now, ano::Intent::acts), channels({10}), Via::pinned);
+    net.now += 60s;
+    expect(net.route(0, 0xFE, 30), channels({10}), Via::pinned);
+    net->close(channel(10));
+    expect(net.route(0, 0xFE, 30), channels({1, 11}), Via::pinned);
+    EXPECT_TRUE(net->holds(30, channel(11)));
+}
+
+TEST(Router, pinned_address_stays_with_its_channel_while_that_speaks) {
+    PinnedNet net;
+    net.route(10, 30, 0xFF);
+    net.route(11, 30, 0xFF);
+    EXPECT_EQ(net.asked(), (std::vector<std::pair<int, ChannelSet>>{{30, channels({10})}}));
+    net.route(10, 30, 0xFF);
+    EXPECT_FALSE(net->next_question());
+    ASSERT_EQ(net->conflicts(net.now).size(), 1u);
+    EXPECT_EQ(net->conflicts(net.now)[0].links, links({1}));
+    Router::Claimant claimant;
+    ASSERT_TRUE(net->take_claimant(claimant));
+    EXPECT_EQ(claimant.channel, channel(11));
+    expect(net.route(0, 0xFE, 30), channels({10}), Via::pinned);
+}
+
+TEST(Router, pinned_address_moves_within_its_link_when_its_channel_is_silent_and_comes_back) {
+    PinnedNet net;
+    net.route(10, 30, 0xFF);
+    net.route(11, 30, 0xFF);
+    net.silence();
+    expect(net.route(0, 0xFE, 30), channels({11}), Via::pinned);
+    EXPECT_TRUE(net->claims(30, channel(1)) && !net->claims(30, channel(10))) << "it was there first";
+    EXPECT_TRUE(net->conflicts(net.now).empty());
+    EXPECT_FALSE(net->take_move()) << "it is on the same link";
+    net.now += 10s;
+    net.route(10, 30, 0xFF);
+    expect(net.route(0, 0xFE, 30), channels({10}), Via::pinned);
+    net->went_down(channel(10));
+    net.route(1, 30, 0xFF);
+    expect(net.route(0, 0xFE, 30), channels({1}), Via::pinned);
+}
+
+// The claims of others would keep the device from its own move, or be believed with it.
+TEST(Router, claims_of_a_pinned_address_from_other_links_change_nothing_on_its_own) {
+    PinnedNet net;
+    net.route(10, 30, 0xFF);
+    for (int i = 0; i < 30; ++i) {
+        net.route(3, 30, 0xFF);
+        net.now += 1s;
+    }
+    ASSERT_EQ(net->conflicts(net.now).size(), 1u);
+    EXPECT_EQ(net->conflicts(net.now)[0].count, 3u) << "one in 10 s";
+    net.route(3, 30, 0xFF);
+    net.route(11, 30, 0xFF);
+    EXPECT_EQ(net.asked(), (std::vector<std::pair<int, ChannelSet>>{{30, channels({10})}}));
+    net.route(3, 30, 0xFF);
+    net.silence();
+    expect(net.route(0, 0xFE, 30), channels({11}), Via::pinned);
+    EXPECT_TRUE(net->claims(30, channel(3)));
+}
+
+TEST(Router, address_pinned_to_two_links_is_at_home_on_each_of_them) {
+    PinnedNet net;
+    net->pin(30, 30, link(2));
+    net->open(channel(12), link(2));
+    net.route(10, 30, 0xFF);
+    expect(net.route(0, 0xFE, 30), channels({2, 10, 12}), Via::pinned);
+    net.route(12, 30, 0xFF);
+    EXPECT_FALSE(net->next_question());
+    expect(net.route(0, 0xFE, 30), channels({10, 12}), Via::pinned);
+    EXPECT_TRUE(net->claims(30, channel(2)) && net->claims(30, channel(11)));
+    net.route(11, 30, 0xFF);
+    EXPECT_EQ(net.asked(), (std::vector<std::pair<int, ChannelSet>>{{30, channels({10})}}));
+    net.route(12, 30, 0xFF);    // says nothing of the other link
+    net.silence();
+    expect(net.route(0, 0xFE, 30), channels({11, 12}), Via::pinned);
+}
+
+TEST(Router, a_test_that_is_under_way_ends_when_the_address_is_pinned) {
+    Net net;
+    net.route(1, 30, 0xFF);
+    net.route(3, 30, 0xFF);
+    net->pin(30, 30, link(1));
+    net.silence();
+    expect(net.route(0, 0xFE, 30), channels({1}), Via::pinned);
+    EXPECT_TRUE(net->claims(30, channel(3)));
+    EXPECT_FALSE(net->take_move());
+}
+
+TEST(Router, pinned_host_is_reached_by_every_channel_of_its_link) {
+    PinnedNet net;
+    net->pin(0xFE, 0xFE, link(1));
+    net.route(10, 0xFE, 0xFF);
+    expect(net.route(0, 0xDC, 0xFE), channels({1, 10, 11}), Via::pinned);
+    EXPECT_FALSE(net->claims(0xFE, channel(11)));
+}
+
 }    // namespace
 }    // namespace router_claims_tests

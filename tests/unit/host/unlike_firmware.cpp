@@ -39,6 +39,8 @@ TEST(UnlikeFirmware, is_what_other_programs_pack) {
     expect_doubt(with_bytes("7z\xBC\xAF\x27\x1C"), "7-Zip", "unpack");
     expect_doubt(with_bytes("Rar!\x1A\x07"), "RAR", "unpack");
     expect_doubt(with_bytes("PK\x03\x04"), "ZIP", "unpack");
+    expect_doubt(with_bytes("PK\x07\x08"), "split ZIP", "unpack");
+    expect_doubt(with_bytes("readme.txt" + std::string(247, '\0') + "ustar"), "tar", "tar -xf FILE.tar");
     expect_doubt(with_bytes("%PDF-1.7\n%\xE2\xE3\xCF\xD3\n"), "PDF", "");
 }
 
@@ -60,6 +62,28 @@ TEST(UnlikeFirmware, is_a_motorola_s_record_with_any_line_ending) {
                                          "S5030003F9", "S9030000FC"})
             expect_doubt(line_end + record + line_end + "S9030000FC" + line_end, "Motorola S-record",
                          "objcopy -I srec -O binary FILE.s19 FILE.bin");
+}
+
+TEST(UnlikeFirmware, is_a_text_with_zeros_behind_it_but_no_image_that_begins_with_a_text) {
+    const std::string zeros(40000, '\0');
+    expect_doubt("a readme\n" + zeros, "text", "");
+    for (const std::size_t at : {2000u, 30000u, 40008u}) {
+        std::string image = "ANO_IMAGE" + zeros;
+        image[at] = '\1';
+        EXPECT_EQ(doubt_about(image), "") << at;
+    }
+    EXPECT_EQ(doubt_about(zeros), "");
+}
+
+TEST(UnlikeFirmware, is_what_is_behind_the_header_of_a_bia) {
+    const std::string header = "bia" + std::string(97, '\0');
+    expect_doubt(header + ":10010000214601360121470136007EFE09D2190140\n", "Intel HEX", "objcopy -I ihex");
+    expect_doubt(header + with_bytes("\x7F"
+                                     "ELF"),
+                 "ELF", "objcopy -O binary");
+    expect_doubt(header + with_bytes("PK\x03\x04"), "ZIP", "unpack");
+    expect_doubt(header + "a readme", "text", "");
+    EXPECT_EQ(doubt_about(header + with_bytes({"\0\0\2\x20", 4})), "");
 }
 
 TEST(UnlikeFirmware, is_no_image_that_begins_as_compiled_ones_do) {

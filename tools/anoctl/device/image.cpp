@@ -11,6 +11,7 @@
 #include "refused_lengths.hpp"
 
 #include <ano/hex.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/text.hpp>
 
 #include <nlohmann/json.hpp>
@@ -121,17 +122,16 @@ private:
         streams_.out << '\n';
     }
     void tell_json(const Picture& picture, const std::string& file) {
-        streams_.out << nlohmann::ordered_json{{"file", file},
-                                               {"from", picture.source},
-                                               {"time", picture.began},
-                                               {"flag", picture.flag},
-                                               {"color", color_name(picture.color)},
-                                               {"width", picture.width},
-                                               {"height", picture.height},
-                                               {"rows", picture.rows()},
-                                               {"whole", picture.is_whole()},
-                                               {"val", ano::hex(picture.value)}}
-                            .dump()
+        streams_.out << ano::json_text(nlohmann::ordered_json{{"file", file},
+                                                              {"from", picture.source},
+                                                              {"time", picture.began},
+                                                              {"flag", picture.flag},
+                                                              {"color", color_name(picture.color)},
+                                                              {"width", picture.width},
+                                                              {"height", picture.height},
+                                                              {"rows", picture.rows()},
+                                                              {"whole", picture.is_whole()},
+                                                              {"val", ano::hex(picture.value)}})
                      << '\n';
     }
 

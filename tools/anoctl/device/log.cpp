@@ -10,7 +10,7 @@
 #include <ano/address.hpp>
 #include <ano/hex.hpp>
 #include <ano/typed.hpp>
-#include <ano_json/compact_json.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/shown_text.hpp>
 #include <ano_json/text.hpp>
 #include <config/values.hpp>
@@ -70,7 +70,7 @@ public:
                                   {"time", time},
                                   {"link", text_at(line, "link")},
                                   {"kept", true}};
-            streams_.out << ano::compact_json(shown) << '\n';
+            streams_.out << ano::json_text(shown) << '\n';
             return;
         }
         std::string text = text_at(line, "text");

@@ -245,7 +245,7 @@ private:
             tell(streams, "left out, because they are not readable: " + names);
         if (const std::string names = names_without_value(made); !names.empty())
             tell(streams, "inf and nan are null in the file, and import leaves them out: " + names);
-        const std::string text = made.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+        const std::string text = ano::with_json_escapes(made.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
         if (path == "-") {
             streams.out << text;
             return fine;

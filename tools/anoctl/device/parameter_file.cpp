@@ -26,11 +26,11 @@ bool is_lost(const Json& value) {
            (value.is_string() && value.get_ref<const std::string&>().find("\xEF\xBF\xBD") != std::string::npos);
 }
 
-// "NAME#3" with the number, where the name alone does not say which one is meant: it is empty, has control characters, or several have it.
+// "NAME#3" with the number, where the name alone does not say which one is meant: it is empty, or several have it.
 std::string name_in_file(const Json& row, const Json& rows) {
-    std::string name = text_at(row, "name");
-    const auto is_alike = [&](const Json& other) { return text_at(other, "name") == name; };
-    const bool is_clear = !name.empty() && row["name"] == name && std::count_if(rows.begin(), rows.end(), is_alike) == 1;
+    const std::string name = row.value("name", std::string{});
+    const auto is_alike = [&](const Json& other) { return other.value("name", std::string{}) == name; };
+    const bool is_clear = !name.empty() && std::count_if(rows.begin(), rows.end(), is_alike) == 1;
     return is_clear ? name : name + '#' + text_at(row, "id");
 }
 

@@ -11,7 +11,7 @@
 namespace anoctl {
 
 /// Makes {"device": "0xDC", "name", "dev_id", "hw", "sw", "parameters": {NAME: value}} from the response of GET /devices/A/parameters; null
-/// stands for inf and nan, which JSON does not have. A name that is empty, not clean or not the only one has its number behind it: "NAME#3".
+/// stands for inf and nan, which JSON does not have. A name that is empty or not the only one has its number behind it: "NAME#3".
 /// What is not readable is left out.
 /// Throws Failure with the names of parameters that were not received: an incomplete backup would be useless.
 ano::Json parameter_file(const ano::Json& answer);

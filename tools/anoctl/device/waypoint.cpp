@@ -49,11 +49,12 @@ private:
             return failed;
         }
         const Json answer = client.run("GET", client.target("/waypoints" + query(form)));
+        const std::string whole = ano::with_json_escapes(answer.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
         if (file == "-") {
-            streams.out << (options.json ? answer.dump() : answer.dump(2)) << '\n';
+            streams.out << (options.json ? ano::json_text(answer) + '\n' : whole);
             return fine;
         }
-        write_file(file, answer.dump(2) + "\n");
+        write_file(file, whole);
         tell(streams, "the waypoints of " + client.device_words() + " are in " + file);
         return fine;
     }

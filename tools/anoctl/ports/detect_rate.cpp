@@ -2,6 +2,7 @@
 #include "port_list.hpp"
 
 #include <ano/hex.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/frame_json.hpp>
 #include <link/serial/termios.hpp>
 #include <sys/errors.hpp>
@@ -174,9 +175,9 @@ private:
     int tell(const HeardAtRate& heard) const {
         const bool any_rate = terminal::driver(port_.fd()) == "cdc_acm";
         if (json_) {
-            streams_.out
-                << ano::Json{{"device", path_}, {"baud", heard.baud}, {"from", heard.from}, {"any_rate", any_rate}}.dump()
-                << '\n';
+            streams_.out << ano::json_text(
+                                ano::Json{{"device", path_}, {"baud", heard.baud}, {"from", heard.from}, {"any_rate", any_rate}})
+                         << '\n';
             return fine;
         }
         std::string from;

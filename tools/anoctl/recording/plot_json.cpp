@@ -1,7 +1,8 @@
 #include "plot_json.hpp"
 
 #include <ano/hex.hpp>
-#include <ano_json/compact_json.hpp>
+#include <ano_json/escapes.hpp>
+
 #include <nlohmann/json.hpp>
 
 #include <utility>
@@ -41,21 +42,21 @@ std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link
     Json plot{{"timestamp", time}};
     Json& place = plot[link == "timestamp" ? "link timestamp" : link][ano::hex_byte(frame.source())][name];
     place = Json::object();
-    const std::size_t around = ano::compact_json(plot).size();
+    const std::size_t around = ano::json_text(plot).size();
     std::vector<std::string> objects;
     std::size_t size = around;
     for (auto field = numbers.begin(); field != numbers.end(); ++field) {
-        const std::size_t more = ano::compact_json(Json{{field.key(), field.value()}}).size() -
+        const std::size_t more = ano::json_text(Json{{field.key(), field.value()}}).size() -
                                  1;    // a brace is replaced by a comma
         if (size + more > max_bytes && !place.empty()) {
-            objects.push_back(ano::compact_json(plot));
+            objects.push_back(ano::json_text(plot));
             place = Json::object();
             size = around;
         }
         place[field.key()] = std::move(field.value());
         size += more;
     }
-    objects.push_back(ano::compact_json(plot));
+    objects.push_back(ano::json_text(plot));
     return objects;
 }
 

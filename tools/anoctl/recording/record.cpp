@@ -9,7 +9,7 @@
 #include <anoctl/watch.hpp>
 #include "recording_output.hpp"
 
-#include <ano_json/compact_json.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/text.hpp>
 #include <link/clocks.hpp>
 #include <record/recording_writer.hpp>
@@ -193,7 +193,9 @@ private:
         output.write(recording);
         output.sync();
         if (!output.fault().empty()) throw Failure{file + ": it can't be written: " + output.fault()};
-        if (json) (file == "-" ? streams.err : streams.out) << ano::Json{{"file", file}, {"bytes", output.size()}}.dump() << '\n';
+        if (json)
+            (file == "-" ? streams.err : streams.out)
+                << ano::json_text(ano::Json{{"file", file}, {"bytes", output.size()}}) << '\n';
         else tell(streams, file + ": " + counted(output.size(), "byte") + ", what the gateway held of the last while");
         return fine;
     }
@@ -218,11 +220,11 @@ private:
         const double seconds = recorder.seconds();
         if (json) {
             std::ostream& out = file == "-" ? streams.err : streams.out;
-            out << ano::compact_json(ano::Json{{"file", file},
-                                               {"frames", recorder.frames},
-                                               {"bytes", output.size()},
-                                               {"seconds", std::round(seconds * 1000) / 1000},
-                                               {"lost", recorder.lost}})
+            out << ano::json_text(ano::Json{{"file", file},
+                                            {"frames", recorder.frames},
+                                            {"bytes", output.size()},
+                                            {"seconds", std::round(seconds * 1000) / 1000},
+                                            {"lost", recorder.lost}})
                 << '\n';
             return;
         }

@@ -6,6 +6,7 @@
 #include "recording_input.hpp"
 
 #include <ano/time.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/frame_json.hpp>
 #include <ano_json/text.hpp>
 #include <record/replay.hpp>
@@ -169,10 +170,8 @@ struct Replay {
         if (!replayer.was_interrupted)
             for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
         if (json) {
-            streams.out << ano::Json{{"frames", replayer.given},
-                                     {"not_sent", replayer.not_sent},
-                                     {"kept_back", replayer.kept_back}}
-                               .dump()
+            streams.out << ano::json_text(ano::Json{
+                               {"frames", replayer.given}, {"not_sent", replayer.not_sent}, {"kept_back", replayer.kept_back}})
                         << '\n';
         } else {
             std::string text = counted(replayer.given, "frame") + " replayed";
