@@ -112,7 +112,7 @@ public:
     }
     const std::vector<std::uint8_t>& unfit() const noexcept { return unfit_; }
     /// A loss of the first send costs the whole task, or seconds.
-    bool waits_long() const noexcept { return is_once() || !is_measured(); }
+    bool waits_long() const noexcept { return is_once() || (!is_measured() && expects_->is_alone()); }
     TimePoint due() const noexcept { return due_; }
     /// It was sent less often than it may be.
     bool may_be_repeated() const noexcept { return sent_ < patience_.sends; }

@@ -50,6 +50,9 @@ public:
         read_named(std::move(words), now);
     }
 
+    /// To be called before reading values of some: their descriptions are compared in any case, since one of them will be written.
+    void compare_anyway() noexcept { compares_anyway_ = true; }
+
     /// Reads the values of those only for which `wanted` is true, of `at_least` parameters. It is called when the descriptions are there.
     void read_where(std::function<bool(const ParameterInfo&)> wanted, TimePoint now, std::size_t at_least = 0) {
         is_wanted_ = std::move(wanted);
@@ -127,6 +130,7 @@ private:
     std::vector<std::uint16_t> wanted_;    // by id
     std::vector<std::uint16_t> named_;     // the ids of names_ and wanted_
     bool from_cache_ = false;
+    bool compares_anyway_ = false;
     bool compares_ = false;    // they are of an earlier run, or the device may be another one since
     bool differs_ = false;     // one of them is not as it was
     bool started_again_ = false;

@@ -37,7 +37,7 @@ void Parameters::start_known(const std::vector<ParameterInfo>& known, TimePoint 
     count_ = device().parameter_count();
     presence_ = device().presence();
     from_cache_ = true;
-    compares_ = !is_certain(now);
+    compares_ = compares_anyway_ || !is_certain(now);
     doubts_ = device().doubts();
     descriptions_ = known;
     values_.assign(*count_, {});

@@ -54,8 +54,9 @@ protected:
         parameters_->read(values, now);
     }
     /// The values of those that a client calls by these names or numbers.
-    void read_called(const std::vector<std::string>& words, TimePoint now) {
+    void read_called(const std::vector<std::string>& words, bool to_write, TimePoint now) {
         parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
+        if (to_write) parameters_->compare_anyway();
         parameters_->read_where([this, words](const ano::host::ParameterInfo& one) { return is_called(one, words); }, now,
                                 words.size());
     }
@@ -136,7 +137,7 @@ class ReadAll final : public ParameterWork {
 public:
     ReadAll(const WorkPlace& place, ParameterOrder order) : ParameterWork{place}, order_{std::move(order)} {}
     void start(TimePoint now) override {
-        if (order_.words) return read_called(*order_.words, now);
+        if (order_.words) return read_called(*order_.words, false, now);
         const auto* const before = order_.known && !order_.values ? known(now) : nullptr;
         if (before == nullptr) return read(order_.values ? Parameters::Values::all : Parameters::Values::none, now);
         known_ = *before;
@@ -202,7 +203,7 @@ private:
 class ReadOne final : public ParameterWork {
 public:
     ReadOne(const WorkPlace& place, std::string name) : ParameterWork{place}, name_{std::move(name)} {}
-    void start(TimePoint now) override { read_called({name_}, now); }
+    void start(TimePoint now) override { read_called({name_}, false, now); }
     std::string message() const override { return "reading " + name_; }
 
 private:
@@ -219,7 +220,7 @@ class WriteOne final : public ParameterWork {
 public:
     WriteOne(const WorkPlace& place, std::string name, const Json& value, ano::host::WriteLimits limits)
         : ParameterWork{place}, name_{std::move(name)}, json_{value.dump()}, limits_{limits} {}
-    void start(TimePoint now) override { read_called({name_}, now); }
+    void start(TimePoint now) override { read_called({name_}, true, now); }
     std::string message() const override { return "writing " + name_; }
 
 private:

@@ -258,6 +258,23 @@ TEST(Device, a_command_behind_another_one_leaves_at_once) {
     EXPECT_EQ(host.flushes, 2);
 }
 
+// Whether the command is still the same, for instance: the flush is left to the command.
+TEST(Device, a_command_behind_a_question_that_is_waited_for_briefly_leaves_at_once) {
+    TimePoint now = start;
+    LateFlushes host{start};
+    host.listen(now);
+    Request brief = question::parameter_value(5, 5);
+    brief.patience = {.sends = 1, .wait = 200ms};
+    ASSERT_TRUE(host.device.ask(brief, host.listener));
+    EXPECT_EQ(host.sent_at(now, start).size(), 1u);
+    EXPECT_EQ(host.flushes, 0);
+    EXPECT_TRUE(host.sent_at(now, start + 200ms).empty());
+    ASSERT_EQ(host.listener.ends.size(), 1u);
+    ASSERT_TRUE(host.device.ask({0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}}, host.listener));
+    EXPECT_EQ(host.sent_at(now, start + 200ms).size(), 1u);
+    EXPECT_EQ(host.flushes, 1);
+}
+
 // The other flush came after the request.
 TEST(Device, a_request_waits_once_for_a_flush_even_if_another_one_gets_it) {
     TimePoint now = start;
