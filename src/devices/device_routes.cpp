@@ -54,11 +54,9 @@ Json devices_list(DeviceService& service) {
     Json devices = Json::array();
     for (const DeviceReport& report : service.devices(now)) devices.push_back(device_json(report, now));
     Json all{{"devices", std::move(devices)}};
-    for (const LostVehicle& vehicle : service.lost(now)) {
-        Json& one = all["lost"].emplace_back(Json{{"address", ano::hex_byte(vehicle.address)}});
-        if (const auto info = service.info(vehicle.address)) one["name"] = service.texts(vehicle.address).shown(info->name);
-        one["age"] = std::round(std::chrono::duration<double>(now - vehicle.heard_at).count() * 10) / 10;
-        if (vehicle.flag) one["sflag"] = *vehicle.flag;
+    for (const WatchedDevice& device : service.lost(now)) {
+        Json& one = all["lost"].emplace_back(Json{{"address", ano::hex_byte(device.address)}});
+        tell_loss(one, service, device, now);
     }
     return all;
 }

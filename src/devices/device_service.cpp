@@ -552,47 +552,58 @@ void DeviceService::hear_value(std::uint8_t source, const ano::Reading& reading,
     await_feeds();
 }
 
-void DeviceService::hear_mode(ano::FrameView frame, TimePoint now) noexcept {
-    hear_telemetry(frame.source(), frame.id(), now);
-    if (const auto mode = ano::as<"mode">(frame)) lives_[frame.source()].flag = mode->get<"sflag">();
+void DeviceService::hear_mode(ano::FrameView frame, TimePoint now) {
+    const auto mode = ano::as<"mode">(frame);
+    if (!mode) return;
+    losses_.hear_mode(frame.source(), mode->get<"sflag">(), now);
+    tell_back(frame.source(), now);
 }
 
-void DeviceService::hear_telemetry(std::uint8_t source, std::uint8_t id, TimePoint now) noexcept {
-    if (!is_telemetry(id)) return;
-    Life& life = lives_[source];
-    if (now - life.at > rarest_telemetry) life.intervals = 0;
-    else if (!life.sends_telemetry()) ++life.intervals;
-    life.at = now;
+void DeviceService::hear_telemetry(std::uint8_t source, std::uint8_t id, TimePoint now) {
+    losses_.hear(source, id, now);
+    if (LossWatch::is_telemetry(id)) tell_back(source, now);
 }
 
-std::vector<LostVehicle> DeviceService::lost(TimePoint now) {
-    constexpr std::uint8_t locked = 0;
-    std::vector<LostVehicle> all;
-    const std::vector<HeardAddress> present = heard(now);
+void DeviceService::tell_back(std::uint8_t source, TimePoint now) {
+    if (!alarms_.awaits(source) || ano::address::is_host(source)) return;
+    alarms_.look_soon(now);
+    await_feeds();
+}
+
+std::vector<WatchedDevice> DeviceService::watched(TimePoint now) {
+    std::vector<WatchedDevice> all;
+    std::array<std::optional<TimePoint>, 256> heard_at;
+    for (const HeardAddress& one : heard(now)) heard_at[one.address] = one.heard_at;
     for (unsigned a = 1; a < ano::address::broadcast; ++a) {
         const auto address = static_cast<std::uint8_t>(a);
-        const Life& life = lives_[address];
-        if ((!life.flag && !life.sends_telemetry()) || ano::address::is_host(address)) continue;
-        const auto one = std::find_if(present.begin(), present.end(),
-                                      [&](const HeardAddress& h) { return h.address == address; });
-        TimePoint at = life.at;
-        if (one != present.end() && one->heard_at) at = std::max(at, *one->heard_at);
-        if (known_[address] && known_[address]->heard_at) at = std::max(at, *known_[address]->heard_at);
-        const Duration silent = now - at;
-        if (silent < (life.flag ? lost_after : rarest_telemetry) || (life.flag == locked && silent >= tells_locked)) continue;
-        all.push_back({address, at, life.flag});
+        if (ano::address::is_host(address)) continue;
+        if (known_[address]) heard_at[address] = std::max(heard_at[address], known_[address]->heard_at);
+        if (const auto device = losses_.device(address, heard_at[address], now)) all.push_back(*device);
     }
     return all;
 }
 
+std::vector<WatchedDevice> DeviceService::lost(TimePoint now) {
+    std::vector<WatchedDevice> all = watched(now);
+    std::erase_if(all, [now](const WatchedDevice& one) {
+        return !one.is_lost || (one.was_locked() && now - one.heard_at >= AlarmFeed::tells_locked);
+    });
+    return all;
+}
+
+void DeviceService::look_for_alarms(TimePoint now) {
+    alarms_.look(watched(now), now);
+    await_feeds();
+}
+
 void DeviceService::forget_values(std::uint8_t address) {
-    lives_[address] = {};
+    losses_.forget(address);
     alarms_.forget(address, net_.now());
     await_feeds();
 }
 
 void DeviceService::run_feeds(TimePoint now) {
-    if (alarms_.due() && now >= *alarms_.due()) alarms_.look(now);
+    if (alarms_.due() && now >= *alarms_.due()) look_for_alarms(now);
     if (!log_due_ || now < *log_due_) return;
     log_due_.reset();
     log_clients_.wake();

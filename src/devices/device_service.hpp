@@ -16,6 +16,7 @@
 #include <devices/fair_places.hpp>
 #include <devices/job.hpp>
 #include <devices/line_stream.hpp>
+#include <devices/loss_watch.hpp>
 #include <devices/notes.hpp>
 #include <host/air_guard.hpp>
 #include <host/description_cache.hpp>
@@ -56,13 +57,6 @@ struct DeviceReport {
     std::uint64_t red_lines = 0;    // of its log
 };
 
-/// A vehicle that is silent, and its last state (`mode`).
-struct LostVehicle {
-    std::uint8_t address = 0;
-    ano::TimePoint heard_at{};
-    std::optional<std::uint8_t> flag{};    // `sflag`: locked, unlocked, airborne; std::nullopt: it never sent a mode
-};
-
 /// Listens from the first request on until there was none for `idle_after`, and longer while a device is present whose descriptions
 /// are known: whether it was away since is known only to who listens. Work that is not allowed in flight waits until the service has
 /// listened for AirGuard::busy_for. Writes of other hosts before it listened are not known.
@@ -76,10 +70,6 @@ public:
     static constexpr ano::Duration kept_for = std::chrono::minutes{10};
     static constexpr ano::Duration between_write_backs = std::chrono::minutes{1};    // interval of tries while values are kept
     static constexpr ano::Duration between_log_lines = std::chrono::milliseconds{20};    // for those who follow the log
-    static constexpr ano::Duration lost_after = std::chrono::seconds{2};                 // of silence
-    static constexpr ano::Duration tells_locked = std::chrono::minutes{1};
-    /// Telemetry that is rarer is no sign of life; a device that sends no mode is silent for as long before it is lost.
-    static constexpr ano::Duration rarest_telemetry = std::chrono::seconds{5};
     static constexpr ano::Duration idle_after = std::chrono::minutes{1};
     /// Minimum time between two reports of progress.
     static constexpr ano::Duration between_progress = std::chrono::milliseconds{100};
@@ -151,17 +141,19 @@ public:
     /// To be called for each passing frame of a message that alarms().watch().wants(), whether or not the service listens.
     void hear_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now);
     /// To be called for each frame `mode` that passes where its source is at home, whether or not the service listens.
-    void hear_mode(ano::FrameView frame, ano::TimePoint now) noexcept;
+    void hear_mode(ano::FrameView frame, ano::TimePoint now);
     /// To be called for each other frame that passes where its source is at home, whether or not the service listens.
-    void hear_telemetry(std::uint8_t source, std::uint8_t id, ano::TimePoint now) noexcept;
-    /// Devices send such messages by themselves: those of the protocol, and flexible ones.
-    static constexpr bool is_telemetry(std::uint8_t id) noexcept { return (id > 0 && id < 0x60) || (id >= 0xF1 && id <= 0xFA); }
-    /// The vehicles, and devices that sent telemetry, that are not heard any more, for those who did not see how they were lost. One that was locked is told for
-    /// `tells_locked`, any other one until it is heard again or forget_values().
-    std::vector<LostVehicle> lost(ano::TimePoint now);
+    void hear_telemetry(std::uint8_t source, std::uint8_t id, ano::TimePoint now);
+    /// Vehicles, and devices that sent telemetry, until forget_values(); by address.
+    std::vector<WatchedDevice> watched(ano::TimePoint now);
+    /// Those of them that are not heard any more, for those who did not see how they were lost. One that was locked is told for
+    /// AlarmFeed::tells_locked, any other one until it is heard again or forget_values().
+    std::vector<WatchedDevice> lost(ano::TimePoint now);
     /// The device was switched off: none of its values is in alarm until it comes again, and it is not lost.
     void forget_values(std::uint8_t address);
     AlarmFeed& alarms() noexcept { return alarms_; }
+    /// To be called when a client of alarms() joins.
+    void look_for_alarms(ano::TimePoint now);
     const AlarmLimits& limits() const noexcept { return limits_; }
     /// Uses and stores the limits, then calls `done` with the error or "": why they are lost with the next restart.
     void keep_limits(std::uint8_t address, AlarmLimits::List list, std::function<void(std::string fault)> done);
@@ -223,6 +215,7 @@ private:
     void look(Job& job, ano::TimePoint now);
     void changed(Job& job);
     void await(ano::TimePoint now);
+    void tell_back(std::uint8_t source, ano::TimePoint now);
     void run_feeds(ano::TimePoint now);
     void await_feeds();
     std::optional<ano::TimePoint> known_until(ano::TimePoint now) const;
@@ -244,15 +237,7 @@ private:
     std::optional<ano::TimePoint> log_due_;    // when to wake them
     AlarmLimits limits_;
     AlarmFeed alarms_;
-    struct Life {
-        static constexpr std::uint8_t enough = 2;
-        bool sends_telemetry() const noexcept { return intervals >= enough; }
-
-        ano::TimePoint at{};                   // of the last mode or telemetry
-        std::optional<std::uint8_t> flag{};    // of the last mode
-        std::uint8_t intervals = 0;            // between frames of telemetry, up to `enough`
-    };
-    std::array<Life, 256> lives_{};
+    LossWatch losses_;
     std::uint8_t own_;
     std::array<std::unique_ptr<Known>, 256> known_;
     std::uint32_t asked_ports_ = 0;    // a bit for each port id that has a device in known_

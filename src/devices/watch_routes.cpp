@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -228,22 +229,28 @@ Json alarm_json(DeviceService& service, const ActiveAlarm& alarm, ano::TimePoint
     return json;
 }
 
-Json alarms_json(DeviceService& service, const std::vector<ActiveAlarm>& alarms) {
+Json alarms_json(DeviceService& service, const std::vector<ActiveAlarm>& alarms, const std::vector<WatchedDevice>& devices) {
+    const ano::TimePoint now = service.net().now();
     Json list = Json::array();
-    for (const ActiveAlarm& alarm : alarms) list.push_back(alarm_json(service, alarm, service.net().now()));
-    return {{"alarms", std::move(list)}};
+    for (const ActiveAlarm& alarm : alarms) list.push_back(alarm_json(service, alarm, now));
+    Json json{{"alarms", std::move(list)}};
+    for (const WatchedDevice& device : devices) {
+        Json& one = json["devices"].emplace_back(Json{{"address", ano::hex_byte(device.address)}, {"lost", device.is_lost}});
+        if (device.is_lost) tell_loss(one, service, device, now);
+    }
+    return json;
 }
 
-/// What is in alarm, whole, at each change: what the client did not take in time is replaced.
+/// What is in alarm and which devices are lost, whole, at each change: what the client did not take in time is replaced.
 class AlarmLines {
 public:
     explicit AlarmLines(DeviceService& service) : service_{service} {}
     std::string operator()() {
         AlarmFeed& feed = service_.alarms();
-        if (!told_) feed.look(service_.net().now());
+        if (!told_) service_.look_for_alarms(service_.net().now());
         if (told_ == feed.version()) return {};
         told_ = feed.version();
-        return watch_line(alarms_json(service_, feed.told()));
+        return watch_line(alarms_json(service_, feed.told(), feed.told_devices()));
     }
 
 private:
@@ -253,16 +260,22 @@ private:
 
 Response alarms_answer(DeviceService& service, const Request& request) {
     if (wants_lines(request)) return line_stream(service.alarms().clients(), AlarmLines{service}, request);
-    return watch_response(alarms_json(service, service.alarms().watch().active(service.net().now())));
+    return watch_response(alarms_json(service, service.alarms().watch().active(service.net().now()), {}));
 }
 
 }    // namespace
+
+void tell_loss(Json& json, DeviceService& service, const WatchedDevice& device, ano::TimePoint now) {
+    if (const auto info = service.info(device.address)) json["name"] = service.texts(device.address).shown(info->name);
+    json["age"] = std::round(std::chrono::duration<double>(now - device.heard_at).count() * 10) / 10;
+    if (device.flag) json["sflag"] = *device.flag;
+}
 
 void add_watch_routes(http::Routes& routes, DeviceService& service) {
     routes.add(
         {"GET", "/alarms", Access::view,
          "the values of all devices that are beyond their limits for long enough; with Accept: application/x-ndjson a line, "
-         "as a WebSocket a message for each change, and once a second while there are some",
+         "as a WebSocket a message for each change, and once a second while there are some, with the devices that are lost",
          [&service](const Request& request) { return alarms_answer(service, request); }});
     routes.add({"GET", "/devices/{device}/log", Access::view,
                 "the last 500 lines that the device logged, or of 0xFF that all did (since=T: only those since T, in seconds "

@@ -1,5 +1,9 @@
 // The requests that watch devices: their log, their alarm limits, what is in alarm.
 #pragma once
+#include <ano/time.hpp>
+#include <devices/loss_watch.hpp>
+
+#include <nlohmann/json_fwd.hpp>
 
 namespace anogate {
 
@@ -10,5 +14,8 @@ class Routes;
 
 /// `service` must outlive the routes and their answers.
 void add_watch_routes(http::Routes& routes, DeviceService& service);
+
+/// Adds who was lost, for how long it is silent, and its last state.
+void tell_loss(nlohmann::ordered_json& json, DeviceService& service, const WatchedDevice& device, ano::TimePoint now);
 
 }    // namespace anogate

@@ -80,7 +80,7 @@ bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView 
     const bool is_log = frame.id() == ano::id_of<"log"> || frame.id() == ano::id_of<"log_value">;
     const bool is_mode = frame.id() == ano::id_of<"mode">;
     const bool is_watched = service.alarms().watch().wants(frame.source(), frame.id());
-    const bool is_telemetry = DeviceService::is_telemetry(frame.id());
+    const bool is_telemetry = LossWatch::is_telemetry(frame.id());
     if ((!is_log && !is_telemetry && !is_watched) || of_.gateway_.forwarder().router().claims(frame.source(), from.id))
         return false;
     if (is_log) {

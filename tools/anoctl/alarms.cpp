@@ -136,6 +136,7 @@ private:
         asio::signal_set signals{io, SIGINT, SIGTERM};
         signals.async_wait([&io](anogate::error_code, int) { io.stop(); });
         ChangePrinter printer{streams};
+        bool was_empty = false;
         http::Request request;
         request.method = "GET";
         request.target = "/alarms";
@@ -145,6 +146,7 @@ private:
         const auto take = [&](std::string_view line) {
             const std::vector<Json> alarms = wanted(parse_answer(std::string{line}));
             if (!json) return printer.print(alarms);
+            if (std::exchange(was_empty, alarms.empty()) && alarms.empty()) return;    // the line tells a vehicle
             streams.out << ano::json_text(Json{{"alarms", alarms}}) << '\n';
             streams.out.flush();
             if (!streams.out) io.stop();

@@ -1,13 +1,13 @@
 // The frame around every page: the present page, the state of the gateway, the navigation.
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { inWords, t, setLanguage, useLanguage } from "./i18n";
 import { rateText } from "./format";
 import { access, contact, devices, logIn, logOut, lostVehicles, silentFor, status, tokenNeeded, type Status } from "./live/gateway";
 import { editedPages, isEdited } from "./live/edits";
 import { replayedDevices } from "./live/replayed";
 import { useStore, useTick } from "./live/store";
-import { ageOf, alarms, lostDevices, seenRateOf } from "./live/watch";
+import { ageOf, alarms, lostDevices, lostNews, seenRateOf } from "./live/watch";
 import { called, nameOf } from "./addresses";
 import { hexByte, isHost } from "./protocol/table";
 import { Alerts, alertTitle } from "./parts/alerts";
@@ -243,11 +243,11 @@ export function App() {
   const known = useStore(status);
   const may = useStore(access);
   const page = pageAt(now);
-  useStore(lostDevices);
+  useStore(lostNews);
   useStore(alarms);
   useStore(contact);
   useEffect(() => scrollTo(0, 0), [page, now.device]);
-  useEffect(() => {
+  useLayoutEffect(() => { // other effects of a hidden page come a second later
     const whose = page.ofDevice && now.device !== undefined ? called(now.device) : known?.gateway.name;
     document.title = `${alertTitle()}${t(page.title)} · ${whose ?? "anogate"}`;
   });

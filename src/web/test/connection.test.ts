@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { onHeard } from "../src/api";
-import { Connection, reopenAll, retryAfter, type ConnectionUser } from "../src/live/connection";
+import { Connection, reopenAll, retryAfter, retryHidden, type ConnectionUser } from "../src/live/connection";
 
 class FakeSocket {
   static all: FakeSocket[] = [];
@@ -118,7 +118,28 @@ inBrowser("all are opened anew at once, and the old ones' ends open no further",
   assert.equal(it.sockets.length, 4);
 });
 
-inBrowser("a hidden page has no connection, and has it again when it is shown", (it) => {
+inBrowser("one that says so stays open while the page is hidden, and is opened again more seldom", (it) => {
+  let closed = 0;
+  it.connection.open({ ...it.user, whileHidden: true, closed: () => ++closed });
+  it.hide(true);
+  assert.equal(it.last.isClosed, false);
+  it.last.onmessage({ data: "{}" });
+  assert.deepEqual(it.heard, ["{}"]);
+  it.last.onclose();
+  assert.equal(closed, 1);
+  it.pass(retryHidden - 1);
+  assert.equal(it.sockets.length, 1);
+  it.pass(1);
+  assert.equal(it.sockets.length, 2);
+  it.last.onclose();
+  it.hide(false); // at once
+  assert.equal(it.sockets.length, 3);
+  it.hide(true);
+  reopenAll();
+  assert.equal(it.sockets.length, 4);
+});
+
+inBrowser("a hidden page has no other connection, and has it again when it is shown", (it) => {
   it.connection.open(it.user);
   it.hide(true);
   assert.ok(it.last.isClosed);

@@ -75,6 +75,10 @@ test("a gateway is lost when it was silent for so long that people see it within
   alive.restart(9000);
   assert.equal(alive.contact(9500), "live", "what was hidden asked nothing");
   assert.equal(alive.contact(9000 + lostAfter), "lost");
+  alive.restart(20000, true);
+  assert.equal(alive.contact(20001), "lost", "a hidden page knew it");
+  alive.heard(20002);
+  assert.equal(alive.contact(20002), "live");
 });
 
 test("who is heard anyway is asked for no more than what the answer says; who is silent, soon", () => {

@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { alarmsIn, bodyOf, limitsIn, type Limit } from "../src/live/limits";
 import { Presence } from "../src/live/presence";
+import { heardDevicesIn } from "../src/live/heard_devices";
 import { faultOf } from "../src/parts/parameter_set";
 import { isolated, visible } from "../src/visible";
 
@@ -21,13 +22,34 @@ test("a device is lost within 1 s and two periods, and not before a period has p
   }
 });
 
-test("what only answers, logs, or sends rarely is never lost", () => {
+test("what only answers, logs at times, or sends rarely is never lost", () => {
   const presence = new Presence();
   send(presence, 0xe1, 0.01, 0, 1);
-  send(presence, 0xa0, 0.01, 0, 1);
+  for (const from of [0, 10, 20]) send(presence, 0xa0, 0.01, from, from + 4);
   send(presence, 0x06, 20, 0, 200);
   assert.equal(presence.isLost(1000, 0), false);
   assert.equal(new Presence().isLost(1000, 0), false);
+});
+
+test("what only logs, all the time, is lost within 1 s and two periods; so is a vehicle of which only its log is left", () => {
+  for (const id of [0xa0, 0xa1])
+    for (const period of [0.05, 0.2, 1, 3])
+      for (const telemetry of [false, true]) {
+        const presence = new Presence(), until = telemetry ? 5 + 4 * period : 15;
+        if (telemetry) send(presence, 0x06, 0.1, 0, 5);
+        send(presence, id, period, telemetry ? 5 + period : 0, until);
+        const last = presence.heardAt, what = `${id} ${period} ${telemetry}`;
+        assert.equal(presence.isLost(last + 0.7 + period, 0), false, what);
+        assert.equal(presence.isLost(last + 0.9 + 2 * period, 0), true, what);
+      }
+});
+
+test("lines that come together make no vehicle lost whose telemetry comes", () => {
+  const presence = new Presence();
+  send(presence, 0x06, 2, 0, 20);
+  send(presence, 0xa0, 0.01, 20, 20.5);
+  assert.equal(presence.isLost(22, 0), false);
+  assert.equal(presence.isLost(25, 0), true);
 });
 
 test("a device that others know to be lost is lost until it is heard again", () => {
@@ -47,6 +69,17 @@ test("a device that others know to be lost is lost until it is heard again", () 
   brief.wasLost(50.2);
   assert.equal(brief.isLost(60, 0), true);
   assert.equal(brief.heardAt, 50);
+  brief.isBack(); // while nobody listened
+  assert.equal(brief.isLost(61, 61), false);
+  brief.wasLost(70);
+  assert.deepEqual([brief.isLost(71, 0), brief.heardAt], [true, 70]);
+});
+
+test("the devices of the gateway are read with the time when they were heard; what is none is left out", () => {
+  const lost = { address: "0x32", lost: true, name: "Falcon", age: 2.5, sflag: 2 }, heard = { address: "0xDC", lost: false };
+  assert.deepEqual(heardDevicesIn({ devices: [lost, heard] }, 100), [{ device: 50, isLost: true, heardAt: 97.5, flag: 2 }, { device: 220, isLost: false, heardAt: 100, flag: undefined }]);
+  for (const wrong of [{ address: "x" }, { address: undefined }, { lost: 1 }, { age: "2" }]) assert.deepEqual(heardDevicesIn({ devices: [{ ...lost, ...wrong }] }, 0), []);
+  for (const other of [undefined, null, {}, { devices: 1 }, { devices: [null, 1] }]) assert.deepEqual(heardDevicesIn(other, 0), []);
 });
 
 test("a message that a device stops sending, or sends at another rate, makes it no lost one", () => {

@@ -4,6 +4,7 @@
 #include <ano/typed.hpp>
 #include <ano_json/text.hpp>
 #include <devices/alarm_watch.hpp>
+#include <devices/loss_watch.hpp>
 #include <support/simulated_net.hpp>
 
 #include <gtest/gtest.h>
@@ -344,6 +345,115 @@ TEST_F(LostVehicles, are_none_that_only_answer_or_log) {
         for (int i = 0; i < 9; ++i) net.service.hear_telemetry(0x51, id, net.time), net.pass(1s);
     net.pass(60s);
     EXPECT_EQ(lost(), Json::array());
+}
+
+TEST_F(LostVehicles, are_lost_after_a_silence_that_their_own_period_allows) {
+    using anogate::LossWatch;
+    for (const Duration period : std::initializer_list<Duration>{20ms, 100ms, 1s, 4s}) {
+        LossWatch watch;
+        TimePoint now{1h};
+        for (std::size_t i = 0; i <= LossWatch::periods; ++i) watch.hear_mode(0xDC, 2, now += period);
+        const TimePoint last = now;
+        EXPECT_FALSE(watch.device(0xDC, std::nullopt, last + period + 899ms)->is_lost);
+        EXPECT_TRUE(watch.device(0xDC, std::nullopt, last + period + 900ms)->is_lost);
+        EXPECT_EQ(watch.device(0xDC, std::nullopt, last)->lost_at, last + period + 900ms);
+        EXPECT_FALSE(watch.device(0xDC, last + 500ms, last + period + 1s)->is_lost) << "another frame of it came";
+        EXPECT_EQ(watch.device(0xDC, last + period + 1s, last)->lost_at, last + period + 1s + LossWatch::lost_after) << "alone";
+        watch.hear_mode(0xDC, 2, now += 1min);    // no period
+        EXPECT_EQ(watch.device(0xDC, std::nullopt, now)->lost_at, now + period + 900ms);
+        watch.forget(0xDC);
+        EXPECT_FALSE(watch.device(0xDC, last, now));
+    }
+    LossWatch brief;
+    brief.hear_mode(0xDC, 2, TimePoint{1h});
+    EXPECT_EQ(brief.device(0xDC, std::nullopt, TimePoint{1h})->lost_at, TimePoint{1h} + LossWatch::lost_after);
+    EXPECT_FALSE(brief.device(0xDD, TimePoint{1h}, TimePoint{1h}));
+}
+
+// "lost DC 2 1.5, heard DD": of the last line.
+std::string devices_in(const std::vector<Json>& lines) {
+    std::string all;
+    if (lines.empty()) return "no line";
+    if (!lines.back().contains("devices")) return "none";
+    for (const Json& one : lines.back().at("devices")) {
+        all += (all.empty() ? "" : ", ") + std::string{one.at("lost").get<bool>() ? "lost " : "heard "} +
+               one.at("address").get<std::string>();
+        if (one.contains("sflag")) all += " " + one.at("sflag").dump();
+        if (one.contains("age")) all += " " + one.at("age").dump();
+    }
+    return all;
+}
+
+// A hidden page hears nothing else.
+TEST_F(LostVehicles, are_told_to_those_who_follow_the_alarms_and_so_are_those_that_are_back) {
+    Follower follower{net};
+    EXPECT_EQ(devices_in(follower.lines()), "none");
+    const auto fly = [&](Duration duration, std::uint8_t flag = 2) {
+        for (const TimePoint end = net.time + duration; net.time < end; net.pass(100ms)) say(flag);
+    };
+    say(2, 0xFE);
+    net.pass(1s);
+    EXPECT_EQ(follower.woken, 0u) << "a host is no vehicle";
+    fly(10s);
+    EXPECT_EQ(follower.woken, 1u) << "while all is well, once";
+    EXPECT_EQ(devices_in(follower.lines()), "heard 0xDC");
+    net.pass(800ms);    // after 100 ms of its period
+    EXPECT_EQ(follower.woken, 1u);
+    net.pass(100ms);
+    EXPECT_EQ(devices_in(follower.lines()), "lost 0xDC 2 1.0") << "nothing else comes";
+    net.pass(5s);
+    EXPECT_EQ(follower.woken, 7u) << "once a second, for who makes a sound";
+    Follower late{net};
+    EXPECT_EQ(devices_in(late.lines()), "lost 0xDC 2 6.0");
+    follower.lines();
+    fly(200ms);
+    EXPECT_EQ(devices_in(follower.lines()), "heard 0xDC");
+    net.pass(2s);
+    EXPECT_EQ(devices_in(follower.lines()), "lost 0xDC 2 2.1");
+    net.service.forget_values(0xDC);
+    net.pass(100ms);
+    EXPECT_EQ(devices_in(follower.lines()), "none");
+}
+
+TEST_F(LostVehicles, that_never_sent_a_mode_are_told_to_who_follows_as_well) {
+    Follower follower{net};
+    follower.lines();
+    const auto send = [&] {
+        for (int i = 0; i < 3; ++i, net.pass(200ms)) net.service.hear_telemetry(0x51, 0x51, net.time);
+    };
+    send();
+    EXPECT_EQ(devices_in(follower.lines()), "heard 0x51");
+    net.pass(5s);
+    EXPECT_EQ(devices_in(follower.lines()), "lost 0x51 5.2");
+    send();
+    EXPECT_EQ(devices_in(follower.lines()), "heard 0x51");
+}
+
+TEST_F(LostVehicles, that_were_locked_are_told_again_to_who_follows_for_a_minute_and_stay_lost) {
+    Follower follower{net};
+    follower.lines();
+    say(0);
+    net.pass(62s);
+    EXPECT_EQ(devices_in(follower.lines()), "lost 0xDC 0 62.0");
+    const std::size_t woken = follower.woken;
+    net.pass(1h);
+    EXPECT_EQ(follower.woken, woken);
+    EXPECT_EQ(devices_in(Follower{net}.lines()), "lost 0xDC 0 3662.0");
+}
+
+TEST_F(LostVehicles, are_not_judged_by_a_gateway_that_stood_still) {
+    Follower follower{net};
+    follower.lines();
+    say(2);
+    net.pass(200ms);
+    EXPECT_EQ(devices_in(follower.lines()), "heard 0xDC");
+    net.time += 10s;
+    net.service.run(net.time);    // before what came meanwhile is read
+    say(2);
+    net.pass(1s);
+    EXPECT_EQ(devices_in(follower.lines()), "no line");
+    net.pass(2s);
+    EXPECT_EQ(devices_in(follower.lines()).substr(0, 11), "lost 0xDC 2");
 }
 
 struct LogStream : testing::Test {

@@ -1,13 +1,16 @@
-// A WebSocket of the gateway. It is opened again when it breaks, and a hidden page has none.
+// A WebSocket of the gateway. It is opened again when it breaks. A hidden page has only those that say so.
 import { onHeard, socketAddress } from "../api";
 
 export interface ConnectionUser {
   route: string;
+  whileHidden?: boolean;
   opened?(): void;
+  closed?(): void;
   take(message: string | ArrayBuffer): void;
 }
 
 export const retryAfter = 500; // milliseconds
+export const retryHidden = 3000;
 
 const all: Connection[] = [];
 
@@ -21,7 +24,7 @@ export class Connection {
 
   constructor() {
     all.push(this);
-    document.addEventListener("visibilitychange", () => (document.hidden ? this.disconnect() : this.connect()));
+    document.addEventListener("visibilitychange", () => (document.hidden && !this.user?.whileHidden ? this.disconnect() : this.connect()));
   }
 
   /** Does nothing while it is open: close it first, if the route is another one. */
@@ -45,7 +48,7 @@ export class Connection {
   }
   private connect(): void {
     const { user } = this;
-    if (!user || document.hidden || this.socket) return;
+    if (!user || this.socket || (document.hidden && !user.whileHidden)) return;
     const socket = new WebSocket(socketAddress(user.route));
     socket.binaryType = "arraybuffer";
     this.socket = socket;
@@ -61,7 +64,8 @@ export class Connection {
       if (this.socket !== socket) return;
       this.socket = undefined;
       clearTimeout(this.retry);
-      this.retry = setTimeout(() => this.connect(), retryAfter);
+      this.retry = setTimeout(() => this.connect(), document.hidden ? retryHidden : retryAfter);
+      user.closed?.();
     };
   }
 }

@@ -155,14 +155,20 @@ async function askGateway(question: number): Promise<void> {
     await jobs();
     return liveness.ended(question);
   }
-  askedForStatus = now;
-  const answer = await ask<Status>("/status", { timeout: 5000 });
+  await readStatus();
   liveness.ended(question);
+}
+
+/** Returns whether the gateway answered, with whatever. */
+async function readStatus(): Promise<boolean> {
+  askedForStatus = performance.now();
+  const answer = await ask<Status>("/status", { timeout: 5000 });
   if (!answer.ok) askedForStatus = Number.NEGATIVE_INFINITY;
-  if (!answer.ok || tokenNeeded.get()) return;
+  if (!answer.ok || tokenNeeded.get()) return answer.ok || answer.refusal.status !== 0;
   took(answer.value);
   void keepTable(answer.value);
   void keepDevices(performance.now());
+  return true;
 }
 
 function beat(): void {
@@ -179,10 +185,36 @@ function beat(): void {
 function look(): void {
   if (document.hidden || tokenNeeded.get()) return;
   const now = performance.now();
+  nowIs(liveness.contact(now));
+}
+
+function nowIs(after: Contact): void {
   const before = contact.get();
-  const after = liveness.contact(now);
   contact.set(after);
   if (before === "lost" && after === "live") reopenAll();
+}
+
+const hiddenEvery = 5000; // milliseconds
+let isAskingHidden = false;
+let endPause = (): void => undefined;
+
+/** A hidden page asks now, and not only when it is time: a connection was opened or has ended. */
+export const hurry = (): void => endPause();
+
+/** A browser slows the intervals of a hidden page down to one a minute, but not what follows an answer. */
+async function askWhileHidden(): Promise<void> {
+  if (isAskingHidden) return;
+  isAskingHidden = true;
+  while (document.hidden) {
+    const isThere = tokenNeeded.get() || (await readStatus());
+    if (document.hidden && !tokenNeeded.get() && contact.get() !== "never") nowIs(isThere ? "live" : "lost");
+    if (!document.hidden) break;
+    await new Promise<void>((done) => {
+      endPause = done;
+      setTimeout(done, hiddenEvery);
+    });
+  }
+  isAskingHidden = false;
 }
 
 export function begin(): void {
@@ -192,8 +224,11 @@ export function begin(): void {
   };
   onTokenNeeded.call = () => tokenNeeded.set(true);
   document.addEventListener("visibilitychange", () => {
-    if (!document.hidden) liveness.restart(performance.now());
+    if (document.hidden) return void askWhileHidden();
+    hurry();
+    liveness.restart(performance.now(), contact.get() === "lost");
   });
+  if (document.hidden) void askWhileHidden();
   beat();
   setInterval(beat, beatEvery);
 }

@@ -17,11 +17,12 @@ export class Liveness {
     this.heardAt = now;
   }
 
-  /** To be called after the page was hidden: it sent no requests, so silence in that time means nothing. */
-  restart(now: number): void {
+  /** To be called after the page was hidden: it sent few requests, so silence in that time means nothing; `isLost`: but it knows that the
+   * gateway did not answer. */
+  restart(now: number, isLost = false): void {
     this.outstanding.clear();
     this.askedAt = Number.NEGATIVE_INFINITY;
-    this.restartedAt = now;
+    if (!isLost) this.restartedAt = now;
   }
 
   contact(now: number): Contact {

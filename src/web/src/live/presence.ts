@@ -2,8 +2,10 @@
 import { entryOf } from "../entries";
 import { isFlexible } from "../protocol/table";
 
-/** Telemetry and flexible messages come by themselves. What a device answers, logs or shows as a picture has no period. */
+/** Telemetry and flexible messages come by themselves. What a device answers or shows as a picture has no period. */
 export const isTelemetry = (id: number): boolean => (id >= 0x01 && id < 0x60) || isFlexible(id);
+/** Lines come by themselves too, but some devices log only at times: see Presence.period(). */
+const isLog = (id: number): boolean => id === 0xa0 || id === 0xa1;
 
 const kept = 8; // intervals
 const longest = 5; // seconds: a message that is rarer is no sign of life
@@ -11,17 +13,21 @@ const longest = 5; // seconds: a message that is rarer is no sign of life
 /** The longest of the last intervals of one message, so that neither jitter nor a lower rate counts as a loss. */
 class Beat {
   last = Number.NEGATIVE_INFINITY;
+  private since = 0; // without a longer silence
   private readonly intervals: number[] = [];
 
   add(now: number): void {
     const step = now - this.last;
     this.last = now;
-    if (step > longest) return;
+    if (step > longest) return void (this.since = now);
     this.intervals.push(step);
     if (this.intervals.length > kept) this.intervals.shift();
   }
   period(): number | undefined {
     return this.intervals.length >= 2 ? Math.max(...this.intervals) : undefined;
+  }
+  isSteady(): boolean {
+    return this.last - this.since >= longest;
   }
 }
 
@@ -33,15 +39,15 @@ const sameLoss = 1; // seconds between what the gateway and the page know of whe
 export class Presence {
   heardAt = Number.NEGATIVE_INFINITY;
   private lostAt: number | undefined; // as others know
-  private readonly beats = new Map<number, Beat>();
+  private readonly beats = new Map<number, Beat>(); // of telemetry
+  private readonly logs = new Map<number, Beat>();
   private readonly recent: number[] = [];
 
   hear(id: number, now: number): void {
     this.heardAt = Math.max(this.heardAt, now);
     this.recent.push(now);
     if (this.recent.length > 2000) this.recent.splice(0, 1000);
-    if (!isTelemetry(id)) return;
-    entryOf(this.beats, id, () => new Beat()).add(now);
+    if (isTelemetry(id) || isLog(id)) entryOf(isLog(id) ? this.logs : this.beats, id, () => new Beat()).add(now);
   }
 
   /** Others know that it was heard last at that time, and is lost since: here nobody listened, or not for long enough to know. */
@@ -51,10 +57,20 @@ export class Presence {
     this.lostAt = this.heardAt;
   }
 
-  /** Of its most frequent message; undefined: it sends nothing by itself, or not long enough to know. */
+  /** Others know that it is heard, though here nobody listens. */
+  isBack(): void {
+    this.lostAt = undefined;
+  }
+
+  /** Of its most frequent telemetry. While it has none, of its log: if it had some, or logs all the time. undefined: it sends nothing by itself,
+   * or not long enough to know. */
   period(): number | undefined {
+    const hadSome = [...this.beats.values()].some((beat) => beat.period() !== undefined);
+    return this.shortest(this.beats.values()) ?? this.shortest([...this.logs.values()].filter((beat) => hadSome || beat.isSteady()));
+  }
+  private shortest(beats: Iterable<Beat>): number | undefined {
     let shortest: number | undefined;
-    for (const beat of this.beats.values()) {
+    for (const beat of beats) {
       const period = beat.period();
       if (period === undefined || beat.last < this.heardAt - 3 * period - 0.2) continue; // the device stopped sending this message
       if (shortest === undefined || period < shortest) shortest = period;

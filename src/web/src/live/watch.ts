@@ -3,13 +3,13 @@ import { ask } from "../api";
 import { entryOf } from "../entries";
 import { alarmsOfGateway, followAlarms } from "./alarm_feed";
 import { remember, remembered } from "../kept";
-import { contact, devices, lostVehicles, seconds, status, table } from "./gateway";
-import { keptLimits } from "./kept_limits";
+import { contact, devices, seconds, status, table } from "./gateway";
 import type { Alarm } from "./limits";
 import { watchStream } from "./frames";
 import { Presence } from "./presence";
 import { replayedDevices } from "./replayed";
 import { Store } from "./store";
+import type { HeardDevice } from "./heard_devices";
 import { isHost, Reading } from "../protocol/table";
 import type { FrameRecord } from "../protocol/records";
 import { alarmSound } from "../parts/sound";
@@ -32,7 +32,7 @@ class Watched {
 }
 
 const all = new Map<number, Watched>();
-let since = Number.POSITIVE_INFINITY; // from when on frames are seen
+let since = Number.POSITIVE_INFINITY; // from when on frames are seen; a hidden page sees none
 
 /** Devices that sent telemetry and are not heard any more. */
 export const lostDevices = new Store<ReadonlySet<number>>(new Set());
@@ -119,15 +119,30 @@ export function dismissLost(device: number): void {
 
 const sameVisit = 5; // seconds between what two visits know of when a device was heard last
 
-/** The gateway knows the vehicles that were lost before this page was opened. One that was locked was switched off: that is no news. */
-function takeLost(): void {
-  for (const { address, age, sflag } of lostVehicles.get()) {
-    const device = Number(address), one = watched(device), isNew = one.presence.heardAt === Number.NEGATIVE_INFINITY;
-    one.presence.wasLost(seconds() - age);
-    one.flag ??= sflag;
-    const dismissed = Number(remembered(`lost.${device}`)) || 0;
-    if (isNew && (sflag === 0 || Date.now() / 1000 - age - dismissed < sameVisit)) one.dismissedAt = one.presence.heardAt;
+/** The gateway knows the devices that were lost while this page was hidden, or before it was opened. A vehicle that was locked then was switched
+ * off: that is no news. */
+function takeHeard(heard: HeardDevice[]): void {
+  for (const { device, isLost, heardAt, flag } of heard) {
+    if (!isLost) {
+      all.get(device)?.presence.isBack();
+      continue;
+    }
+    const one = watched(device), isNew = one.presence.heardAt === Number.NEGATIVE_INFINITY;
+    one.presence.wasLost(heardAt);
+    one.flag = document.hidden ? (flag ?? one.flag) : (one.flag ?? flag);
+    const dismissed = Number(remembered(`lost.${device}`)) || 0, age = seconds() - heardAt;
+    if (isNew && (flag === 0 || Date.now() / 1000 - age - dismissed < sameVisit)) one.dismissedAt = one.presence.heardAt;
   }
+  look();
+}
+
+/** What is lost stays so until it is heard, or the gateway says so. */
+function seeNoFrames(): void {
+  for (const device of lostDevices.get()) {
+    const presence = all.get(device)?.presence;
+    presence?.wasLost(presence.heardAt);
+  }
+  since = Number.POSITIVE_INFINITY;
 }
 
 /** A value that is older is shown with its age, and can be dismissed: its device was switched off. */
@@ -152,7 +167,7 @@ let soundedAt = Number.NEGATIVE_INFINITY;
 
 function look(): void {
   const now = seconds();
-  if (document.hidden || contact.get() !== "live") return;
+  if (contact.get() !== "live") return;
   const replayed = replayedDevices(status.get());
   const silent = [...all].filter(([device, one]) => !replayed.has(device) && one.presence.isLost(now, since)).map(([device]) => device);
   const lost = silent.filter((device) => all.get(device)!.presence.heardAt !== all.get(device)!.dismissedAt);
@@ -174,17 +189,16 @@ function sound(now: number, keys: string[]): void {
   alarmSound(loud.every((key) => key.startsWith("amber")) ? "amber" : "red");
 }
 
-const lookForLimits = (): void => followAlarms(devices.get().some((one) => (one.limits ?? 0) !== 0) || [...keptLimits.get().values()].some((one) => one.limits.length > 0));
-
 /** Begins with the first status: before, it is not known whether the gateway asks for a token. */
 export function beginWatch(): void {
   const stop = status.subscribe(() => {
     stop();
-    devices.subscribe(lookForLimits);
-    keptLimits.subscribe(lookForLimits);
+    followAlarms(takeHeard);
     watchStream.use({ wish: { samples, batch: 60 }, take, began: () => { since = seconds(); } });
+    document.addEventListener("visibilitychange", () => {
+      if (document.hidden) seeNoFrames();
+    });
     setInterval(look, lookEvery);
     devices.subscribe(lookForRed);
-    lostVehicles.subscribe(takeLost);
   });
 }

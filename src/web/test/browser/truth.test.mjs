@@ -79,6 +79,111 @@ for (const [width, height] of [[1440, 900], [390, 844]])
     }
   });
 
+/** Another tab in front: the browser slows down the timers of `page`, and draws it no more. */
+async function hide(page) {
+  const other = await page.browserContext().newPage();
+  await other.goto("about:blank");
+  await other.bringToFront();
+  await until("it is hidden", () => page.evaluate(() => document.hidden));
+  return other;
+}
+
+test("a page behind another tab tells by title, sound and vibration which vehicle is lost, until it is heard again; so a value beyond its limit", async () => {
+  const page = await here.open({ hash: "#/59/vehicle" });
+  const device = new FlyingDevice(await groundPort(page), { address: 59, name: "Hawk" });
+  const titled = (words) => until(`a title ${words}`, async () => words.test(await page.title()));
+  try {
+    await outcome(page, ".flag", /^airborne$/);
+    await titled(/^Vehicle · Hawk$/);
+    await new Promise((done) => setTimeout(done, 1500)); // its period is known
+    await page.mouse.click(5, 600); // sounds are allowed behind a touch
+    await withEars(page);
+    const other = await hide(page);
+    await page.evaluate(() => {
+      window.titles = [];
+      new MutationObserver(() => window.titles.push({ at: performance.now(), title: document.title })).observe(document.querySelector("title"), { childList: true });
+    });
+    await new Promise((done) => setTimeout(done, 3000));
+    assert.deepEqual(await page.evaluate(() => window.titles), [], "that no frames come is no loss");
+    const began = await page.evaluate(() => performance.now());
+    device.kill();
+    await titled(/^⚠ No data from Hawk/);
+    const took = (await page.evaluate(() => window.titles[0].at)) - began;
+    console.log(`a vehicle killed behind another tab: the title says so after ${took.toFixed(0)} ms`);
+    assert.match((await page.evaluate(() => window.titles[0].title)), /^⚠ No data from Hawk/, "nothing else before");
+    await until("it sounds and shakes, more than once", () => page.evaluate(() => window.heard.tones > 4 && window.heard.shakes > 1));
+    assert.match(await textOf(page, ".alerts li.lost[data-device='59']"), /Hawk no data for .*last state: airborne/);
+    assert.ok(await page.evaluate(() => document.hidden));
+    device.fly();
+    await titled(/^Vehicle · Hawk$/);
+    assert.ok(await page.evaluate(() => document.hidden));
+    const limits = (list) => asked(page, "devices/59/limits", { method: "PUT", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ limits: list }) });
+    await limits([{ field: "power.voltage", side: "below", red: 14 }]); // by somebody else, while nobody looks
+    device.voltage = 13.2;
+    await titled(/^⚠ Hawk: battery/);
+    await limits([]);
+    await titled(/^Vehicle · Hawk$/);
+    device.kill();
+    await titled(/^⚠ No data from Hawk/);
+    await other.close();
+    await page.bringToFront();
+    await page.waitForSelector("main.old .alerts li.lost[data-device='59']");
+    device.fly();
+    await until("all is well again", async () => !(await page.$(".alerts")) && (await page.title()) === "Vehicle · Hawk");
+    assert.deepEqual(page.faults, []);
+  } finally {
+    device.stop();
+    await page.browserContext().close();
+  }
+});
+
+test("a page behind another tab tells that the gateway is gone, and finds it again", async () => {
+  const page = await here.open({ hash: "#/overview" });
+  try {
+    await page.waitForSelector(".contact.live");
+    const well = await until("its title", async () => /^Overview/.test(await page.title()) && page.title());
+    await hide(page);
+    await here.gateway.stop();
+    const began = performance.now();
+    await until("a title", async () => /^⚠ The gateway does not answer/.test(await page.title()), 10000);
+    console.log(`the gateway ended behind another tab: the title says so after ${(performance.now() - began).toFixed(0)} ms`);
+    await here.gateway.runAgain();
+    await until("the title of before", async () => (await page.title()) === well);
+    assert.ok(await page.evaluate(() => document.hidden));
+    here.gateway.process.kill("SIGSTOP"); // no connection ends
+    await until("a title", async () => /^⚠ The gateway does not answer/.test(await page.title()));
+    here.gateway.process.kill("SIGCONT");
+    await until("the title of before", async () => (await page.title()) === well);
+    assert.ok(await page.evaluate(() => document.hidden));
+  } finally {
+    here.gateway.process.kill("SIGCONT");
+    await page.browserContext().close();
+  }
+});
+
+test("a device of which only its log is left is lost as soon as that ends", async () => {
+  const page = await here.open({ hash: "#/60/vehicle" });
+  const device = new FlyingDevice(await groundPort(page), { address: 60, name: "Rook" });
+  try {
+    await outcome(page, ".flag", /^airborne$/);
+    await new Promise((done) => setTimeout(done, 1500));
+    device.kill();
+    const sentAt = [];
+    const say = () => { sentAt.push(performance.now()); device.log("still here", 0); };
+    const lines = setInterval(say, 200);
+    await until("some lines", () => sentAt.length > 20);
+    assert.equal(await page.$(".contact-of-device.lost"), null);
+    const { took, late } = await shownAfter(page, ["document.querySelector('main.old') && document.querySelector('.contact-of-device.lost')"], () => { clearInterval(lines); say(); });
+    const most = 1000 + 2 * Math.max(...sentAt.slice(-9).map((at, i, all) => (i > 0 ? at - all[i - 1] : 0)));
+    console.log(`the log of a device ended: shown after ${took.toFixed(0)} ms, of which timers were late by ${late.toFixed(0)} ms; ${most.toFixed(0)} ms are allowed`);
+    assert.ok(took - late <= most, `${took} ms, of which ${late} ms were late timers; ${most} ms are allowed`);
+    await outcome(page, ".alerts li.lost[data-device='60']", /no data for/);
+  } finally {
+    device.stop();
+    await page.browserContext().close();
+  }
+});
+
 test("a page that is opened after the loss of a vehicle tells it, and its last state; also behind a reload and a dismissal", async () => {
   const before = await here.open({ hash: "#/overview" });
   const device = new FlyingDevice(await groundPort(before), { address: 58, name: "Swift" });

@@ -1,0 +1,39 @@
+#include <ano/typed.hpp>
+#include <devices/loss_watch.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+
+void LossWatch::hear(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept {
+    if (!is_telemetry(id)) return;
+    Life& life = lives_[address];
+    if (now - life.at > rarest_telemetry) life.intervals = 0;
+    else if (!life.sends_telemetry()) ++life.intervals;
+    life.at = now;
+}
+
+void LossWatch::hear_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoint now) noexcept {
+    hear(address, ano::id_of<"mode">, now);
+    Life& life = lives_[address];
+    const ano::Duration interval = now - life.mode_at;
+    if (life.flag && interval <= rarest_telemetry) life.mode_intervals[life.mode_count++ % periods] = interval;
+    life.mode_at = now;
+    life.flag = flag;
+}
+
+ano::Duration LossWatch::Life::allowed_silence(ano::TimePoint heard_at) const noexcept {
+    if (!flag) return rarest_telemetry;
+    const ano::Duration period = *std::max_element(mode_intervals.begin(), mode_intervals.end());
+    return mode_count < periods || heard_at - mode_at > patience + period ? lost_after : patience + period;
+}
+
+std::optional<WatchedDevice> LossWatch::device(std::uint8_t address, std::optional<ano::TimePoint> heard_at,
+                                               ano::TimePoint now) const noexcept {
+    const Life& life = lives_[address];
+    if (!life.flag && !life.sends_telemetry()) return std::nullopt;
+    const ano::TimePoint at = std::max(life.at, heard_at.value_or(life.at)), lost_at = at + life.allowed_silence(at);
+    return WatchedDevice{address, at, life.flag, lost_at, now >= lost_at};
+}
+
+}    // namespace anogate
