@@ -24,8 +24,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
-#include <cmath>
 #include <initializer_list>
 #include <span>
 #include <utility>
