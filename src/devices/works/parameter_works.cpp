@@ -111,7 +111,7 @@ protected:
     }
 
     /// The low bytes of a value that is not as long as its type are no value: writing it is refused as well.
-    Json row(const ano::host::ParameterInfo& info, std::optional<ano::host::AnyValue> value, bool with_value) const {
+    Json row(const ano::host::ParameterInfo& info, const std::optional<ano::host::AnyValue>& value, bool with_value) const {
         const std::string unreadable = value ? ano::host::unreadable_value(parameters_->bytes(info.id), info) : std::string{};
         if (unreadable.empty()) return parameter_json(info, value, with_value, texts());
         Json json = parameter_json(info, std::nullopt, false, texts());
