@@ -33,10 +33,13 @@ public:
     ~LogLines() { spdlog::set_default_logger(before_); }
     LogLines(const LogLines&) = delete;
     LogLines& operator=(const LogLines&) = delete;
-    /// Since the last call.
+    /// Since the last call, without what the gateway says of a machine that is too busy.
     std::string take() const {
-        std::string lines = told_.str();
+        std::istringstream told{told_.str()};
         told_.str({});
+        std::string lines;
+        for (std::string line; std::getline(told, line);)
+            if (!line.starts_with("stood still for ")) lines += line + '\n';
         return lines;
     }
 

@@ -24,12 +24,11 @@ public:
     LogLines(const LogLines&) = delete;
     LogLines& operator=(const LogLines&) = delete;
 
-    /// Since the last call, without what the gateway says of a machine that is too busy.
+    /// Since the last call.
     std::vector<std::string> take() {
         std::istringstream said{std::exchange(text_, std::ostringstream{}).str()};
         std::vector<std::string> lines;
-        for (std::string line; std::getline(said, line);)
-            if (!line.starts_with("stood still for ")) lines.push_back(line);
+        for (std::string line; std::getline(said, line);) lines.push_back(line);
         return lines;
     }
 
