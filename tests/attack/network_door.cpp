@@ -109,6 +109,24 @@ TEST_F(NetworkDoor, refuses_other_names_pages_and_forms) {
     EXPECT_EQ(asked("localhost", "Content-Type: text/plain\r\n", "POST /gpio"), "415");
 }
 
+// A browser opens them for a page of another site, with what it has of ours.
+TEST_F(NetworkDoor, streams_of_pages_of_other_sites_leave_some_to_our_own) {
+    const auto first_line = [&](int fd, const std::string& headers) {
+        const std::string asked = request("GET /frames", bearer(acts) + headers);
+        EXPECT_EQ(::send(fd, asked.data(), asked.size(), MSG_NOSIGNAL), static_cast<ssize_t>(asked.size()));
+        char begin[12]{};
+        EXPECT_EQ(::recv(fd, begin, sizeof begin, MSG_WAITALL), static_cast<ssize_t>(sizeof begin));
+        return std::string{begin + 9, 3};
+    };
+    std::vector<anogate::UniqueFd> foreign;
+    for (int i = 0; i < 30; ++i) {
+        foreign.emplace_back(connect_tcp(port));
+        first_line(foreign.back().get(), "Sec-Fetch-Site: cross-site\r\n");
+    }
+    const anogate::UniqueFd own{connect_tcp(port)};
+    EXPECT_EQ(first_line(own.get(), "Sec-Fetch-Site: same-origin\r\n"), "200");
+}
+
 TEST_F(NetworkDoor, slows_down_who_guesses) {
     for (int i = 0; i < 10; ++i)
         EXPECT_EQ(code_of(http(port, request("GET /status", bearer("guess" + std::to_string(i))))), "401");
