@@ -8,6 +8,14 @@ import { FlyingDevice, frame } from "./hostile_device.mjs";
 const here = world(["sim:imu", "udp-listen:127.0.0.1:0,name=ground", "udp-listen:127.0.0.1:0,name=field", "--route", "0x35=ground", "--route", "0x39=ground"]);
 const groundPort = async (page) => (await asked(page, "links")).find((link) => link.name === "ground").port;
 
+/** Until the title of the page is like `words`. */
+async function titled(page, words) {
+  let title = "";
+  await until(`a title ${words}`, async () => words.test((title = await page.title()))).catch((error) => {
+    throw new Error(`${error.message}; it is "${title}"`);
+  });
+}
+
 /** Counts what would be heard and felt. */
 const withEars = (page) => page.evaluate(() => {
   window.heard = { tones: 0, shakes: 0 };
@@ -44,7 +52,7 @@ for (const [width, height] of [[1440, 900], [390, 844]])
     const device = new FlyingDevice(await groundPort(page));
     try {
       await outcome(page, ".flag", /^airborne$/);
-      await until("its name", async () => (await page.title()) === "Vehicle · Falcon");
+      await titled(page, /^Vehicle · Falcon$/);
       await outcome(page, ".contact-of-device.live", /Falcon .*\/s · 0\.\d s/);
       await new Promise((done) => setTimeout(done, 1500)); // its period is known
       await page.mouse.click(5, height - 200); // sounds are allowed behind a touch
@@ -91,10 +99,9 @@ async function hide(page) {
 test("a page behind another tab tells by title, sound and vibration which vehicle is lost, until it is heard again; so a value beyond its limit", async () => {
   const page = await here.open({ hash: "#/59/vehicle" });
   const device = new FlyingDevice(await groundPort(page), { address: 59, name: "Hawk" });
-  const titled = (words) => until(`a title ${words}`, async () => words.test(await page.title()));
   try {
     await outcome(page, ".flag", /^airborne$/);
-    await titled(/^Vehicle · Hawk$/);
+    await titled(page, /^Vehicle · Hawk$/);
     await new Promise((done) => setTimeout(done, 1500)); // its period is known
     await page.mouse.click(5, 600); // sounds are allowed behind a touch
     await withEars(page);
@@ -107,7 +114,7 @@ test("a page behind another tab tells by title, sound and vibration which vehicl
     assert.deepEqual(await page.evaluate(() => window.titles), [], "that no frames come is no loss");
     const began = await page.evaluate(() => performance.now());
     device.kill();
-    await titled(/^⚠ No data from Hawk/);
+    await titled(page, /^⚠ No data from Hawk/);
     const took = (await page.evaluate(() => window.titles[0].at)) - began;
     console.log(`a vehicle killed behind another tab: the title says so after ${took.toFixed(0)} ms`);
     assert.match((await page.evaluate(() => window.titles[0].title)), /^⚠ No data from Hawk/, "nothing else before");
@@ -115,16 +122,16 @@ test("a page behind another tab tells by title, sound and vibration which vehicl
     assert.match(await textOf(page, ".alerts li.lost[data-device='59']"), /Hawk no data for .*last state: airborne/);
     assert.ok(await page.evaluate(() => document.hidden));
     device.fly();
-    await titled(/^Vehicle · Hawk$/);
+    await titled(page, /^Vehicle · Hawk$/);
     assert.ok(await page.evaluate(() => document.hidden));
     const limits = (list) => asked(page, "devices/59/limits", { method: "PUT", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ limits: list }) });
     await limits([{ field: "power.voltage", side: "below", red: 14 }]); // by somebody else, while nobody looks
     device.voltage = 13.2;
-    await titled(/^⚠ Hawk: battery/);
+    await titled(page, /^⚠ Hawk: battery/);
     await limits([]);
-    await titled(/^Vehicle · Hawk$/);
+    await titled(page, /^Vehicle · Hawk$/);
     device.kill();
-    await titled(/^⚠ No data from Hawk/);
+    await titled(page, /^⚠ No data from Hawk/);
     await other.close();
     await page.bringToFront();
     await page.waitForSelector("main.old .alerts li.lost[data-device='59']");
