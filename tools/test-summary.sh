@@ -7,7 +7,7 @@ echo "The slowest tests, in seconds:"
 for file in "$@"; do
     build=$(basename "$(dirname "$file")")
     sed -n "s|.*<testcase name=\"\([^\"]*\)\".* time=\"\([0-9.]*\)\".*|\2 $build \1|p" "$file"
-done | sort -rn | head -n 20 | awk '{ printf "%7.1f  %s (%s)\n", $1, $3, $2 }'
+done | sort -rn | awk 'NR <= 20 { printf "%7.1f  %s (%s)\n", $1, $3, $2 }'
 exec awk '
     function reason() {
         if (note) return note
