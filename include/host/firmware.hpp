@@ -38,8 +38,8 @@ struct FirmwareOptions {
 /// for a frame. It begins again as well, with the shortest frames, where frames had to be repeated and the image did not pass the device's
 /// check: the two sums of a frame do not show every error.
 ///
-/// A device that refuses an info behind one without an answer may have accepted that: it is told to erase, and if it does, the upgrade goes
-/// on.
+/// A device that refuses an info behind one without an answer may have accepted that. If the header of the image names its hardware, and
+/// `force` did not pass that over, it is told to erase, and if it does, the upgrade goes on.
 ///
 /// Done: only after the device said that its check passed. Refused: by the device, before anything was changed. Failed: it could not
 /// erase, write or check. Timeout: it does not answer. Invalid: the image is not for it. The text of every failure after the erase

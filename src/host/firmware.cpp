@@ -194,7 +194,8 @@ void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended,
     if (!answer) return give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
     if (!accepted) {
         is_refused_ = true;
-        return infos_ > 1 || is_begun_again ? begin_erasing(now) : refused(ended.evidence, now);
+        const bool fits = !options_.force && !image_.is_for_any_hardware();    // identified() compared them
+        return (infos_ > 1 && fits) || is_begun_again ? begin_erasing(now) : refused(ended.evidence, now);
     }
     order_ = answer->order;
     if (purpose_ == Purpose::shorten)

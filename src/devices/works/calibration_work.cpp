@@ -149,8 +149,7 @@ std::string drop_note(const WorkPlace& place, const std::string& name) {
     place.notes.drop(name, "removed: the device has other calibration values");
     return "the device has other calibration values than its unfinished calibration left, so they stay, and the file is "
            "removed: " +
-           describe_note(name, text) + ", " +
-           note_json(text).value("parameters", Json{}).dump(-1, ' ', false, Json::error_handler_t::replace);
+           describe_note(name, text) + ", " + ano::compact_json(note_json(text).value("parameters", Json{}));
 }
 
 // The name of the kept values of this very device; empty: there are none.

@@ -388,6 +388,29 @@ TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_erased_for) {
     EXPECT_EQ(loader.erases, 0u);
 }
 
+// Nothing says that the image is for this hardware, so the refusal may be meant.
+TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_not_erased_for_when_nothing_says_that_the_image_fits) {
+    const auto ends_refused = [&](FirmwareOptions options) {
+        loader = {};
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            const bool is_first = f.id() == 0xF0 && loader.infos == 0;
+            auto answers = loader.take(fake, f);
+            if (!is_first) return answers;
+            loader.refuses = true;
+            return std::vector<Bytes>{};
+        };
+        EXPECT_EQ(run(std::move(options))->end()->ending, Ending::refused);
+        EXPECT_EQ(loader.erases, 0u);
+    };
+    FirmwareOptions forced;
+    forced.force = true;
+    ends_refused(forced);
+    image.hw_type = 0;
+    image.hw_ver_min = image.hw_ver_max = 0;
+    ASSERT_TRUE(image.is_for_any_hardware());
+    ends_refused({});
+}
+
 TEST_F(Upgrade, an_erase_whose_answer_was_lost_is_sent_again_soon_where_the_device_is_heard) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         auto answers = loader.take(fake, f);
