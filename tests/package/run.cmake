@@ -15,7 +15,7 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 foreach(file bin/anogated lib/systemd/system/anogated.service lib/systemd/system/anogated@.service lib/sysusers.d/anogate.conf
-    lib/udev/rules.d/60-anogate.rules lib/udev/rules.d/98-anogate-ports.rules etc/anogate/anogate.json share/man/man8/anogated.8
+    lib/udev/rules.d/60-anogate.rules lib/udev/rules.d/98-anogate-ports.rules etc/anogate/anogate.json etc/anogate/anogate.full.json share/man/man8/anogated.8
     share/man/man1/anoctl.1 share/man/man5/anogate.json.5 share/man/man7/anogate-api.7 share/bash-completion/completions/anoctl
     share/zsh/vendor-completions/_anoctl share/fish/vendor_completions.d/anoctl.fish)
   if(NOT EXISTS ${prefix}/${file})

@@ -25,7 +25,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 30> all{{
+    static constexpr std::array<Subcommand, 31> all{{
         {"decode", "Shows the frames in bytes", add_decode, "Frames",
          "  anoctl decode AB DC FE 03 07 00 7B 00 00 00 00 00 01 09 E4\n  anoctl decode --json < bytes.txt\n"},
         {"encode", "Makes a frame", add_encode, "Frames", "  anoctl encode euler rol=1.5 pit=0\n"},
@@ -35,6 +35,8 @@ std::span<const Subcommand> subcommands() noexcept {
          "monitor serial:/dev/ttyUSB0,baud=500000     without a gateway\n"},
         {"ports", "Shows serial ports and CAN interfaces, and who has them; finds the rate of a device", add_ports, "Gateway",
          "  anoctl ports\n"},
+        {"setup", "Sets up the service: port, rate, configuration, start, page; asks before each step", add_setup, "Gateway",
+         "  sudo anoctl setup\n  sudo anoctl setup /dev/ttyUSB0 --yes\n"},
         {"status", "Shows how a running gateway is", add_status, "Gateway",
          "  anoctl status\n  anoctl status --exit-code > /dev/null || echo \"not all is well\"\n"},
         {"links", "Shows its links and what they count", add_links, "Gateway", ""},

@@ -2,6 +2,8 @@
 
 #include <anoctl/text/table.hpp>
 
+#include <unistd.h>
+
 #include <ostream>
 #include <string>
 
@@ -28,6 +30,19 @@ void ask(Streams& streams, std::string_view question) {
     streams.out.flush();
     streams.err << wrapped(std::string{question} + " [y/N]", width_of(streams.err_is_terminal, streams), hanging_indent) << ' '
                 << std::flush;
+}
+
+std::string answer(const Streams& streams) {
+    std::string line;
+    char c = 0;
+    while (::read(streams.in, &c, 1) == 1 && c != '\n') line += c;
+    return line;
+}
+
+bool agrees(Streams& streams, std::string_view question) {
+    ask(streams, question);
+    const std::string word = answer(streams);
+    return word == "y" || word == "Y" || word == "yes";
 }
 
 }    // namespace anoctl

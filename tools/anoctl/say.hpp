@@ -2,6 +2,7 @@
 #pragma once
 #include "anoctl.hpp"
 
+#include <string>
 #include <string_view>
 
 namespace anoctl {
@@ -12,5 +13,9 @@ void say(Streams& streams, std::string_view text);
 void tell(Streams& streams, std::string_view text);
 /// A question on standard error, without a line end.
 void ask(Streams& streams, std::string_view question);
+/// The line that answers it, without its end.
+std::string answer(const Streams& streams);
+/// Asks, and says whether the answer is yes.
+bool agrees(Streams& streams, std::string_view question);
 
 }    // namespace anoctl

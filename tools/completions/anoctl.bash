@@ -45,9 +45,9 @@ _anoctl_parameters() {
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports setup status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports setup status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -70,6 +70,8 @@ _anoctl() {
         'monitor --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'monitor --config') _anoctl_files; return ;;
         'ports --detect') _anoctl_ports; return ;;
+        'setup --baud') :; return ;;
+        'setup --into') _anoctl_files; return ;;
         'status --control') _anoctl_files; return ;;
         'links --control') _anoctl_files; return ;;
         'routes --forget') _anoctl_addresses; return ;;
@@ -162,6 +164,7 @@ _anoctl() {
         'messages') options='--markdown --json --lua --config -h --help'; operands='_anoctl_messages' ;;
         'monitor') options='--id --from --to --link --direction --count --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
         'ports') options='--detect --json -h --help'; operands=':' ;;
+        'setup') options='--baud --into --yes -h --help'; operands='_anoctl_ports' ;;
         'status') options='--control --exit-code --json -h --help'; operands=':' ;;
         'links') options='--control --json -h --help'; operands='_anoctl_link_names' ;;
         'routes') options='--forget --control --json -h --help'; operands=':' ;;

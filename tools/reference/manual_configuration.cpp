@@ -89,7 +89,7 @@ std::string configuration_page() {
     put_section<LogSettings>(page, "log", "An object:", log_keys());
     page.section("FILES");
     page.begin_list();
-    page.item("/usr/share/doc/anogate/config/anogate.json", "", "Every key with its default and a comment");
+    page.item("/etc/anogate/anogate.full.json", "", "Every key with its default and a comment");
     page.item("/usr/share/doc/anogate/config/examples", "", "Whole files to begin with");
     page.item("/usr/share/doc/anogate/config/anogate.schema.json", "", "The JSON Schema, for editors");
     page.end_list();

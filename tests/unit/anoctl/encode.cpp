@@ -111,7 +111,7 @@ TEST(Anoctl, takes_json_before_the_command) {
     EXPECT_EQ(anoctl({"--json", "messages", "--lua"}).exit, 2);
     EXPECT_EQ(anoctl({"--json", "--help"}).exit, 0);
     EXPECT_EQ(anoctl({"--json"}).err,
-              "anoctl: --json is for a command; the commands are decode, encode, messages, monitor, ports, status, links, "
+              "anoctl: --json is for a command; the commands are decode, encode, messages, monitor, ports, setup, status, links, "
               "routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, calibrate, log, alarms, image, "
               "terminal, top, record, "
               "recordings, info, convert, replay, plot-udp, web\n");

@@ -98,7 +98,8 @@ TEST(Anoctl, a_command_that_is_none_is_named) {
     EXPECT_EQ(
         ran.err,
         "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor, "
-        "ports, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, calibrate, "
+        "ports, setup, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, "
+        "calibrate, "
         "log, alarms, image, "
         "terminal, top, record, recordings, info, convert, replay, plot-udp, web\n");
     EXPECT_EQ(anoctl({"help"}).out, anoctl({"--help"}).out);
@@ -107,7 +108,8 @@ TEST(Anoctl, a_command_that_is_none_is_named) {
     EXPECT_EQ(
         anoctl({}).err,
         "anoctl: no command; the commands are decode, encode, messages, monitor, "
-        "ports, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, calibrate, "
+        "ports, setup, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, "
+        "calibrate, "
         "log, alarms, "
         "image, terminal, top, record, recordings, info, convert, replay, plot-udp, web, and anoctl COMMAND --help says more\n");
 }

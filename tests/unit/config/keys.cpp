@@ -34,7 +34,7 @@ void for_every_key(auto visit) {
     section("log", log_keys());
 }
 
-std::string sample() { return support::text_of(support::source_file("config/anogate.json")); }
+std::string sample() { return support::text_of(support::source_file("config/anogate.full.json")); }
 
 /// `text` with the examples that are commented out made part of it: lines with // and no space behind it. Other comments stay.
 std::string with_examples(const std::string& text) {

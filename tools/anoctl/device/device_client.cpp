@@ -307,11 +307,7 @@ void DeviceClient::must_be_able_to_ask(const std::string& what) const {
 bool DeviceClient::may(const std::string& question) {
     if (options_.yes) return true;
     must_be_able_to_ask("it");
-    anoctl::ask(streams_, question);
-    std::string answer;
-    char c = 0;
-    while (::read(streams_.in, &c, 1) == 1 && c != '\n') answer += c;
-    return answer == "y" || answer == "Y" || answer == "yes";
+    return agrees(streams_, question);
 }
 
 bool DeviceClient::may_write(const std::string& path) {

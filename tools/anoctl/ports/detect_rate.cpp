@@ -114,10 +114,10 @@ private:
 
 class Detection {
 public:
-    Detection(const std::string& path, bool json, Streams& streams, ListeningTime time)
-        : path_{path}, json_{json}, streams_{streams}, time_{time}, port_{path} {}
+    Detection(const std::string& path, Streams& streams, ListeningTime time)
+        : path_{path}, streams_{streams}, time_{time}, port_{path} {}
 
-    int run() {
+    FoundRate run() {
         for (const std::uint32_t baud : usual_rates()) {
             if (const std::string wrong = port_.set_rate(baud); !wrong.empty()) {
                 refusal_ = wrong;
@@ -127,7 +127,7 @@ public:
             if (streams_.terminal) streams_.err << "anoctl: listening at " << baud << std::endl;
             const HeardAtRate heard = listen(baud);
             if (interrupted_) throw Failure{"interrupted: nothing found until " + std::to_string(baud) + " baud"};
-            if (heard.is_right()) return tell(heard);
+            if (heard.is_right()) return {baud, heard.from, terminal::driver(port_.fd()) == "cdc_acm"};
             bytes_ += heard.counters.bytes_in;
             if (heard.counters.v7_frames > 1) v7_at_ = v7_at_.value_or(baud);
         }
@@ -172,25 +172,6 @@ private:
         heard.counters = parser.counters();
     }
 
-    int tell(const HeardAtRate& heard) const {
-        const bool any_rate = terminal::driver(port_.fd()) == "cdc_acm";
-        if (json_) {
-            streams_.out << ano::json_text(
-                                ano::Json{{"device", path_}, {"baud", heard.baud}, {"from", heard.from}, {"any_rate", any_rate}})
-                         << '\n';
-            return fine;
-        }
-        std::string from;
-        for (const std::uint8_t address : heard.from) from += (from.empty() ? "" : ", ") + ano::hex_byte(address);
-        const std::string link = "serial:" + path_;
-        if (any_rate)
-            streams_.out << path_ << ": good frames from " << from << " at any rate: by USB alone (cdc_acm) it means nothing.\n"
-                         << "The link: " << link << '\n';
-        else
-            streams_.out << path_ << ": " << heard.baud << " baud: good frames from " << from << ".\n"
-                         << "The link: " << link << ",baud=" << heard.baud << '\n';
-        return fine;
-    }
     std::string why_not() const {
         if (tried_ == 0) return refusal_;
         const std::string rates = " at any of " + std::to_string(tried_) + " rates";
@@ -204,7 +185,6 @@ private:
     }
 
     std::string path_;
-    bool json_;
     Streams& streams_;
     ListeningTime time_;
     Interruption interruption_;
@@ -224,9 +204,29 @@ std::span<const std::uint32_t> usual_rates() noexcept {
     return rates;
 }
 
+FoundRate find_rate(const std::string& port, Streams& streams, ListeningTime time) {
+    return Detection{port, streams, time}.run();
+}
+
 int detect_rate(const std::string& port, bool json, Streams& streams, ListeningTime time) {
     const std::string path = port.starts_with("serial:") ? port.substr(7, port.find(',') - 7) : port;
-    return Detection{path, json, streams, time}.run();
+    const FoundRate found = find_rate(path, streams, time);
+    if (json) {
+        streams.out << ano::json_text(
+                           ano::Json{{"device", path}, {"baud", found.baud}, {"from", found.from}, {"any_rate", found.any_rate}})
+                    << '\n';
+        return fine;
+    }
+    std::string from;
+    for (const std::uint8_t address : found.from) from += (from.empty() ? "" : ", ") + ano::hex_byte(address);
+    const std::string link = "serial:" + path;
+    if (found.any_rate)
+        streams.out << path << ": good frames from " << from << " at any rate: by USB alone (cdc_acm) it means nothing.\n"
+                    << "The link: " << link << '\n';
+    else
+        streams.out << path << ": " << found.baud << " baud: good frames from " << from << ".\n"
+                    << "The link: " << link << ",baud=" << found.baud << '\n';
+    return fine;
 }
 
 }    // namespace anoctl

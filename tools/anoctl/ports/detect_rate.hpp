@@ -41,8 +41,18 @@ struct ListeningTime {
     }
 };
 
-/// Listens at one rate after the other until one is right, and prints it. Returns the exit status. Nothing is sent. Throws Failure when
-/// the port can't be opened, no rate is right, or SIGINT is received.
+/// The rate at which a device at a port sends good frames.
+struct FoundRate {
+    std::uint32_t baud = 0;
+    std::set<std::uint8_t> from;
+    bool any_rate = false;    // by USB alone (cdc_acm): the rate means nothing
+};
+
+/// Listens at one rate after the other until one is right. Nothing is sent. Throws Failure when the port can't be opened, no rate is
+/// right, or SIGINT is received.
+FoundRate find_rate(const std::string& port, Streams& streams, ListeningTime time = {});
+
+/// The same, and prints it. Returns the exit status.
 int detect_rate(const std::string& port, bool json, Streams& streams, ListeningTime time = {});
 
 }    // namespace anoctl

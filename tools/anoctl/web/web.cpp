@@ -1,6 +1,7 @@
 // anoctl web: how to reach the gateway in a browser or from another program.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway.hpp>
+#include <anoctl/run_program.hpp>
 #include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/table.hpp>
 #include "web_certificate.hpp"
@@ -8,16 +9,12 @@
 
 #include <http/client/certificate.hpp>
 #include <link/udp/ip_socket.hpp>
-#include <sys/errors.hpp>
 
 #include <ano_json/escapes.hpp>
 #include <nlohmann/json.hpp>
 
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <climits>
 #include <memory>
 #include <optional>
@@ -88,16 +85,10 @@ void tell_certificate(const MadeCertificate& made, std::ostream& out) {
         << "SHA-256 fingerprint, which browsers show where they ask whether to trust it:\n    " << made.fingerprint << '\n';
 }
 
-void open_in_browser(std::string url) {
-    std::string program = "xdg-open";
-    char* words[] = {program.data(), url.data(), nullptr};
-    pid_t pid = -1;
-    int status = 0;
-    const int error = ::posix_spawnp(&pid, program.c_str(), nullptr, nullptr, words, environ);
-    if (error == ENOENT) throw Failure{"xdg-open is not installed (package xdg-utils): open " + url + " yourself"};
-    if (error != 0) throw Failure{anogate::error_text(program, error)};
-    while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {}
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw Failure{"xdg-open found nothing to open " + url + " with"};
+void open_in_browser(const std::string& url) {
+    const auto status = run_program({"xdg-open", url});
+    if (!status) throw Failure{"xdg-open is not installed (package xdg-utils): open " + url + " yourself"};
+    if (*status != 0) throw Failure{"xdg-open found nothing to open " + url + " with"};
 }
 
 struct Web {

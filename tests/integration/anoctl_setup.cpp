@@ -1,0 +1,92 @@
+// anoctl setup: port, rate, configuration and service, by the commands that it runs. tests/vm/systemd has it with a real systemd.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <support/files.hpp>
+#include <support/process.hpp>
+#include <support/pty_device.hpp>
+#include <support/temp_dir.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace anoctl_setup_tests {
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+class AnoctlSetup : public testing::Test {
+protected:
+    AnoctlSetup() {
+        const std::string program = dir.write("systemctl", "#!/bin/sh\necho \"systemctl $*\"\n");
+        std::filesystem::permissions(program, std::filesystem::perms{0700});
+    }
+    struct Result {
+        int exit;
+        std::string said;
+    };
+    Result setup(std::vector<std::string> words) const {
+        words.insert(words.begin(), {"setup", "--into", config});
+        Process process{ANOCTL, std::move(words), {"PATH=" + dir.path().string(), "DISPLAY=", "WAYLAND_DISPLAY="}};
+        const int exit = process.wait();
+        return {exit, process.output()};
+    }
+    json written() const { return json::parse(text_of(config), nullptr, true, true); }
+
+    TempDir dir;
+    std::string config = dir / "anogate.json";
+    PtyDevice device{dir / "tty"};
+};
+
+TEST_F(AnoctlSetup, writes_a_configuration_that_the_gateway_takes_and_starts_the_service) {
+    const Result done = setup({device.path(), "--baud", "115200", "--yes"});
+    ASSERT_EQ(done.exit, 0) << done.said;
+    EXPECT_NE(done.said.find("systemctl enable anogated\nsystemctl restart anogated\n"), std::string::npos) << done.said;
+    EXPECT_NE(done.said.find("http://127.0.0.1:8088/"), std::string::npos) << done.said;
+    const json fc = written().at("links").at(0);
+    EXPECT_EQ(fc.at("device"), device.path());
+    EXPECT_EQ(fc.at("baud"), 115200);
+    EXPECT_EQ(fc.at("profile"), "vendor");
+    Process check{ANOGATED, {"--check", "--config", config}};
+    EXPECT_EQ(check.wait(), 0) << check.output();
+    EXPECT_EQ(std::filesystem::status(config).permissions(), std::filesystem::perms{0644}) << "others may read it";
+}
+
+TEST_F(AnoctlSetup, keeps_the_configuration_that_was_there) {
+    dir.write("anogate.json", "{\"links\": [\"sim:fc\"]}");
+    ASSERT_EQ(setup({device.path(), "--baud", "115200", "--yes"}).exit, 0);
+    EXPECT_EQ(text_of(config + ".old"), "{\"links\": [\"sim:fc\"]}");
+    EXPECT_EQ(written().at("links").at(0).at("device"), device.path());
+}
+
+TEST_F(AnoctlSetup, finds_the_rate_by_listening) {
+    Process process{ANOCTL, {"setup", "--into", config, device.path(), "--yes"}, {"PATH=" + dir.path().string(), "DISPLAY="}};
+    const std::vector<std::uint8_t> frame{0xAB, 0xFE, 0xFF, 0x03, 0x00, 0x00, 0xAB, 0xFD};
+    ASSERT_TRUE(wait_until([&] {
+        device.write(frame);
+        return process.output().find("systemctl restart") != std::string::npos;
+    })) << process.output();
+    EXPECT_EQ(process.wait(), 0);
+    EXPECT_NE(process.output().find(": 500000 baud\n"), std::string::npos) << process.output();
+    EXPECT_EQ(written().at("links").at(0).at("baud"), 500000) << "the first rate: a pseudo-terminal has none";
+}
+
+TEST_F(AnoctlSetup, changes_nothing_when_it_can_not_ask) {
+    const Result refused = setup({device.path()});
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_NE(refused.said.find("--yes does it without"), std::string::npos) << refused.said;
+    EXPECT_FALSE(std::filesystem::exists(config));
+}
+
+TEST_F(AnoctlSetup, says_what_is_wrong_with_a_service_that_does_not_start) {
+    dir.write("systemctl", "#!/bin/sh\nexit 1\n");
+    const Result failed = setup({device.path(), "--baud", "115200", "--yes"});
+    EXPECT_EQ(failed.exit, 1);
+    EXPECT_NE(failed.said.find("systemctl enable failed; journalctl -u anogated has the reason"), std::string::npos)
+        << failed.said;
+}
+
+}    // namespace
+}    // namespace anoctl_setup_tests

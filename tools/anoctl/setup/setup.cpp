@@ -1,0 +1,160 @@
+// anoctl setup: from an installed package to an open page. Each step asks first.
+#include <anoctl/anoctl.hpp>
+#include <anoctl/device/file_text.hpp>
+#include <anoctl/ports/detect_rate.hpp>
+#include <anoctl/ports/port_list.hpp>
+#include <anoctl/ports/ports.hpp>
+#include <anoctl/run_program.hpp>
+#include <anoctl/say.hpp>
+#include "service_config.hpp"
+
+#include <ano_json/text.hpp>
+#include <sys/files/kept_file.hpp>
+
+#include <unistd.h>
+
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t rate_of_the_vendor = 500000;
+
+struct Setup {
+    std::string port, file = "/etc/anogate/anogate.json";
+    std::uint32_t baud = 0;
+    bool yes = false;
+
+    int run(Streams& streams) {
+        check(streams);
+        if (port.empty()) port = chosen_port(streams);
+        if (baud == 0) baud = detected_rate(streams);
+        if (!write_config(streams) || !start_service(streams)) return failed;
+        return show_page(streams);
+    }
+
+private:
+    void check(const Streams& streams) const {
+        if (!yes && !streams.in_is_terminal)
+            throw UsageError{"setup asks before each step, and there is no terminal to ask at: --yes does it without"};
+        const fs::path folder = fs::path{file}.parent_path();
+        if (!fs::is_directory(folder))
+            throw Failure{"there is no folder " + folder.string() + ": install the package anogate first"};
+        if (::access(folder.c_str(), W_OK) != 0) throw Failure{"no permission to write " + file + ": sudo anoctl setup"};
+    }
+
+    bool may(Streams& streams, const std::string& question) const { return yes || agrees(streams, question); }
+
+    std::string chosen_port(Streams& streams) const {
+        const std::vector<SerialPort> ports = serial_ports("/", anogate::DeviceUser::this_process());
+        write_ports("/", anogate::DeviceUser::this_process(), false, streams.out);
+        if (ports.empty())
+            throw Failure{"no serial port found: plug the device in, then repeat; or name a port: anoctl setup PORT"};
+        if (ports.size() == 1 && may(streams, "Use " + ports[0].device + "?")) return lasting_name(ports[0]);
+        if (yes) throw UsageError{"there are several ports: name one, for example: anoctl setup " + ports[0].device + " --yes"};
+        for (;;) {
+            ask_for(streams, "Which port?");
+            const std::string wanted = answer(streams);
+            if (wanted.empty()) throw Failure{"no port chosen; nothing was changed"};
+            for (const SerialPort& one : ports)
+                if (one.device == wanted || one.stable == wanted || one.device == "/dev/" + wanted) return lasting_name(one);
+            tell(streams, "there is no port " + ano::in_quotes(wanted) + " in the list above");
+        }
+    }
+    static std::string lasting_name(const SerialPort& port) { return port.stable.empty() ? port.device : port.stable; }
+    static void ask_for(Streams& streams, const std::string& question) { streams.err << question << ' ' << std::flush; }
+
+    /// 0: the rate has no meaning at this port.
+    std::uint32_t detected_rate(Streams& streams) const {
+        if (!may(streams, "Listen at " + port + " to find the baud rate? This takes up to 20 s and sends nothing."))
+            return rate_of_the_vendor;
+        try {
+            const FoundRate found = find_rate(port, streams);
+            say(streams, port + (found.any_rate ? ": any baud rate works" : ": " + std::to_string(found.baud) + " baud"));
+            return found.any_rate ? 0 : found.baud;
+        } catch (const Failure& nothing) {
+            tell(streams, nothing.what());
+            if (!may(streams, "Continue with " + std::to_string(rate_of_the_vendor) +
+                                  " baud? Some devices only send when they are asked."))
+                throw Failure{"nothing was changed"};
+            return rate_of_the_vendor;
+        }
+    }
+
+    bool write_config(Streams& streams) const {
+        const std::string text = service_config(port, baud);
+        streams.out << text;
+        const bool is_there = is_file(file);
+        if (!may(streams, "Write this to " + file + "?" + (is_there ? " The file there is kept as " + file + ".old." : "")))
+            return false;
+        std::error_code ec;
+        if (is_there) fs::rename(file, file + ".old", ec);
+        if (ec) throw Failure{file + ".old: " + ec.message()};
+        const std::string wrong = anogate::keep_file(file, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+        if (!wrong.empty()) throw Failure{wrong};
+        fs::permissions(file, fs::perms{0644}, ec);
+        say(streams, file + " written");
+        return true;
+    }
+
+    bool start_service(Streams& streams) const {
+        if (!may(streams, "Enable and start the service now?")) {
+            say(streams, "To start it later: sudo systemctl enable --now anogated");
+            return false;
+        }
+        for (const std::vector<std::string>& words :
+             {std::vector<std::string>{"systemctl", "enable", "anogated"}, {"systemctl", "restart", "anogated"}}) {
+            streams.out.flush();
+            const auto status = run_program(words);
+            if (!status) throw Failure{"systemctl is not installed; without systemd, start it by: anogated --config " + file};
+            if (*status != 0) throw Failure{"systemctl " + words[1] + " failed; journalctl -u anogated has the reason"};
+        }
+        return true;
+    }
+
+    /// A browser of the user who called sudo can't be opened by root.
+    int show_page(Streams& streams) const {
+        const char* const user = std::getenv("SUDO_USER");
+        const bool has_screen = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+        say(streams, "The page: http://127.0.0.1:8088/");
+        say(streams, "Its tokens: sudo cat /var/lib/anogate/token");
+        say(streams, "The status: sudo anoctl status");
+        if (!has_screen || !may(streams, "Open the page?")) return fine;
+        std::vector<std::string> words{"xdg-open", "http://127.0.0.1:8088/"};
+        if (user != nullptr) words.insert(words.begin(), {"runuser", "-u", user, "--"});
+        if (run_program(words).value_or(1) != 0)
+            tell(streams, "the browser can't be opened from here: open the address above yourself");
+        return fine;
+    }
+};
+
+}    // namespace
+
+Run add_setup(Options& options) {
+    const auto self = std::make_shared<Setup>();
+    options.push_back(
+        {"port", &self->port, "PORT", "The serial port of the device (default: the only one, or the one that you choose)"});
+    options.push_back({"--baud",
+                       [self](const std::string& word) {
+                           const char* const end = word.data() + word.size();
+                           const auto [last, wrong] = std::from_chars(word.data(), end, self->baud);
+                           const bool is_rate = wrong == std::errc{} && last == end && self->baud > 0;
+                           return is_rate ? std::string{} : ano::in_quotes(word) + " is not a baud rate";
+                       },
+                       "N", "Its baud rate (default: found by listening)"});
+    options.push_back({"--into", &self->file, "FILE", "Where the configuration is written (default: /etc/anogate/anogate.json)"});
+    options.push_back({"--yes", &self->yes, "", "Does each step without asking"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl
