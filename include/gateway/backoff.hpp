@@ -6,12 +6,15 @@
 
 namespace anogate {
 
-/// The first retry comes at once, the next after 100 ms; each pause is twice the one before, at most 1 s. A link that came
+/// The first retry comes at once, the next after 100 ms; each pause is twice the one before, at most `longest`. A link that came
 /// up for less than a second continues with the next pause, so that a link that opens and fails at once can't spin the loop.
 class Backoff {
 public:
     static constexpr ano::Duration first = std::chrono::milliseconds{100};
-    static constexpr ano::Duration cap = std::chrono::seconds{1};
+    static constexpr ano::Duration cap = std::chrono::seconds{1};        // the longest pause for what is plugged in
+    static constexpr ano::Duration network = std::chrono::seconds{5};    // and for a peer in a network
+
+    constexpr explicit Backoff(ano::Duration longest = cap) noexcept : longest_{longest} {}
 
     constexpr void came_up(ano::TimePoint now) noexcept {
         up_ = true;
@@ -22,11 +25,12 @@ public:
         if (up_ && now - up_since_ >= cap) pause_ = ano::Duration::zero();
         up_ = false;
         const ano::Duration pause = pause_;
-        pause_ = pause == ano::Duration::zero() ? first : std::min(2 * pause, cap);
+        pause_ = pause == ano::Duration::zero() ? first : std::min(2 * pause, longest_);
         return now + pause;
     }
 
 private:
+    ano::Duration longest_;
     ano::Duration pause_ = ano::Duration::zero();
     ano::TimePoint up_since_{};
     bool up_ = false;

@@ -43,6 +43,7 @@ std::optional<BoundPort> bound_port_of(const LinkSettings& link) {
 }
 
 Duration quiet_of(const LinkKind& kind) noexcept {
+    if (kind.over_network) return std::chrono::seconds{1};
     return std::chrono::milliseconds{kind.carries == Carries::datagrams ? 100 : 50};
 }
 

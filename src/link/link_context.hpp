@@ -8,6 +8,7 @@ namespace anogate {
 class AlarmClock;
 class DatagramBatch;
 class DatagramSender;
+class Resolver;
 
 struct LinkContext {
     asio::io_context& io;
@@ -15,6 +16,7 @@ struct LinkContext {
     LinkHost& host;
     DatagramBatch& batch;
     DatagramSender& sender;
+    Resolver& names;
 };
 
 }    // namespace anogate

@@ -1,14 +1,21 @@
 #include <link/link_context.hpp>
 #include <link/reconnect.hpp>
 
+#include <random>
+
 namespace anogate {
 
-Reconnect::Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down)
-    : now_{std::move(now)}, open_{std::move(open)}, down_{std::move(down)}, retry_{alarms, [this] { try_now(); }, retry_slack} {}
+Reconnect::Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down, ano::Duration longest)
+    : now_{std::move(now)},
+      open_{std::move(open)},
+      down_{std::move(down)},
+      backoff_{longest},
+      varies_{longest > Backoff::cap},
+      retry_{alarms, [this] { try_now(); }, retry_slack} {}
 
-Reconnect::Reconnect(const LinkContext& context, Link& link, Open open)
+Reconnect::Reconnect(const LinkContext& context, Link& link, Open open, ano::Duration longest)
     : Reconnect{context.alarms, [&host = context.host] { return host.now(); }, std::move(open),
-                [&host = context.host, &link](LinkError why) { host.link_down(link, std::move(why)); }} {}
+                [&host = context.host, &link](LinkError why) { host.link_down(link, std::move(why)); }, longest} {}
 
 void Reconnect::start() {
     stopped_ = false;
@@ -31,7 +38,9 @@ void Reconnect::try_soon() {
 }
 
 void Reconnect::lost(LinkError why) {
-    const ano::TimePoint next = backoff_.retry_at(now_());
+    const ano::TimePoint now = now_();
+    ano::TimePoint next = backoff_.retry_at(now);
+    if (varies_) next -= (next - now) * (std::random_device{}() % 512) / 1024;
     if (!stopped_) retry_.set(next);
     down_(std::move(why));
 }

@@ -27,9 +27,10 @@ public:
     /// Called after each failed try, and when the connection is lost.
     using Down = std::function<void(LinkError why)>;
 
-    Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down);
+    Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down, ano::Duration longest = Backoff::cap);
     /// For a link: `down` is LinkHost::link_down().
-    Reconnect(const LinkContext& context, Link& link, Open open);
+    /// With a `longest` pause above Backoff::cap, pauses differ by chance, so that those who lost the same peer do not come back together.
+    Reconnect(const LinkContext& context, Link& link, Open open, ano::Duration longest = Backoff::cap);
 
     void start();
     /// No calls afterwards, except `down` from lost().
@@ -49,6 +50,7 @@ private:
     Open open_;
     Down down_;
     Backoff backoff_;
+    bool varies_;
     Alarm retry_;
     bool stopped_ = true;
 };

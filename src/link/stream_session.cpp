@@ -100,7 +100,7 @@ void StreamSession::read() {
 }
 
 void StreamSession::deliver() {
-    while (const auto frame = channel_->parser.next()) context_.host.receive(*channel_, *frame);
+    while (const auto frame = channel_->parser.next()) take(*frame);
     context_.host.flush();
 }
 

@@ -57,6 +57,8 @@ protected:
     virtual ssize_t write_some(std::span<const iovec> pieces);
     /// Bytes in the driver that are not on the wire yet; 0 where asking is expensive.
     virtual std::size_t held_by_driver() const { return 0; }
+    /// A good frame came.
+    virtual void take(ano::FrameView frame) { context_.host.receive(*channel_, frame); }
     /// A read failed, or reached the end of input (`error` is 0).
     virtual void read_ended(int error) = 0;
     /// A write or the opening failed.

@@ -74,14 +74,14 @@ std::uint8_t Gateway::group_number(const std::string& group) {
 
 LinkId Gateway::add_link(const LinkSettings& link) {
     const LinkId id = forwarder_.add_link(forwarder_link(link, group_number(link.group), settings_.aliases));
-    add(link.kind->make(id, link, {io_, alarms_, *this, batch_, sender_}));
+    add(link.kind->make(id, link, {io_, alarms_, *this, batch_, sender_, names_}));
     if (link.kind->carries == Carries::bytes) streams_.insert(id);
     return id;
 }
 
 LinkId Gateway::add_tunnel() {
     const LinkId id = forwarder_.add_link(forwarder_link(TunnelLink::link_settings(settings_), 0, {}));
-    auto tunnel = std::make_unique<TunnelLink>(id, settings_, wrap_targets(), LinkContext{io_, alarms_, *this, batch_, sender_},
+    auto tunnel = std::make_unique<TunnelLink>(id, settings_, wrap_targets(), LinkContext{io_, alarms_, *this, batch_, sender_, names_},
                                                forwarder_);
     tunnel_ = tunnel.get();
     add(std::move(tunnel));
@@ -122,7 +122,7 @@ ControlLink* Gateway::control() {
 LinkId Gateway::add_control() {
     LinkSettings settings = ControlLink::link_settings(settings_);
     const LinkId id = forwarder_.add_link(forwarder_link(settings, 0, {}));
-    auto control = std::make_unique<ControlLink>(id, std::move(settings), LinkContext{io_, alarms_, *this, batch_, sender_},
+    auto control = std::make_unique<ControlLink>(id, std::move(settings), LinkContext{io_, alarms_, *this, batch_, sender_, names_},
                                                  forwarder_);
     control_ = control.get();
     add(std::move(control));

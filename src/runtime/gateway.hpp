@@ -5,6 +5,7 @@
 #include <gateway/settings.hpp>
 #include <gpio/gpio.hpp>
 #include <link/link_context.hpp>
+#include <link/tcp/resolver.hpp>
 #include <link/tunnel_link.hpp>
 #include <link/udp/datagram_batch.hpp>
 #include <link/udp/datagram_sender.hpp>
@@ -256,6 +257,7 @@ private:
     PeerLog peer_log_;
     DatagramBatch batch_;
     DatagramSender sender_;
+    Resolver names_{io_};
     Forwarder forwarder_;
     std::unique_ptr<Gpio> gpio_;
     std::vector<LinkState> links_;    // declared after everything that links refer to; in the order of the configuration

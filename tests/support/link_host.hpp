@@ -5,6 +5,7 @@
 
 #include <link/clocks.hpp>
 #include <link/link_context.hpp>
+#include <link/tcp/resolver.hpp>
 #include <link/udp/datagram_batch.hpp>
 #include <link/udp/datagram_sender.hpp>
 #include <sys/alarm.hpp>
@@ -52,7 +53,7 @@ public:
         return loop_;
     }
 
-    anogate::LinkContext context() { return {io, alarms_, *this, batch_, sender_}; }
+    anogate::LinkContext context() { return {io, alarms_, *this, batch_, sender_, names_}; }
     const std::vector<std::unique_ptr<anogate::Channel>>& channels() const { return channels_; }
     /// All frames that came by channels called so.
     const Bytes& heard(const std::string& peer) { return heard_[peer]; }
@@ -75,6 +76,7 @@ private:
     anogate::AlarmClock alarms_{io};
     anogate::DatagramBatch batch_;
     anogate::DatagramSender sender_;
+    anogate::Resolver names_{io};
     anogate::LoopWatch loop_;
     std::vector<std::unique_ptr<anogate::Channel>> channels_;
     std::size_t opened_ = 0;    // in all: no number is used twice, of 64

@@ -11,6 +11,7 @@
 #include <link/kinds.hpp>
 #include <link/link_context.hpp>
 #include <link/udp/datagram_batch.hpp>
+#include <link/tcp/resolver.hpp>
 #include <link/udp/datagram_sender.hpp>
 #include <sys/alarm.hpp>
 #include <sys/asio.hpp>
@@ -84,7 +85,7 @@ public:
           streams_{streams},
           who_{std::move(who)},
           look_every_{look_every},
-          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_})} {}
+          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_, names_})} {}
 
     void start() {
         link_->start();
@@ -277,6 +278,7 @@ private:
     AlarmClock alarms_{io_};
     DatagramBatch batch_;
     DatagramSender sender_;
+    Resolver names_{io_};
     FrameTaker& taker_;
     Streams& streams_;
     const std::string who_;

@@ -1,0 +1,54 @@
+// Connects to a host by TCP: resolves its name, and tries its addresses one after the other.
+#pragma once
+#include <link/link_context.hpp>
+#include <link/link_error.hpp>
+#include <link/tcp/host_port.hpp>
+#include <sys/alarm.hpp>
+#include <sys/descriptor.hpp>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+/// Flow:    start() → connected(fd, peer) or failed(why), once    // from the loop; may be called within start()
+///          stop()                                               // neither is called
+class Connector {
+public:
+    /// The next address is tried this much later, or at once when the one before fails; the first that answers counts.
+    static constexpr ano::Duration between_tries = std::chrono::milliseconds{250};
+    static constexpr ano::Duration patience = std::chrono::seconds{10};
+
+    using Connected = std::function<void(UniqueFd fd, const Endpoint& peer)>;
+    using Failed = std::function<void(LinkError why)>;
+    Connector(const LinkContext& context, HostPort to, ano::Duration dead_after, Connected connected, Failed failed);
+    ~Connector() { stop(); }
+    Connector(const Connector&) = delete;
+    Connector& operator=(const Connector&) = delete;
+
+    void start();
+    void stop() noexcept;
+
+private:
+    struct Try;
+
+    void resolved(const std::vector<IpAddress>& addresses, const std::string& fault);
+    void try_next();
+    void has_ended(Try& attempt);
+    void fail(LinkError why);
+
+    LinkContext context_;
+    HostPort to_;
+    ano::Duration dead_after_;
+    Connected connected_;
+    Failed failed_;
+    std::vector<Endpoint> endpoints_;
+    std::vector<std::unique_ptr<Try>> tries_;    // as many as were begun
+    std::size_t open_ = 0;                       // tries that have not ended
+    LinkError why_;                              // of the last that failed
+    Alarm next_, deadline_;
+};
+
+}    // namespace anogate

@@ -1,0 +1,136 @@
+#include <config/key_rows.hpp>
+#include <config/link_kind.hpp>
+#include <config/values.hpp>
+#include <link/make_link.hpp>
+#include <link/tcp/tcp_link.hpp>
+#include <link/tcp/tcp_socket.hpp>
+#include <sys/errors.hpp>
+
+#include <cerrno>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+const std::string& tcp_peer(const LinkSettings& link) { return link.as<TcpSettings>().peer; }
+
+}    // namespace
+
+TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
+    : Link{id, std::move(settings)},
+      StreamSession{context},
+      connector_{context, HostPort::parse(tcp_peer(this->settings())).value_or(HostPort{}),
+                 this->settings().as<TcpSettings>().dead_after,
+                 [this](UniqueFd fd, const Endpoint& peer) {
+                     connected_to_ = peer.text();
+                     open(std::move(fd), *channel_);
+                 },
+                 [this](LinkError why) { reconnect_.lost(std::move(why)); }},
+      reconnect_{context, *this,
+                 [this]() -> Opened<void> {
+                     connector_.start();
+                     return {};
+                 },
+                 Backoff::network} {}
+
+void TcpLink::start() {
+    channel_ = context_.host.open_channel(*this, tcp_peer(settings()));
+    reconnect_.start();
+}
+
+void TcpLink::opened() {
+    reconnect_.came_up(context_.host.now());
+    pacing().start(settings().rate, settings().latency, settings().gap);
+    resume_reading();
+    context_.host.link_up(*this);
+}
+
+void TcpLink::read_ended(int error) {
+    const std::string& peer = tcp_peer(settings());
+    if (error == 0 || error == ECONNRESET || error == EPIPE)
+        return fail({"closed_by_peer", peer + " closed the connection", {{"peer", peer}}});
+    if (error == ETIMEDOUT)
+        return fail({"peer_silent", peer + " did not acknowledge anything for " +
+                                        duration_text(settings().as<TcpSettings>().dead_after) + ": the way to it is cut",
+                     {{"peer", peer}}});
+    fail(error_text(peer, error));
+}
+
+void TcpLink::fail(LinkError why) {
+    connected_to_.clear();
+    close();
+    end_of_input();
+    reconnect_.lost(std::move(why));
+}
+
+void TcpLink::stop_reading() {
+    pause_reading();
+    connector_.stop();
+    reconnect_.stop();
+}
+
+void TcpLink::stop() {
+    connector_.stop();
+    reconnect_.stop();
+    close();
+}
+
+std::size_t TcpLink::unsent() const { return is_open() ? unacknowledged(fd()) : 0; }
+
+LinkFacts TcpLink::facts() const {
+    LinkFacts facts{{"peer", tcp_peer(settings())}};
+    if (!is_open()) return facts;
+    facts.push_back({"address", connected_to_});
+    facts.push_back({"unacknowledged_ms", std::int64_t{unacknowledged_for(fd()).count()}});
+    return facts;
+}
+
+namespace {
+
+using namespace key_rows;
+using Tcp = TcpSettings;
+
+constexpr Key<LinkSettings> tcp_keys[] = {
+    text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") | needed,
+    duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day,
+                                         "a connection is closed when the other end is silent or acknowledges nothing for so long"),
+};
+
+void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
+    if (!faults.is_whole()) return;
+    const auto peer = HostPort::parse(tcp_peer(link));
+    if (!peer)
+        return faults.error("address", in_quotes(tcp_peer(link)) + " is not HOST:PORT, such as 192.168.4.1:8080 or fc.local:8080");
+    if (!peer->literal) return;
+    if (peer->literal->address.is_any())
+        faults.error("address", in_quotes(tcp_peer(link)) + " is nobody's address; to wait for connections there, use tcp-listen:" +
+                                    tcp_peer(link));
+    if (peer->literal->address.is_multicast()) faults.error("address", "TCP has no multicast: use udp:" + tcp_peer(link));
+}
+
+}    // namespace
+
+extern const LinkKind tcp_kind;    // listed in kinds.cpp
+constinit const LinkKind tcp_kind{
+    .name = "tcp",
+    .address = "address",
+    .example = "192.168.4.1:8080",
+    .help = "a TCP connection to a peer that listens: a Wi-Fi bridge (ESP8266, ESP32), ser2net, another program",
+    .carries = Carries::bytes,
+    .over_network = true,
+    .may_be_paced = true,
+    .hints = {.nothing_yet = {"nothing_from_peer", "nothing received yet from the peer"}, .may_wait_for_hello = true},
+    .keys = tcp_keys,
+    .settings = [] { return KindSettings{Tcp{}}; },
+    .make = make_link_of<TcpLink>,
+    .usual_name =
+        [](const LinkSettings& link) { return "tcp-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
+    .reach =
+        [](const LinkSettings& link) {
+            const auto peer = HostPort::parse(tcp_peer(link));
+            return peer && peer->literal && peer->literal->address.is_loopback() ? Reach::here : Reach::network;
+        },
+    .validate = validate_tcp,
+};
+
+}    // namespace anogate

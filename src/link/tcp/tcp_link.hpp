@@ -1,0 +1,38 @@
+// A connection to one peer that listens: a Wi-Fi bridge, ser2net, a program on another computer.
+#pragma once
+#include <link/reconnect.hpp>
+#include <link/stream_session.hpp>
+#include <link/tcp/connector.hpp>
+#include <link/tcp/tcp_settings.hpp>
+
+#include <string>
+
+namespace anogate {
+
+class TcpLink : public Link, public RawPort, protected StreamSession {
+public:
+    TcpLink(LinkId id, LinkSettings settings, const LinkContext& context);
+
+    void start() override;
+    void stop_reading() override;
+    void stop() override;
+    void flush(Channel&) override { write(); }
+    std::size_t unsent() const override;
+    LinkFacts facts() const override;
+    RawPort* raw_port() override { return this; }
+    void set_tap(RawTap* tap) override { StreamSession::set_tap(tap); }
+    bool write_raw(std::span<const std::uint8_t> bytes) override { return StreamSession::write_raw(bytes); }
+
+private:
+    void opened() override;
+    void read_ended(int error) override;
+    void failed(int error) override { read_ended(error); }
+    void fail(LinkError why);
+
+    Channel* channel_ = nullptr;
+    std::string connected_to_;    // the address; empty: none
+    Connector connector_;
+    Reconnect reconnect_;
+};
+
+}    // namespace anogate

@@ -1,0 +1,296 @@
+#include <ano/address.hpp>
+#include <config/key_rows.hpp>
+#include <config/link_kind.hpp>
+#include <link/make_link.hpp>
+#include <link/stream_session.hpp>
+#include <link/tcp/tcp_listen_link.hpp>
+#include <link/tcp/tcp_socket.hpp>
+#include <link/udp/ip_socket.hpp>
+#include <sys/errors.hpp>
+
+#include <algorithm>
+#include <bitset>
+#include <cerrno>
+#include <new>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr int accepts_per_turn = 16;
+constexpr Duration accept_pause = std::chrono::seconds{1};
+constexpr Duration one_exchange = std::chrono::seconds{1};    // so long a device may be silent within a conversation
+
+ConnectionPlaces tcp_places(const TcpListenSettings& tcp) {
+    const std::size_t quarter = tcp.max_peers / 4u;
+    const bool has_trusted = tcp.trusted_any || !tcp.trusted.empty();
+    return {tcp.max_peers, tcp.max_per_address ? *tcp.max_per_address : std::max<std::size_t>(2, quarter), has_trusted ? quarter : 0};
+}
+
+}    // namespace
+
+class TcpListenLink::Connection final : public StreamSession {
+public:
+    Connection(TcpListenLink& link, const Endpoint& peer, bool is_trusted, Channel& its_channel)
+        : StreamSession{link.context_}, id{its_channel.id}, address{peer.address}, since{link.context_.host.now()},
+          is_trusted_{is_trusted}, link_{link} {}
+
+    ConnectionPlaces::Connection facts() const { return {address, since, heard_.any(), is_trusted_}; }
+    bool has_heard(std::uint8_t source) const { return heard_[source]; }
+    TimePoint heard_at() const { return heard_at_; }
+    using StreamSession::channel;
+
+    const ChannelId id;
+    const IpAddress address;
+    const TimePoint since;
+
+private:
+    void opened() override {
+        pacing().start(link_.settings().rate, link_.settings().latency);
+        resume_reading();
+        link_.context_.host.link_up(link_);    // for the new channel
+    }
+    void take(ano::FrameView frame) override {
+        heard_at_ = context_.host.now();
+        if (!heard_[frame.source()]) link_.heard_first(*this, frame.source());
+        heard_.set(frame.source());
+        StreamSession::take(frame);
+    }
+    void read_ended(int) override { link_.end(*this); }
+    void failed(int) override { link_.end(*this); }
+
+    bool is_trusted_;
+    TcpListenLink& link_;
+    std::bitset<256> heard_;    // the senders of its frames
+    TimePoint heard_at_{};
+};
+
+TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext& context)
+    : Link{id, std::move(settings)},
+      context_{context},
+      listener_{context.io},
+      reconnect_{context, *this, [this] { return open(); }},
+      places_{tcp_places(this->settings().as<TcpListenSettings>())},
+      sweep_{context.alarms, [this] { ended_.clear(); }},
+      accept_again_{context.alarms, [this] { listener_.read_with([this] { accept(); }); }} {}
+
+TcpListenLink::~TcpListenLink() = default;
+
+Opened<void> TcpListenLink::open() {
+    auto socket = listen_tcp(settings().as<TcpListenSettings>().local);
+    if (!socket) return NotOpened{std::move(socket.error())};
+    reconnect_.came_up(context_.host.now());
+    local_ = local_endpoint(socket->get());
+    listener_.open(std::move(*socket));
+    listener_.read_with([this] { accept(); });
+    context_.host.link_up(*this);
+    return {};
+}
+
+// Without a descriptor for it the next connection would be reported again and again.
+void TcpListenLink::accept() {
+    for (int i = 0; i < accepts_per_turn; ++i) {
+        Accepted next = accept_tcp(listener_.fd());
+        if (next.fd) {
+            admit(std::move(next.fd), next.peer);
+            continue;
+        }
+        if (errno == ECONNABORTED || errno == EINTR) continue;
+        if (errno == EAGAIN) return;
+        ++no_memory_;
+        listener_.stop_reading();
+        return accept_again_.set(context_.host.now() + accept_pause);
+    }
+}
+
+void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
+    const TimePoint now = context_.host.now();
+    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
+    if (!is_allowed(peer.address, now)) {
+        ++outsiders_;
+        return;
+    }
+    if (!make_place(peer.address, now)) {
+        ++no_place_;
+        return;
+    }
+    Channel* const channel = context_.host.open_channel(*this, peer.text());
+    if (!channel) {
+        ++no_place_;
+        return;
+    }
+    set_tcp_options(fd.get(), tcp.dead_after);
+    try {
+        const bool is_trusted = tcp.trusted_any || contains(tcp.trusted, peer.address);
+        connections_.push_back(std::make_unique<Connection>(*this, peer, is_trusted, *channel));
+    } catch (const std::bad_alloc&) {
+        context_.host.close_channel(*channel);
+        throw;
+    }
+    connections_.back()->open(std::move(fd), *channel);
+} catch (const std::bad_alloc&) {
+    ++no_memory_;
+}
+
+bool TcpListenLink::make_place(const IpAddress& address, TimePoint now) {
+    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
+    std::vector<ConnectionPlaces::Connection> all;
+    for (const auto& one : connections_) all.push_back(one->facts());
+    const bool is_trusted = tcp.trusted_any || contains(tcp.trusted, address);
+    const ConnectionPlaces::Place place = places_.place_for(all, address, is_trusted, now);
+    if (place.gives_way) end(*connections_[*place.gives_way]);
+    return place.free;
+}
+
+bool TcpListenLink::is_allowed(const IpAddress& address, TimePoint now) {
+    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
+    if (tcp.allow_any || contains(tcp.allow, address)) return true;
+    return tcp.allow.empty() && networks_.contain(address, now);
+}
+
+// A device that restarts connects anew, while its old connection seems to stand: it leads nowhere. Hosts share their addresses.
+void TcpListenLink::heard_first(const Connection& from, std::uint8_t source) {
+    if (ano::address::is_host(source)) return;
+    const TimePoint now = context_.host.now();
+    for (std::size_t i = connections_.size(); i-- > 0;) {
+        Connection& other = *connections_[i];
+        if (&other != &from && other.address == from.address && other.since <= from.since && other.has_heard(source) &&
+            now - other.heard_at() >= one_exchange)
+            end(other);
+    }
+}
+
+void TcpListenLink::end(Connection& connection) {
+    const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c.get() == &connection; });
+    if (at == connections_.end()) return;
+    ended_.push_back(std::move(*at));
+    connections_.erase(at);
+    Channel& channel = connection.channel();
+    connection.close();
+    connection.end_of_input();
+    context_.host.close_channel(channel);
+    sweep_.set(context_.host.now());
+}
+
+void TcpListenLink::end(ChannelId channel) {
+    const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == channel; });
+    if (at != connections_.end()) end(**at);
+}
+
+void TcpListenLink::forget_peer(ChannelId channel) { end(channel); }
+
+void TcpListenLink::flush(Channel& channel) {
+    const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == channel.id; });
+    if (at != connections_.end()) (*at)->write();
+}
+
+void TcpListenLink::stop_reading() {
+    listener_.stop_reading();
+    accept_again_.cancel();
+    reconnect_.stop();
+    for (const auto& one : connections_) one->pause_reading();
+}
+
+void TcpListenLink::stop() {
+    reconnect_.stop();
+    accept_again_.cancel();
+    sweep_.cancel();
+    listener_.close();
+    connections_.clear();
+    ended_.clear();
+}
+
+std::size_t TcpListenLink::unsent() const {
+    std::size_t bytes = 0;
+    for (const auto& one : connections_) bytes += unacknowledged(one->fd());
+    return bytes;
+}
+
+LinkFacts TcpListenLink::facts() const {
+    const EndpointSpec& written = settings().as<TcpListenSettings>().local;
+    LinkFacts facts{{"address", listener_.is_open() ? local_.text() : written.text()},
+                    {"port", std::int64_t{listener_.is_open() ? local_.port : written.port}}};
+    std::chrono::milliseconds oldest{};
+    for (const auto& one : connections_) oldest = std::max(oldest, unacknowledged_for(one->fd()));
+    if (listener_.is_open()) facts.push_back({"unacknowledged_ms", std::int64_t{oldest.count()}});
+    return facts;
+}
+
+LinkError TcpListenLink::trouble() const {
+    if (const std::string count = std::to_string(no_place_); no_place_ > 0)
+        return {"no_place", count + " connections were refused: all places are taken", {{"count", count}}};
+    if (const std::string count = std::to_string(no_memory_); no_memory_ > 0)
+        return {"no_memory", count + " connections were refused: there was too little memory, or no file descriptor", {{"count", count}}};
+    if (outsiders_ == 0 || !connections_.empty()) return {};
+    return {"sender_refused", "senders outside `allow` were refused", {}};
+}
+
+UnassignedTraffic TcpListenLink::unassigned_traffic() const {
+    UnassignedTraffic traffic;
+    traffic.no_place = no_place_;
+    traffic.no_memory = no_memory_;
+    traffic.outsiders = outsiders_;
+    return traffic;
+}
+
+namespace {
+
+using namespace key_rows;
+using TcpListen = TcpListenSettings;
+
+constexpr Key<LinkSettings> tcp_listen_keys[] = {
+    endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
+    duration<own<TcpListen>, &TcpListen::dead_after>(
+        "dead_after", second, day, "a connection is closed when the other end is silent or acknowledges nothing for so long"),
+    integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
+                                             "most connections at a time; one that sends no frame gives way"),
+    integer<own<TcpListen>, &TcpListen::max_per_address>("max_per_address", 1, max_channels,
+                                                   "most connections of one IP address, loopback excepted (default: a quarter of "
+                                                   "max_peers, two at least)"),
+    networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
+        "allow", "networks whose members may connect, or any (default: the networks of our interfaces)"),
+    networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
+        "trusted", "networks for whose members a quarter of max_peers is kept, or any (default: none)"),
+};
+
+void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
+    if (link.hello && *link.hello != Duration{})
+        faults.error("hello", "'hello' is not possible on tcp-listen: the other end connects first; for a device at a known address use "
+                              "tcp:HOST:PORT,hello=on");
+}
+
+Reach reach_of_tcp(const LinkSettings& link) {
+    const TcpListen& listen = link.as<TcpListen>();
+    if (listen.local.address.is_loopback()) return Reach::here;
+    return listen.local.address.is_any() && (listen.allow_any || listen.allow.empty()) ? Reach::whole_networks : Reach::network;
+}
+
+std::optional<SharedByTwo> shared_port(const LinkSettings& a, const LinkSettings& b) {
+    const EndpointSpec &one = a.as<TcpListen>().local, &two = b.as<TcpListen>().local;
+    if (one.port == 0 || one.port != two.port) return std::nullopt;
+    if (one.address != two.address && !one.address.is_any() && !two.address.is_any()) return std::nullopt;
+    return SharedByTwo{"address", "TCP port " + std::to_string(one.port) + " is used by "};
+}
+
+}    // namespace
+
+extern const LinkKind tcp_listen_kind;    // listed in kinds.cpp
+constinit const LinkKind tcp_listen_kind{
+    .name = "tcp-listen",
+    .address = "address",
+    .example = "0.0.0.0:12333",
+    .help = "a listening TCP port; each connection is a peer; port 0: the kernel chooses",
+    .carries = Carries::bytes,
+    .over_network = true,
+    .listens = true,
+    .may_be_paced = true,
+    .keys = tcp_listen_keys,
+    .settings = [] { return KindSettings{TcpListen{}}; },
+    .make = make_link_of<TcpListenLink>,
+    .usual_name = [](const LinkSettings& link) { return "tcp-listen-" + std::to_string(link.as<TcpListen>().local.port); },
+    .reach = reach_of_tcp,
+    .validate = validate_tcp_listener,
+    .shared = shared_port,
+};
+
+}    // namespace anogate

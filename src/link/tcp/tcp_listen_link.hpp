@@ -1,0 +1,56 @@
+// A listening TCP port: each connection is a peer with its own channel.
+#pragma once
+#include <gateway/peers/connection_places.hpp>
+#include <link/own_networks.hpp>
+#include <link/reconnect.hpp>
+#include <link/tcp/tcp_settings.hpp>
+#include <sys/descriptor.hpp>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+class TcpListenLink : public Link {
+public:
+    TcpListenLink(LinkId id, LinkSettings settings, const LinkContext& context);
+    ~TcpListenLink() override;
+
+    void start() override { reconnect_.start(); }
+    void stop_reading() override;
+    void stop() override;
+    void flush(Channel& channel) override;
+    void forget_peer(ChannelId channel) override;
+    std::size_t unsent() const override;
+    LinkFacts facts() const override;
+    LinkError trouble() const override;
+    UnassignedTraffic unassigned_traffic() const override;
+
+private:
+    class Connection;
+
+    Opened<void> open();
+    void accept();
+    void admit(UniqueFd fd, const Endpoint& peer);
+    bool make_place(const IpAddress& address, TimePoint now);
+    bool is_allowed(const IpAddress& address, TimePoint now);
+    void heard_first(const Connection& from, std::uint8_t source);
+    void end(Connection& connection);
+    void end(ChannelId channel);
+
+    LinkContext context_;
+    Descriptor listener_;
+    Reconnect reconnect_;
+    ConnectionPlaces places_;
+    OwnNetworks networks_;
+    Endpoint local_;
+    std::vector<std::unique_ptr<Connection>> connections_;
+    std::vector<std::unique_ptr<Connection>> ended_;    // destroyed when no call of theirs runs
+    Alarm sweep_;
+    Alarm accept_again_;    // while there is no descriptor or memory for another connection
+    bool is_reading_ = true;
+    std::uint64_t no_place_ = 0, no_memory_ = 0, outsiders_ = 0;
+};
+
+}    // namespace anogate

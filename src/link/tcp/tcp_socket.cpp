@@ -1,0 +1,99 @@
+#include <link/tcp/tcp_socket.hpp>
+#include <link/udp/ip_socket.hpp>
+#include <sys/errors.hpp>
+
+#include <linux/sockios.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+
+namespace anogate {
+namespace {
+
+constexpr int not_sent_yet = 4096;       // bytes
+constexpr int send_buffer = 32 * 1024;    // the kernel doubles it
+constexpr int backlog = 64;
+constexpr int probes = 3;
+
+void set_option(int fd, int level, int option, int value) noexcept { ::setsockopt(fd, level, option, &value, sizeof value); }
+
+UniqueFd tcp_socket(bool v6) noexcept {
+    return UniqueFd{::socket(v6 ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
+}
+
+LinkError listen_error(const EndpointSpec& local, int error) {
+    const std::string port = std::to_string(local.port);
+    if (error == EADDRINUSE)
+        return {"port_in_use", "TCP port " + port + " is in use by another program: sudo ss -ltnp names it", {{"port", port}}};
+    if (error == EADDRNOTAVAIL) return no_address(local.text());
+    if (error == EACCES) return {"no_port_permission", "no permission to listen on TCP port " + port, {{"port", port}}};
+    return error_text(local.text(), error);
+}
+
+}    // namespace
+
+void set_tcp_options(int fd, ano::Duration dead_after) noexcept {
+    using namespace std::chrono;
+    const auto idle = std::max<seconds>(seconds{1}, duration_cast<seconds>(dead_after / 2));
+    const auto between = std::max<seconds>(seconds{1}, duration_cast<seconds>(dead_after / 5));
+    set_option(fd, IPPROTO_TCP, TCP_NODELAY, 1);
+    set_option(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, not_sent_yet);
+    set_option(fd, SOL_SOCKET, SO_SNDBUF, send_buffer);
+    set_option(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
+    set_option(fd, IPPROTO_TCP, TCP_KEEPIDLE, static_cast<int>(idle.count()));
+    set_option(fd, IPPROTO_TCP, TCP_KEEPINTVL, static_cast<int>(between.count()));
+    set_option(fd, IPPROTO_TCP, TCP_KEEPCNT, probes);
+    set_option(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(duration_cast<milliseconds>(dead_after).count()));
+}
+
+Opened<UniqueFd> begin_connect(const Endpoint& to, ano::Duration dead_after) {
+    UniqueFd fd = tcp_socket(to.address.v6);
+    if (!fd) return Unexpected{error_text("no TCP socket", errno)};
+    set_tcp_options(fd.get(), dead_after);
+    const SocketAddress address = SocketAddress::of(to, to.address.v6);
+    if (::connect(fd.get(), address.get(), address.size) == 0 || errno == EINPROGRESS) return fd;
+    return Unexpected{error_text(to.text(), errno)};
+}
+
+int connect_error(int fd) noexcept {
+    int error = 0;
+    socklen_t size = sizeof error;
+    return ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size) == 0 ? error : errno;
+}
+
+Opened<UniqueFd> listen_tcp(const EndpointSpec& written) {
+    const auto local = endpoint_now(written);
+    if (!local) return NotOpened{no_interface(written.interface)};
+    UniqueFd fd = tcp_socket(local->address.v6);
+    if (!fd) return Unexpected{error_text("no TCP socket", errno)};
+    set_option(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
+    if (local->address.v6) set_option(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, 0);
+    const SocketAddress address = SocketAddress::of(*local, local->address.v6);
+    if (::bind(fd.get(), address.get(), address.size) == 0 && ::listen(fd.get(), backlog) == 0) return fd;
+    return NotOpened{listen_error(written, errno)};
+}
+
+Accepted accept_tcp(int listener) noexcept {
+    sockaddr_storage storage{};
+    socklen_t size = sizeof storage;
+    UniqueFd fd{::accept4(listener, reinterpret_cast<sockaddr*>(&storage), &size, SOCK_NONBLOCK | SOCK_CLOEXEC)};
+    return {std::move(fd), endpoint_of(storage)};
+}
+
+std::size_t unacknowledged(int fd) noexcept {
+    int bytes = 0;
+    return ::ioctl(fd, SIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+}
+
+std::chrono::milliseconds unacknowledged_for(int fd) noexcept {
+    tcp_info info{};
+    socklen_t size = sizeof info;
+    if (unacknowledged(fd) == 0 || ::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
+    return std::chrono::milliseconds{std::min(info.tcpi_last_ack_recv, info.tcpi_last_data_sent)};
+}
+
+}    // namespace anogate

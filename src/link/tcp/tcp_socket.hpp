@@ -1,0 +1,37 @@
+// Opens TCP sockets with the options of our links.
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/ip.hpp>
+#include <link/link_error.hpp>
+#include <sys/unique_fd.hpp>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace anogate {
+
+/// No delay for small frames; at most 4 KiB that the network has not taken yet, so that an urgent frame passes what waits in our queue; a
+/// connection whose other end is silent for about `dead_after` is closed by the kernel, whether we send or only read.
+void set_tcp_options(int fd, ano::Duration dead_after) noexcept;
+
+/// A non-blocking socket that begins to connect: it is writable when that has ended, see connect_error().
+Opened<UniqueFd> begin_connect(const Endpoint& to, ano::Duration dead_after);
+/// 0: it is connected; otherwise errno.
+int connect_error(int fd) noexcept;
+
+/// A non-blocking listening socket. [::] accepts IPv4 too.
+Opened<UniqueFd> listen_tcp(const EndpointSpec& local);
+struct Accepted {
+    UniqueFd fd;
+    Endpoint peer;
+};
+/// The next connection; without a descriptor: none waits, see errno.
+Accepted accept_tcp(int listener) noexcept;
+
+/// Bytes that were given to the kernel, and the other end has not acknowledged.
+std::size_t unacknowledged(int fd) noexcept;
+/// For how long nothing was acknowledged of them; zero: nothing is outstanding.
+std::chrono::milliseconds unacknowledged_for(int fd) noexcept;
+
+}    // namespace anogate
