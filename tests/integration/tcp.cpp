@@ -1,0 +1,295 @@
+// Links by TCP with real sockets: bridges, connections that end, go silent or do not read, wires that are cut, names.
+#include <support/namespaces.hpp>
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/tcp_peer.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tcp_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+struct Tcp : testing::Test {
+    void start(std::vector<std::string> links) { daemon.emplace(settings_of_texts(std::move(links))); }
+    std::uint16_t port(const std::string& link) { return daemon->port(link); }
+    bool accepts(TcpListener& listener, TcpPeer& into) {
+        return daemon->until([&] { return listener.accept(into); });
+    }
+    bool until_channels(const std::string& link, std::size_t count) {
+        return daemon->until([&] { return daemon->link(link).at("channels").size() == count; });
+    }
+    std::optional<RunningGateway> daemon;
+};
+
+TEST_F(Tcp, vendor_bytes_pass_unchanged_both_ways) {
+    TcpListener bridge;
+    start({bridge.link("fc"), "tcp-listen:127.0.0.1:0,name=ground"});
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(bridge, fc));
+    ASSERT_TRUE(daemon->until_up("fc") && daemon->until_up("ground"));
+    TcpPeer ground{port("ground")};
+    ground.send(vendor::who_are_you);
+    EXPECT_TRUE(daemon->until([&] { return fc.heard() == vendor::who_are_you; }));
+    fc.send(vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon->until([&] { return ground.heard() == vendor::i_am_an_mcu; }));
+    ground.send(vendor::write_parameter);
+    EXPECT_TRUE(daemon->until([&] { return fc.heard() == vendor::who_are_you + vendor::write_parameter; }));
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+TEST_F(Tcp, a_bridge_that_sends_a_byte_at_a_time_and_pauses_loses_nothing) {
+    TcpListener bridge;
+    start({bridge.link("fc"), "udp-listen:127.0.0.1:0,name=ground"});
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(bridge, fc));
+    UdpPeer ground;
+    ground.send(port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return !fc.heard().empty(); }));
+    for (std::size_t i = 0; i < vendor::i_am_an_mcu.size(); ++i) {
+        fc.send(std::span{vendor::i_am_an_mcu}.subspan(i, 1));
+        ASSERT_TRUE(daemon->until([&] { return daemon->count("fc", "bytes_in") == i + 1; }));
+        if (i == 5) daemon->run_for(250ms);
+    }
+    EXPECT_TRUE(daemon->until([&] { return ground.heard() == vendor::i_am_an_mcu; }));
+}
+
+TEST_F(Tcp, nothing_but_frames_is_sent_however_long_nobody_speaks) {
+    TcpListener bridge;
+    start({bridge.link("fc")});
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(bridge, fc));
+    daemon->run_for(1500ms);
+    EXPECT_TRUE(fc.heard().empty());
+}
+
+TEST_F(Tcp, hello_asks_at_once_and_in_a_frame) {
+    TcpListener bridge;
+    start({bridge.link("fc") + ",hello=on"});
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(bridge, fc));
+    ASSERT_TRUE(daemon->until([&] { return fc.heard().size() >= vendor::who_are_you.size(); }));
+    EXPECT_TRUE(split(fc.heard()).rest.empty());
+}
+
+TEST_F(Tcp, a_lost_connection_comes_back_without_what_waited_and_without_half_a_frame) {
+    TcpListener bridge;
+    start({bridge.link("fc"), "udp-listen:127.0.0.1:0,name=ground"});
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(bridge, fc));
+    UdpPeer ground;
+    ground.send(port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return fc.heard() == vendor::who_are_you; }));
+    fc.send(std::span{vendor::i_am_an_mcu}.first(9));
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("fc", "bytes_in") == 9; }));
+    fc.close();
+    ASSERT_TRUE(daemon->until([&] { return !daemon->up("fc"); }));
+    EXPECT_EQ(daemon->link("fc").at("error_id"), "closed_by_peer");
+    ground.send(port("ground"), vendor::command);    // for nobody: the wire is gone
+    ASSERT_TRUE(accepts(bridge, fc));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    fc.send(std::span{vendor::i_am_an_mcu}.subspan(9));    // the other half is no frame
+    fc.send(vendor::written);
+    EXPECT_TRUE(daemon->until([&] { return ground.heard() == vendor::written; }));
+    EXPECT_TRUE(fc.heard().empty());
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+TEST_F(Tcp, a_peer_that_refuses_and_a_name_that_is_none_are_named_and_tried_again) {
+    std::optional<TcpListener> bridge{std::in_place};
+    const std::string local = "127.0.0.1:" + std::to_string(bridge->port());
+    const std::string link = bridge->link("fc");
+    bridge.reset();
+    start({link, "tcp:no-such-host.invalid:80,name=nobody"});
+    ASSERT_TRUE(daemon->until([&] { return daemon->link("fc").at("error_id") == "refused"; }));
+    EXPECT_EQ(daemon->link("fc").at("error"), "refused: nothing listens at " + local);
+    ASSERT_TRUE(daemon->until([&] { return daemon->link("nobody").at("error_id") == "no_such_host"; })) << daemon->link("nobody");
+    bridge.emplace(local);
+    TcpPeer fc;
+    EXPECT_TRUE(accepts(*bridge, fc));
+    EXPECT_TRUE(daemon->until_up("fc"));
+}
+
+TEST_F(Tcp, a_name_is_resolved_and_every_address_of_it_is_tried) {
+    TcpListener bridge;    // "localhost" may be ::1 first, where nothing listens
+    start({"tcp:localhost:" + std::to_string(bridge.port()) + ",name=fc"});
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(bridge, fc));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    EXPECT_EQ(daemon->link("fc").at("address"), "127.0.0.1:" + std::to_string(bridge.port()));
+}
+
+TEST_F(Tcp, a_device_that_connects_anew_takes_over_from_its_silent_connection) {
+    start({"tcp-listen:127.0.0.1:0,name=air", "udp-listen:127.0.0.1:0,name=ground"});
+    UdpPeer ground;
+    ground.send(port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(until_channels("ground", 1));
+    const Bytes telemetry = frame(0x05, 0xFE, 0x03, Bytes(7)), command = frame(0xFE, 0x05, 0xC0, {1, 0, 0});
+    TcpPeer before{port("air")};
+    before.send(telemetry);
+    ASSERT_TRUE(daemon->until([&] { return ground.heard() == telemetry; }));
+    daemon->run_for(1100ms);    // it restarts: the old connection stands, and nobody is behind it
+    TcpPeer after{port("air")};
+    after.send(telemetry);
+    EXPECT_TRUE(daemon->until([&] { return before.is_closed(); }));
+    ground.send(port("ground"), command);
+    EXPECT_TRUE(daemon->until([&] { return after.heard() == command; }));
+}
+
+TEST_F(Tcp, two_programs_of_one_computer_with_the_address_of_a_host_both_stay) {
+    start({"tcp-listen:127.0.0.1:0,name=ground", "sim:fc,hz=10,name=fc"});
+    TcpPeer one{port("ground")};
+    one.send(vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") == 1; }));
+    daemon->run_for(1100ms);
+    TcpPeer two{port("ground")};
+    two.send(vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") == 2; }));
+    const std::size_t before = one.heard().size();
+    EXPECT_TRUE(daemon->until([&] { return one.heard().size() > before && !two.heard().empty(); }));
+}
+
+TEST_F(Tcp, places_are_limited_and_a_stranger_is_told) {
+    start({"tcp-listen:127.0.0.1:0,name=ground,max_peers=2"});
+    TcpPeer one{port("ground")}, two{port("ground")};
+    one.send(vendor::who_are_you);
+    two.send(vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") == 2; }));
+    TcpPeer three{port("ground")};
+    EXPECT_TRUE(daemon->until([&] { return three.is_closed(); }));
+    EXPECT_FALSE(one.is_closed() || two.is_closed());
+    EXPECT_EQ(daemon->link("ground").at("error_id"), "no_place");
+}
+
+TEST_F(Tcp, outsiders_are_refused) {
+    start({"tcp-listen:127.0.0.1:0,name=ground,allow=10.1.2.0/24"});
+    TcpPeer stranger{port("ground")};
+    EXPECT_TRUE(daemon->until([&] { return stranger.is_closed(); }));
+    EXPECT_TRUE(daemon->link("ground").at("channels").empty());
+}
+
+TEST_F(Tcp, a_peer_that_reads_nothing_costs_the_others_nothing_and_is_closed) {
+    start({"tcp-listen:127.0.0.1:0,name=ground,dead_after=2s", "sim:fc,hz=100,name=fc"});
+    TcpPeer deaf{port("ground")}, listener{port("ground")};
+    const int small = 4096;
+    ::setsockopt(deaf.fd(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+    ASSERT_TRUE(until_channels("ground", 2));
+    const Bytes image = frame(0xDC, 0xFE, 0xF1, Bytes(200));
+    std::size_t heard = 0;
+    EXPECT_TRUE(daemon->until([&] {
+        for (int n = 0; n < 20; ++n) listener.send(image);    // to every host: more than its buffers take
+        const std::size_t now = listener.heard().size();
+        EXPECT_GE(now, heard);
+        heard = now;
+        return daemon->link("ground").at("channels").size() == 1;
+    })) << daemon->link("ground");
+    EXPECT_GT(heard, 0u);
+    EXPECT_FALSE(listener.is_closed());
+}
+
+TEST_F(Tcp, junk_and_silent_connections_disturb_nobody) {
+    start({"tcp-listen:127.0.0.1:0,name=ground,max_peers=8,max_per_address=8", "sim:fc,hz=50,name=fc"});
+    TcpPeer operator_{port("ground")};
+    operator_.send(vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") == 1; }));
+    const Bytes junk(500, 0xAB);
+    for (int n = 0; n < 200; ++n) {
+        TcpPeer stranger{port("ground")};
+        stranger.send(junk);
+        daemon->run_for(1ms);
+    }
+    const std::size_t before = operator_.heard().size();
+    EXPECT_TRUE(daemon->until([&] { return operator_.heard().size() > before; }));
+    EXPECT_FALSE(operator_.is_closed());
+    EXPECT_TRUE(daemon->until([&] { return daemon->link("ground").at("channels").size() == 1; }));
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+TEST_F(Tcp, fail_over_between_serial_and_tcp_loses_and_duplicates_no_command) {
+    const TempDir dir;
+    PtyDevice cable{dir / "fc"};
+    TcpListener radio;
+    start({"serial:" + cable.path() + ",name=cable,group=fc", radio.link("radio") + ",group=fc", "udp-listen:127.0.0.1:0,name=ground"});
+    TcpPeer air;
+    ASSERT_TRUE(accepts(radio, air));
+    ASSERT_TRUE(daemon->until_up("cable") && daemon->until_up("radio"));
+    const Bytes telemetry = frame(0x05, 0xFE, 0x03, Bytes(7));
+    UdpPeer ground;
+    ground.send(port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(until_channels("ground", 1));
+    std::size_t said = 0, heard = 0;
+    const auto command = [](std::size_t n) { return frame(0xFE, 0x05, 0xC0, {1, 0, 0, static_cast<std::uint8_t>(n)}); };
+    const auto all_heard = [&] {
+        heard = 0;
+        for (const Bytes* stream : {&cable.heard(), &air.heard()})
+            for (const Bytes& one : split(*stream).frames) heard += one[3] == 0xC0 ? 1 : 0;
+        return heard >= said;
+    };
+    const auto say = [&] {
+        ground.send(port("ground"), command(said++));
+        return daemon->until(all_heard) && heard == said;
+    };
+    cable.write(telemetry);
+    air.send(telemetry);
+    ASSERT_TRUE(daemon->until([&] { return !ground.heard().empty(); }));
+    for (int n = 0; n < 20; ++n) ASSERT_TRUE(say()) << heard << " of " << said;
+    const Bytes kept = cable.heard();
+    std::size_t by_cable = 0;
+    for (const Bytes& one : split(kept).frames) by_cable += one[3] == 0xC0 ? 1 : 0;
+    ASSERT_TRUE(by_cable == 0 || by_cable == 20) << "one link of the group carries them";
+    if (by_cable == 20) cable.unplug();
+    else air.close();
+    ASSERT_TRUE(daemon->until([&] { return !daemon->up(by_cable == 20 ? "cable" : "radio"); }));
+    if (by_cable == 20) air.send(telemetry);
+    else cable.write(telemetry);
+    const std::size_t before = said;
+    heard = 0;
+    std::size_t after = 0;
+    for (int n = 0; n < 20; ++n) {
+        ground.send(port("ground"), command(said++));
+        ASSERT_TRUE(daemon->until([&] {
+            after = 0;
+            const Bytes& stream = by_cable == 20 ? air.heard() : cable.heard();
+            for (const Bytes& one : split(stream).frames) after += one[3] == 0xC0 ? 1 : 0;
+            return after >= said - before;
+        }));
+        ASSERT_EQ(after, said - before);
+    }
+}
+
+// A cut wire: the peer's end of the veth goes down, so that nothing is refused and nothing is reset.
+TEST_F(Tcp, a_cut_wire_is_noticed_by_the_end_that_writes_and_by_the_one_that_reads) {
+    ANOGATE_NEEDS_NAMESPACES();
+    NetworkNamespace here;
+    Namespace there;
+    here.join(there, "w0", "10.0.0.1/24", "10.0.0.2/24");
+    std::optional<TcpListener> one, two;
+    {
+        const Inside inside{there};
+        one.emplace("10.0.0.2:7001");
+        two.emplace("10.0.0.2:7002");
+    }
+    start({one->link("reader") + ",dead_after=3s", two->link("writer") + ",dead_after=3s", "sim:fc,hz=20,name=fc"});
+    TcpPeer first, second;
+    ASSERT_TRUE(accepts(*one, first) && accepts(*two, second));
+    second.send(vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return !second.heard().empty(); }));
+    there.ip("link set w0 down");
+    const auto began = std::chrono::steady_clock::now();
+    EXPECT_TRUE(daemon->until([&] { return !daemon->up("writer") && !daemon->up("reader"); })) << daemon->status().at("links");
+    RecordProperty("seconds", std::to_string(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()));
+}
+
+}    // namespace
+}    // namespace tcp_tests
