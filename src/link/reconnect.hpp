@@ -27,7 +27,8 @@ public:
     /// Called after each failed try, and when the connection is lost.
     using Down = std::function<void(LinkError why)>;
 
-    Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down, ano::Duration longest = Backoff::cap);
+    Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down,
+              ano::Duration longest = Backoff::cap);
     /// For a link: `down` is LinkHost::link_down().
     /// With a `longest` pause above Backoff::cap, pauses differ by chance, so that those who lost the same peer do not come back together.
     Reconnect(const LinkContext& context, Link& link, Open open, ano::Duration longest = Backoff::cap);

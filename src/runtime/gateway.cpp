@@ -81,8 +81,8 @@ LinkId Gateway::add_link(const LinkSettings& link) {
 
 LinkId Gateway::add_tunnel() {
     const LinkId id = forwarder_.add_link(forwarder_link(TunnelLink::link_settings(settings_), 0, {}));
-    auto tunnel = std::make_unique<TunnelLink>(id, settings_, wrap_targets(), LinkContext{io_, alarms_, *this, batch_, sender_, names_},
-                                               forwarder_);
+    auto tunnel = std::make_unique<TunnelLink>(id, settings_, wrap_targets(),
+                                               LinkContext{io_, alarms_, *this, batch_, sender_, names_}, forwarder_);
     tunnel_ = tunnel.get();
     add(std::move(tunnel));
     connect_tunnel();
@@ -122,8 +122,8 @@ ControlLink* Gateway::control() {
 LinkId Gateway::add_control() {
     LinkSettings settings = ControlLink::link_settings(settings_);
     const LinkId id = forwarder_.add_link(forwarder_link(settings, 0, {}));
-    auto control = std::make_unique<ControlLink>(id, std::move(settings), LinkContext{io_, alarms_, *this, batch_, sender_, names_},
-                                                 forwarder_);
+    auto control = std::make_unique<ControlLink>(id, std::move(settings),
+                                                 LinkContext{io_, alarms_, *this, batch_, sender_, names_}, forwarder_);
     control_ = control.get();
     add(std::move(control));
     return id;

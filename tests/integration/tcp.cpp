@@ -220,7 +220,8 @@ TEST_F(Tcp, fail_over_between_serial_and_tcp_loses_and_duplicates_no_command) {
     const TempDir dir;
     PtyDevice cable{dir / "fc"};
     TcpListener radio;
-    start({"serial:" + cable.path() + ",name=cable,group=fc", radio.link("radio") + ",group=fc", "udp-listen:127.0.0.1:0,name=ground"});
+    start({"serial:" + cable.path() + ",name=cable,group=fc", radio.link("radio") + ",group=fc",
+           "udp-listen:127.0.0.1:0,name=ground"});
     TcpPeer air;
     ASSERT_TRUE(accepts(radio, air));
     ASSERT_TRUE(daemon->until_up("cable") && daemon->until_up("radio"));

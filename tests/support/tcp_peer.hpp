@@ -35,7 +35,8 @@ public:
     /// Reads on, and gives all that ever came.
     const Bytes& heard() {
         Bytes more(65536);
-        for (ssize_t n; (n = ::read(fd(), more.data(), more.size())) > 0;) heard_.insert(heard_.end(), more.begin(), more.begin() + n);
+        for (ssize_t n; (n = ::read(fd(), more.data(), more.size())) > 0;)
+            heard_.insert(heard_.end(), more.begin(), more.begin() + n);
         return heard_;
     }
     /// The other end has closed the connection.

@@ -34,7 +34,9 @@ Connector::Connector(const LinkContext& context, HostPort to, ano::Duration dead
       connected_{std::move(connected)},
       failed_{std::move(failed)},
       next_{context.alarms, [this] { try_next(); }},
-      deadline_{context.alarms, [this] { fail({"no_answer", "no answer from " + tries_.back()->endpoint.text(), {}}); }} {}
+      deadline_{context.alarms, [this] {
+                    fail({"no_answer", "no answer from " + tries_.back()->endpoint.text(), {}});
+                }} {}
 
 void Connector::start() {
     stop();

@@ -18,7 +18,7 @@ const std::string& tcp_peer(const LinkSettings& link) { return link.as<TcpSettin
 
 TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
-      StreamSession{context},
+      TcpSession{context},
       connector_{context, HostPort::parse(tcp_peer(this->settings())).value_or(HostPort{}),
                  this->settings().as<TcpSettings>().dead_after,
                  [this](UniqueFd fd, const Endpoint& peer) {
@@ -50,8 +50,9 @@ void TcpLink::read_ended(int error) {
     if (error == 0 || error == ECONNRESET || error == EPIPE)
         return fail({"closed_by_peer", peer + " closed the connection", {{"peer", peer}}});
     if (error == ETIMEDOUT)
-        return fail({"peer_silent", peer + " did not acknowledge anything for " +
-                                        duration_text(settings().as<TcpSettings>().dead_after) + ": the way to it is cut",
+        return fail({"peer_silent",
+                     peer + " did not acknowledge anything for " + duration_text(settings().as<TcpSettings>().dead_after) +
+                         ": the way to it is cut",
                      {{"peer", peer}}});
     fail(error_text(peer, error));
 }
@@ -91,20 +92,22 @@ using namespace key_rows;
 using Tcp = TcpSettings;
 
 constexpr Key<LinkSettings> tcp_keys[] = {
-    text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") | needed,
-    duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day,
-                                         "a connection is closed when the other end is silent or acknowledges nothing for so long"),
+    text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") |
+        needed,
+    duration<own<Tcp>, &Tcp::dead_after>(
+        "dead_after", second, day, "a connection is closed when the other end is silent or acknowledges nothing for so long"),
 };
 
 void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
     if (!faults.is_whole()) return;
     const auto peer = HostPort::parse(tcp_peer(link));
     if (!peer)
-        return faults.error("address", in_quotes(tcp_peer(link)) + " is not HOST:PORT, such as 192.168.4.1:8080 or fc.local:8080");
+        return faults.error("address",
+                            in_quotes(tcp_peer(link)) + " is not HOST:PORT, such as 192.168.4.1:8080 or fc.local:8080");
     if (!peer->literal) return;
     if (peer->literal->address.is_any())
-        faults.error("address", in_quotes(tcp_peer(link)) + " is nobody's address; to wait for connections there, use tcp-listen:" +
-                                    tcp_peer(link));
+        faults.error("address", in_quotes(tcp_peer(link)) +
+                                    " is nobody's address; to wait for connections there, use tcp-listen:" + tcp_peer(link));
     if (peer->literal->address.is_multicast()) faults.error("address", "TCP has no multicast: use udp:" + tcp_peer(link));
 }
 
@@ -123,8 +126,7 @@ constinit const LinkKind tcp_kind{
     .keys = tcp_keys,
     .settings = [] { return KindSettings{Tcp{}}; },
     .make = make_link_of<TcpLink>,
-    .usual_name =
-        [](const LinkSettings& link) { return "tcp-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
+    .usual_name = [](const LinkSettings& link) { return "tcp-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
     .reach =
         [](const LinkSettings& link) {
             const auto peer = HostPort::parse(tcp_peer(link));

@@ -1,15 +1,15 @@
 // A connection to one peer that listens: a Wi-Fi bridge, ser2net, a program on another computer.
 #pragma once
 #include <link/reconnect.hpp>
-#include <link/stream_session.hpp>
 #include <link/tcp/connector.hpp>
+#include <link/tcp/tcp_session.hpp>
 #include <link/tcp/tcp_settings.hpp>
 
 #include <string>
 
 namespace anogate {
 
-class TcpLink : public Link, public RawPort, protected StreamSession {
+class TcpLink : public Link, public RawPort, protected TcpSession {
 public:
     TcpLink(LinkId id, LinkSettings settings, const LinkContext& context);
 

@@ -2,8 +2,8 @@
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
 #include <link/make_link.hpp>
-#include <link/stream_session.hpp>
 #include <link/tcp/tcp_listen_link.hpp>
+#include <link/tcp/tcp_session.hpp>
 #include <link/tcp/tcp_socket.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <sys/errors.hpp>
@@ -24,16 +24,21 @@ constexpr Duration one_exchange = std::chrono::seconds{1};    // so long a devic
 ConnectionPlaces tcp_places(const TcpListenSettings& tcp) {
     const std::size_t quarter = tcp.max_peers / 4u;
     const bool has_trusted = tcp.trusted_any || !tcp.trusted.empty();
-    return {tcp.max_peers, tcp.max_per_address ? *tcp.max_per_address : std::max<std::size_t>(2, quarter), has_trusted ? quarter : 0};
+    return {tcp.max_peers, tcp.max_per_address ? *tcp.max_per_address : std::max<std::size_t>(2, quarter),
+            has_trusted ? quarter : 0};
 }
 
 }    // namespace
 
-class TcpListenLink::Connection final : public StreamSession {
+class TcpListenLink::Connection final : public TcpSession {
 public:
     Connection(TcpListenLink& link, const Endpoint& peer, bool is_trusted, Channel& its_channel)
-        : StreamSession{link.context_}, id{its_channel.id}, address{peer.address}, since{link.context_.host.now()},
-          is_trusted_{is_trusted}, link_{link} {}
+        : TcpSession{link.context_},
+          id{its_channel.id},
+          address{peer.address},
+          since{link.context_.host.now()},
+          is_trusted_{is_trusted},
+          link_{link} {}
 
     ConnectionPlaces::Connection facts() const { return {address, since, heard_.any(), is_trusted_}; }
     bool has_heard(std::uint8_t source) const { return heard_[source]; }
@@ -220,7 +225,9 @@ LinkError TcpListenLink::trouble() const {
     if (const std::string count = std::to_string(no_place_); no_place_ > 0)
         return {"no_place", count + " connections were refused: all places are taken", {{"count", count}}};
     if (const std::string count = std::to_string(no_memory_); no_memory_ > 0)
-        return {"no_memory", count + " connections were refused: there was too little memory, or no file descriptor", {{"count", count}}};
+        return {"no_memory",
+                count + " connections were refused: there was too little memory, or no file descriptor",
+                {{"count", count}}};
     if (outsiders_ == 0 || !connections_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};
 }
@@ -243,10 +250,11 @@ constexpr Key<LinkSettings> tcp_listen_keys[] = {
     duration<own<TcpListen>, &TcpListen::dead_after>(
         "dead_after", second, day, "a connection is closed when the other end is silent or acknowledges nothing for so long"),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
-                                             "most connections at a time; one that sends no frame gives way"),
-    integer<own<TcpListen>, &TcpListen::max_per_address>("max_per_address", 1, max_channels,
-                                                   "most connections of one IP address, loopback excepted (default: a quarter of "
-                                                   "max_peers, two at least)"),
+                                                   "most connections at a time; one that sends no frame gives way"),
+    integer<own<TcpListen>, &TcpListen::max_per_address>(
+        "max_per_address", 1, max_channels,
+        "most connections of one IP address, loopback excepted (default: a quarter of "
+        "max_peers, two at least)"),
     networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
         "allow", "networks whose members may connect, or any (default: the networks of our interfaces)"),
     networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
@@ -255,8 +263,9 @@ constexpr Key<LinkSettings> tcp_listen_keys[] = {
 
 void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
     if (link.hello && *link.hello != Duration{})
-        faults.error("hello", "'hello' is not possible on tcp-listen: the other end connects first; for a device at a known address use "
-                              "tcp:HOST:PORT,hello=on");
+        faults.error("hello",
+                     "'hello' is not possible on tcp-listen: the other end connects first; for a device at a known address use "
+                     "tcp:HOST:PORT,hello=on");
 }
 
 Reach reach_of_tcp(const LinkSettings& link) {

@@ -14,7 +14,6 @@
 namespace anogate {
 namespace {
 
-constexpr int not_sent_yet = 4096;       // bytes
 constexpr int send_buffer = 32 * 1024;    // the kernel doubles it
 constexpr int backlog = 64;
 constexpr int probes = 3;
@@ -23,6 +22,11 @@ void set_option(int fd, int level, int option, int value) noexcept { ::setsockop
 
 UniqueFd tcp_socket(bool v6) noexcept {
     return UniqueFd{::socket(v6 ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
+}
+
+std::size_t queued(int fd, unsigned long request) noexcept {
+    int bytes = 0;
+    return ::ioctl(fd, request, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
 }
 
 LinkError listen_error(const EndpointSpec& local, int error) {
@@ -41,7 +45,7 @@ void set_tcp_options(int fd, ano::Duration dead_after) noexcept {
     const auto idle = std::max<seconds>(seconds{1}, duration_cast<seconds>(dead_after / 2));
     const auto between = std::max<seconds>(seconds{1}, duration_cast<seconds>(dead_after / 5));
     set_option(fd, IPPROTO_TCP, TCP_NODELAY, 1);
-    set_option(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, not_sent_yet);
+    set_option(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, static_cast<int>(2 * max_not_sent));
     set_option(fd, SOL_SOCKET, SO_SNDBUF, send_buffer);
     set_option(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
     set_option(fd, IPPROTO_TCP, TCP_KEEPIDLE, static_cast<int>(idle.count()));
@@ -84,10 +88,9 @@ Accepted accept_tcp(int listener) noexcept {
     return {std::move(fd), endpoint_of(storage)};
 }
 
-std::size_t unacknowledged(int fd) noexcept {
-    int bytes = 0;
-    return ::ioctl(fd, SIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
-}
+std::size_t not_sent(int fd) noexcept { return queued(fd, SIOCOUTQNSD); }
+
+std::size_t unacknowledged(int fd) noexcept { return queued(fd, SIOCOUTQ); }
 
 std::chrono::milliseconds unacknowledged_for(int fd) noexcept {
     tcp_info info{};

@@ -11,8 +11,11 @@
 
 namespace anogate {
 
-/// No delay for small frames; at most 4 KiB that the network has not taken yet, so that an urgent frame passes what waits in our queue; a
-/// connection whose other end is silent for about `dead_after` is closed by the kernel, whether we send or only read.
+/// Bytes of a connection that the kernel should not hold unsent: an urgent frame can't pass them.
+inline constexpr std::size_t max_not_sent = 2048;
+
+/// No delay for small frames; writable only below max_not_sent; a connection whose other end is silent for about `dead_after` is closed by
+/// the kernel, whether we send or only read.
 void set_tcp_options(int fd, ano::Duration dead_after) noexcept;
 
 /// A non-blocking socket that begins to connect: it is writable when that has ended, see connect_error().
@@ -29,6 +32,8 @@ struct Accepted {
 /// The next connection; without a descriptor: none waits, see errno.
 Accepted accept_tcp(int listener) noexcept;
 
+/// Bytes that were given to the kernel, and that it has not sent for the first time.
+std::size_t not_sent(int fd) noexcept;
 /// Bytes that were given to the kernel, and the other end has not acknowledged.
 std::size_t unacknowledged(int fd) noexcept;
 /// For how long nothing was acknowledged of them; zero: nothing is outstanding.

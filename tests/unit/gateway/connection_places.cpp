@@ -27,7 +27,8 @@ TEST(ConnectionPlaces, are_free_until_all_are_taken) {
 
 TEST(ConnectionPlaces, one_that_sent_no_frame_within_ten_seconds_gives_way_the_oldest_first) {
     const ConnectionPlaces places{3, 3, 0};
-    const std::vector<Connection> all{{address(1), at(0s), true, false}, {address(2), at(2s), false, false}, {address(3), at(1s), false, false}};
+    const std::vector<Connection> all{
+        {address(1), at(0s), true, false}, {address(2), at(2s), false, false}, {address(3), at(1s), false, false}};
     EXPECT_FALSE(places.place_for(all, address(4), false, at(10s)).free);
     const auto place = places.place_for(all, address(4), false, at(11s));
     EXPECT_TRUE(place.free);
@@ -36,7 +37,8 @@ TEST(ConnectionPlaces, one_that_sent_no_frame_within_ten_seconds_gives_way_the_o
 
 TEST(ConnectionPlaces, an_address_has_a_share_and_takes_only_its_own_silent_places) {
     const ConnectionPlaces places{8, 2, 0};
-    std::vector<Connection> all{{address(1), at(0s), true, false}, {address(1), at(0s), true, false}, {address(2), at(0s), false, false}};
+    std::vector<Connection> all{
+        {address(1), at(0s), true, false}, {address(1), at(0s), true, false}, {address(2), at(0s), false, false}};
     EXPECT_FALSE(places.place_for(all, address(1), false, at(60s)).free);
     all[1].has_spoken = false;
     EXPECT_EQ(places.place_for(all, address(1), false, at(60s)).gives_way, 1u);
@@ -47,7 +49,8 @@ TEST(ConnectionPlaces, an_address_has_a_share_and_takes_only_its_own_silent_plac
 
 TEST(ConnectionPlaces, some_are_kept_for_trusted_ones) {
     const ConnectionPlaces places{4, 4, 1};
-    const std::vector<Connection> all{{address(1), at(0s), true, false}, {address(2), at(0s), true, false}, {address(3), at(0s), true, false}};
+    const std::vector<Connection> all{
+        {address(1), at(0s), true, false}, {address(2), at(0s), true, false}, {address(3), at(0s), true, false}};
     EXPECT_FALSE(places.place_for(all, address(4), false, at(0s)).free);
     EXPECT_TRUE(places.place_for(all, address(5), true, at(0s)).free);
 }

@@ -25,8 +25,8 @@ TEST(HostPort, may_be_an_address) {
 }
 
 TEST(HostPort, is_nothing_else) {
-    for (const char* text : {"", ":80", "host", "host:", "host:0", "host:65536", "host:80x", "-x:80", "a b:80", "300.1.1.1:5", "1.2.3:5",
-                             "10.0.0.1:0", "::1:80", "ho$t:80"})
+    for (const char* text : {"", ":80", "host", "host:", "host:0", "host:65536", "host:80x", "-x:80", "a b:80", "300.1.1.1:5",
+                             "1.2.3:5", "10.0.0.1:0", "::1:80", "ho$t:80"})
         EXPECT_FALSE(HostPort::parse(text)) << text;
     EXPECT_FALSE(HostPort::parse(std::string(254, 'a') + ":80"));
 }
