@@ -78,6 +78,7 @@ struct LinkKind {
     std::string_view help{};
     Carries carries = Carries::bytes;
     bool over_network = false;          // a stream that networks may deliver with pauses inside of frames
+    bool encrypts = false;              // by TLS
     bool listens = false;               // has one channel for each peer and waits for peers; it can't send first
     bool may_be_paced = false;          // it has the keys `rate` and `latency`
     bool devices_only = false;          // only devices are at the other end: no gateway probes are sent there

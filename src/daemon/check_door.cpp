@@ -24,8 +24,10 @@ void warn_of_tls(Draft& draft, bool service) {
     if (files.key.empty()) return;
     const std::string certificate = seen_by(service, files.certificate), key = seen_by(service, files.key);
     if (service && (is_hidden(certificate) || is_hidden(key))) return;
-    if (const auto tls = http::Tls::load(certificate, key); !tls)
-        draft.warnings.push_back({draft.control.key("tls"), "warning: control.http stays shut: " + tls.error()});
+    const auto tls = http::Tls::load(certificate, key);
+    if (!tls) draft.warnings.push_back({draft.control.key("tls"), "warning: control.http stays shut: " + tls.error()});
+    else if (const std::string advice = (*tls)->advice(); !advice.empty())
+        draft.warnings.push_back({draft.control.key("tls"), "warning: " + key + ": " + advice});
 }
 
 void warn_of_tokens(Draft& draft, bool service) {

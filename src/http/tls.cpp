@@ -129,6 +129,15 @@ Expected<std::unique_ptr<Tls>> Tls::load(const std::string& certificate, const s
     return std::unique_ptr<Tls>{new Tls{std::move(context)}};
 }
 
+std::string Tls::advice() const {
+    constexpr int usual_bits = 2048;
+    const EVP_PKEY* const key = ::SSL_CTX_get0_privatekey(context_->ssl.native_handle());
+    const int bits = key ? ::EVP_PKEY_get_bits(key) : 0;
+    if (!key || ::EVP_PKEY_get_base_id(key) != EVP_PKEY_RSA || bits <= usual_bits) return {};
+    return "an RSA key of " + std::to_string(bits) +
+           " bits slows down every new connection: anoctl web --make-certificate makes a pair with a fast key (ECDSA)";
+}
+
 std::unique_ptr<Stream> Tls::stream(Socket socket, Door door) const {
     return std::make_unique<TlsStream>(std::move(socket), context_->ssl, context_, std::move(door));
 }

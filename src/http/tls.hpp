@@ -15,6 +15,9 @@ public:
     static Expected<std::unique_ptr<Tls>> load(const std::string& certificate, const std::string& key);
     ~Tls();
 
+    /// What makes it a bad choice; empty: nothing. A new connection with a large RSA key costs the loop many milliseconds.
+    std::string advice() const;
+
     /// The server's side of a connected socket. The handshake is done with the first read or write; await_hello() says when it can be.
     std::unique_ptr<Stream> stream(Socket socket, Door door) const;
 

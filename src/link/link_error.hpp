@@ -54,6 +54,8 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"port_in_use", "port", "another program has the UDP port"},
     {"no_port_permission", "port", "this user may not listen there"},
     {"no_such_host", "host", "the name can't be resolved; it is tried again"},
+    {"tls", "", "certificates can't be used, or the other end's is not accepted"},
+    {"certificate_expires", "days", "while it is up: our certificate expires within 14 days, or has expired"},
     {"closed_by_peer", "peer", "the other end closed the connection"},
     {"peer_silent", "peer", "the other end acknowledged nothing for `dead_after`"},
     {"no_way", "address", "no route leads there now"},

@@ -64,6 +64,11 @@ protected:
     /// A write or the opening failed.
     virtual void failed(int error) = 0;
 
+    /// Reads although the descriptor may report nothing.
+    void read_again() {
+        if (is_open() && !is_opening_) read();
+    }
+    bool is_opening() const noexcept { return is_open() && is_opening_; }
     /// Data that can be read now counts as possibly as old as the last standstill, even if it is read later.
     void check_what_waits() { arrival_.unstamped(context_.host.turn()); }
     Pacing& pacing() noexcept { return pacing_; }

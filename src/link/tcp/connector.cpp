@@ -38,6 +38,8 @@ Connector::Connector(const LinkContext& context, HostPort to, ano::Duration dead
                     fail({"no_answer", "no answer from " + tries_.back()->endpoint.text(), {}});
                 }} {}
 
+Connector::~Connector() { stop(); }
+
 void Connector::start() {
     stop();
     if (!to_.literal)

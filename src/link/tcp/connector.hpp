@@ -24,7 +24,7 @@ public:
     using Connected = std::function<void(UniqueFd fd, const Endpoint& peer)>;
     using Failed = std::function<void(LinkError why)>;
     Connector(const LinkContext& context, HostPort to, ano::Duration dead_after, Connected connected, Failed failed);
-    ~Connector() { stop(); }
+    ~Connector();
     Connector(const Connector&) = delete;
     Connector& operator=(const Connector&) = delete;
 

@@ -2,6 +2,7 @@
 #include <config/link_kind.hpp>
 #include <config/values.hpp>
 #include <link/make_link.hpp>
+#include <link/tcp/tcp_keys.hpp>
 #include <link/tcp/tcp_link.hpp>
 #include <link/tcp/tcp_socket.hpp>
 #include <sys/errors.hpp>
@@ -21,17 +22,27 @@ TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
       TcpSession{context},
       connector_{context, HostPort::parse(tcp_peer(this->settings())).value_or(HostPort{}),
                  this->settings().as<TcpSettings>().dead_after,
-                 [this](UniqueFd fd, const Endpoint& peer) {
-                     connected_to_ = peer.text();
-                     open(std::move(fd), *channel_);
-                 },
+                 [this](UniqueFd fd, const Endpoint& peer) { connected(std::move(fd), peer); },
                  [this](LinkError why) { reconnect_.lost(std::move(why)); }},
       reconnect_{context, *this,
                  [this]() -> Opened<void> {
                      connector_.start();
                      return {};
                  },
-                 Backoff::network} {}
+                 Backoff::network} {
+    if (this->settings().kind->encrypts) tls_ = std::make_unique<TlsContext>(this->settings().as<TcpSettings>().tls, TlsContext::Side::connects);
+}
+
+void TcpLink::connected(UniqueFd fd, const Endpoint& peer) {
+    if (tls_) {
+        const HostPort to = HostPort::parse(tcp_peer(settings())).value_or(HostPort{});
+        auto encrypted = tls_->connection(fd.get(), to.literal ? to.literal->address.text() : to.host);
+        if (!encrypted) return reconnect_.lost(std::move(encrypted.error()));
+        encrypt_by(std::move(*encrypted));
+    }
+    connected_to_ = peer.text();
+    open(std::move(fd), *channel_);
+}
 
 void TcpLink::start() {
     channel_ = context_.host.open_channel(*this, tcp_peer(settings()));
@@ -45,11 +56,17 @@ void TcpLink::opened() {
     context_.host.link_up(*this);
 }
 
+void TcpLink::failed(int error) {
+    const std::string fault = handshake_fault();
+    if (fault.empty()) return read_ended(error);
+    fail({"tls", "TLS with " + tcp_peer(settings()) + ": " + fault, {}});
+}
+
 void TcpLink::read_ended(int error) {
     const std::string& peer = tcp_peer(settings());
     if (error == 0 || error == ECONNRESET || error == EPIPE)
         return fail({"closed_by_peer", peer + " closed the connection", {{"peer", peer}}});
-    if (error == ETIMEDOUT)
+    if (error == ETIMEDOUT || error == EHOSTUNREACH || error == ENETUNREACH)
         return fail({"peer_silent",
                      peer + " did not acknowledge anything for " + duration_text(settings().as<TcpSettings>().dead_after) +
                          ": the way to it is cut",
@@ -76,12 +93,15 @@ void TcpLink::stop() {
     close();
 }
 
+LinkError TcpLink::trouble() const { return tls_ ? expiry_trouble(tls_->days_left()) : LinkError{}; }
+
 std::size_t TcpLink::unsent() const { return is_open() ? unacknowledged(fd()) : 0; }
 
 LinkFacts TcpLink::facts() const {
     LinkFacts facts{{"peer", tcp_peer(settings())}};
     if (!is_open()) return facts;
     facts.push_back({"address", connected_to_});
+    if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     facts.push_back({"unacknowledged_ms", std::int64_t{unacknowledged_for(fd()).count()}});
     return facts;
 }
@@ -111,6 +131,22 @@ void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
     if (peer->literal->address.is_multicast()) faults.error("address", "TCP has no multicast: use udp:" + tcp_peer(link));
 }
 
+constexpr Key<LinkSettings> tls_keys[] = {
+    text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") | needed,
+    duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day, dead_after_help),
+    text<own<Tcp>, &Tcp::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) | as("FILE"),
+    text<own<Tcp>, &Tcp::tls, &LinkCertificates::key>("key", 1, max_path, key_help) | as("FILE"),
+    text<own<Tcp>, &Tcp::tls, &LinkCertificates::ca>("ca", 1, max_path, ca_help) | as("FILE"),
+    choice<own<Tcp>, &Tcp::tls, &LinkCertificates::verify>("verify", "peer|none", "none: the other end's certificate is not checked"),
+};
+
+void validate_tls(const LinkSettings& link, LinkFaults& faults) {
+    validate_tcp(link, faults);
+    check_pair(link.as<Tcp>().tls, faults);
+    if (link.as<Tcp>().tls.verify == TlsVerify::none)
+        faults.warning("verify", "with verify=none anybody on the way can pretend to be " + tcp_peer(link));
+}
+
 }    // namespace
 
 extern const LinkKind tcp_kind;    // listed in kinds.cpp
@@ -133,6 +169,26 @@ constinit const LinkKind tcp_kind{
             return peer && peer->literal && peer->literal->address.is_loopback() ? Reach::here : Reach::network;
         },
     .validate = validate_tcp,
+};
+
+extern const LinkKind tls_kind;    // listed in kinds.cpp
+constinit const LinkKind tls_kind{
+    .name = "tls",
+    .address = "address",
+    .example = "gateway.local:12334",
+    .help = "the same, encrypted; both ends show a certificate",
+    .carries = Carries::bytes,
+    .over_network = true,
+    .encrypts = true,
+    .may_be_paced = true,
+    .hints = {.nothing_yet = {"nothing_from_peer", "nothing received yet from the peer"}, .may_wait_for_hello = true},
+    .keys = tls_keys,
+    .settings = [] { return KindSettings{Tcp{}}; },
+    .make = make_link_of<TcpLink>,
+    .usual_name =
+        [](const LinkSettings& link) { return "tls-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
+    .reach = tcp_kind.reach,
+    .validate = validate_tls,
 };
 
 }    // namespace anogate

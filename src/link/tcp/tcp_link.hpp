@@ -1,4 +1,4 @@
-// A connection to one peer that listens: a Wi-Fi bridge, ser2net, a program on another computer.
+// A connection to one peer that listens: a Wi-Fi bridge, ser2net, a program on another computer. Encrypted or not.
 #pragma once
 #include <link/reconnect.hpp>
 #include <link/tcp/connector.hpp>
@@ -19,18 +19,21 @@ public:
     void flush(Channel&) override { write(); }
     std::size_t unsent() const override;
     LinkFacts facts() const override;
+    LinkError trouble() const override;
     RawPort* raw_port() override { return this; }
     void set_tap(RawTap* tap) override { StreamSession::set_tap(tap); }
     bool write_raw(std::span<const std::uint8_t> bytes) override { return StreamSession::write_raw(bytes); }
 
 private:
+    void connected(UniqueFd fd, const Endpoint& peer);
     void opened() override;
     void read_ended(int error) override;
-    void failed(int error) override { read_ended(error); }
+    void failed(int error) override;
     void fail(LinkError why);
 
     Channel* channel_ = nullptr;
     std::string connected_to_;    // the address; empty: none
+    std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
     Connector connector_;
     Reconnect reconnect_;
 };

@@ -2,6 +2,7 @@
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
 #include <link/make_link.hpp>
+#include <link/tcp/tcp_keys.hpp>
 #include <link/tcp/tcp_listen_link.hpp>
 #include <link/tcp/tcp_session.hpp>
 #include <link/tcp/tcp_socket.hpp>
@@ -18,6 +19,7 @@ namespace anogate {
 namespace {
 
 constexpr int accepts_per_turn = 16;
+constexpr int max_handshakes = 16;    // at a time
 constexpr Duration accept_pause = std::chrono::seconds{1};
 constexpr Duration one_exchange = std::chrono::seconds{1};    // so long a device may be silent within a conversation
 
@@ -43,6 +45,7 @@ public:
     ConnectionPlaces::Connection facts() const { return {address, since, heard_.any(), is_trusted_}; }
     bool has_heard(std::uint8_t source) const { return heard_[source]; }
     TimePoint heard_at() const { return heard_at_; }
+    bool is_opened() const { return is_opened_; }
     using StreamSession::channel;
 
     const ChannelId id;
@@ -51,6 +54,8 @@ public:
 
 private:
     void opened() override {
+        is_opened_ = true;
+        link_.accept_on();
         pacing().start(link_.settings().rate, link_.settings().latency);
         resume_reading();
         link_.context_.host.link_up(link_);    // for the new channel
@@ -62,9 +67,16 @@ private:
         StreamSession::take(frame);
     }
     void read_ended(int) override { link_.end(*this); }
-    void failed(int) override { link_.end(*this); }
+    void failed(int) override {
+        if (!is_opened_ && !handshake_fault().empty()) {
+            ++link_.handshakes_failed_;
+            link_.last_fault_ = handshake_fault();
+        }
+        link_.end(*this);
+    }
 
     bool is_trusted_;
+    bool is_opened_ = false;
     TcpListenLink& link_;
     std::bitset<256> heard_;    // the senders of its frames
     TimePoint heard_at_{};
@@ -77,7 +89,10 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       reconnect_{context, *this, [this] { return open(); }},
       places_{tcp_places(this->settings().as<TcpListenSettings>())},
       sweep_{context.alarms, [this] { ended_.clear(); }},
-      accept_again_{context.alarms, [this] { listener_.read_with([this] { accept(); }); }} {}
+      accept_again_{context.alarms, [this] { accept_on(); }} {
+    if (this->settings().kind->encrypts)
+        tls_ = std::make_unique<TlsContext>(this->settings().as<TcpListenSettings>().tls, TlsContext::Side::listens);
+}
 
 TcpListenLink::~TcpListenLink() = default;
 
@@ -95,6 +110,7 @@ Opened<void> TcpListenLink::open() {
 // Without a descriptor for it the next connection would be reported again and again.
 void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
+        if (handshakes_are_many()) return listener_.stop_reading();    // until one ends
         Accepted next = accept_tcp(listener_.fd());
         if (next.fd) {
             admit(std::move(next.fd), next.peer);
@@ -106,6 +122,15 @@ void TcpListenLink::accept() {
         listener_.stop_reading();
         return accept_again_.set(context_.host.now() + accept_pause);
     }
+}
+
+bool TcpListenLink::handshakes_are_many() const {
+    const auto is_shaking_hands = [](const auto& one) { return !one->is_opened(); };
+    return tls_ && std::count_if(connections_.begin(), connections_.end(), is_shaking_hands) >= max_handshakes;
+}
+
+void TcpListenLink::accept_on() {
+    if (listener_.is_open() && !is_ending_ && !accept_again_.is_set()) listener_.read_with([this] { accept(); });
 }
 
 void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
@@ -125,6 +150,16 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
         return;
     }
     set_tcp_options(fd.get(), tcp.dead_after);
+    std::unique_ptr<TlsConnection> encrypted;
+    if (tls_) {
+        auto made = tls_->connection(fd.get(), {});
+        if (!made) {
+            ++handshakes_failed_;
+            last_fault_ = made.error().text;
+            return context_.host.close_channel(*channel);
+        }
+        encrypted = std::move(*made);
+    }
     try {
         const bool is_trusted = tcp.trusted_any || contains(tcp.trusted, peer.address);
         connections_.push_back(std::make_unique<Connection>(*this, peer, is_trusted, *channel));
@@ -132,6 +167,7 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
         context_.host.close_channel(*channel);
         throw;
     }
+    connections_.back()->encrypt_by(std::move(encrypted));
     connections_.back()->open(std::move(fd), *channel);
 } catch (const std::bad_alloc&) {
     ++no_memory_;
@@ -175,6 +211,7 @@ void TcpListenLink::end(Connection& connection) {
     connection.end_of_input();
     context_.host.close_channel(channel);
     sweep_.set(context_.host.now());
+    accept_on();
 }
 
 void TcpListenLink::end(ChannelId channel) {
@@ -190,6 +227,7 @@ void TcpListenLink::flush(Channel& channel) {
 }
 
 void TcpListenLink::stop_reading() {
+    is_ending_ = true;
     listener_.stop_reading();
     accept_again_.cancel();
     reconnect_.stop();
@@ -217,6 +255,7 @@ LinkFacts TcpListenLink::facts() const {
                     {"port", std::int64_t{listener_.is_open() ? local_.port : written.port}}};
     std::chrono::milliseconds oldest{};
     for (const auto& one : connections_) oldest = std::max(oldest, unacknowledged_for(one->fd()));
+    if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     if (listener_.is_open()) facts.push_back({"unacknowledged_ms", std::int64_t{oldest.count()}});
     return facts;
 }
@@ -228,6 +267,9 @@ LinkError TcpListenLink::trouble() const {
         return {"no_memory",
                 count + " connections were refused: there was too little memory, or no file descriptor",
                 {{"count", count}}};
+    if (LinkError expiry = tls_ ? expiry_trouble(tls_->days_left()) : LinkError{}; !expiry.text.empty()) return expiry;
+    if (handshakes_failed_ > 0)
+        return {"tls", std::to_string(handshakes_failed_) + " connections were refused, the last: " + last_fault_, {}};
     if (outsiders_ == 0 || !connections_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};
 }
@@ -248,7 +290,7 @@ using TcpListen = TcpListenSettings;
 constexpr Key<LinkSettings> tcp_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     duration<own<TcpListen>, &TcpListen::dead_after>(
-        "dead_after", second, day, "a connection is closed when the other end is silent or acknowledges nothing for so long"),
+        "dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
                                                    "most connections at a time; one that sends no frame gives way"),
     integer<own<TcpListen>, &TcpListen::max_per_address>(
@@ -261,11 +303,38 @@ constexpr Key<LinkSettings> tcp_listen_keys[] = {
         "trusted", "networks for whose members a quarter of max_peers is kept, or any (default: none)"),
 };
 
+constexpr Key<LinkSettings> tls_listen_keys[] = {
+    endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
+    duration<own<TcpListen>, &TcpListen::dead_after>(
+        "dead_after", second, day, dead_after_help),
+    integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
+                                                   "most connections at a time; one that sends no frame gives way"),
+    integer<own<TcpListen>, &TcpListen::max_per_address>(
+        "max_per_address", 1, max_channels,
+        "most connections of one IP address, loopback excepted (default: a quarter of "
+        "max_peers, two at least)"),
+    networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
+        "allow", "networks whose members may connect, or any (default: the networks of our interfaces)"),
+    networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
+        "trusted", "networks for whose members a quarter of max_peers is kept, or any (default: none)"),
+    text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) | as("FILE") | needed,
+    text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::key>("key", 1, max_path, key_help) | as("FILE") | needed,
+    text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::ca>("ca", 1, max_path, ca_help) | as("FILE"),
+    choice<own<TcpListen>, &TcpListen::tls, &LinkCertificates::verify>("verify", "peer|none", "none: whoever connects needs no certificate"),
+};
+
 void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
     if (link.hello && *link.hello != Duration{})
         faults.error("hello",
                      "'hello' is not possible on tcp-listen: the other end connects first; for a device at a known address use "
                      "tcp:HOST:PORT,hello=on");
+}
+
+void validate_tls_listener(const LinkSettings& link, LinkFaults& faults) {
+    validate_tcp_listener(link, faults);
+    const LinkCertificates& tls = link.as<TcpListen>().tls;
+    if (tls.verify == TlsVerify::peer && tls.ca.empty())
+        faults.error("ca", "'ca' is missing: the file of the certificate that signed those of the peers; or verify=none, if anybody may connect");
 }
 
 Reach reach_of_tcp(const LinkSettings& link) {
@@ -299,6 +368,26 @@ constinit const LinkKind tcp_listen_kind{
     .usual_name = [](const LinkSettings& link) { return "tcp-listen-" + std::to_string(link.as<TcpListen>().local.port); },
     .reach = reach_of_tcp,
     .validate = validate_tcp_listener,
+    .shared = shared_port,
+};
+
+extern const LinkKind tls_listen_kind;    // listed in kinds.cpp
+constinit const LinkKind tls_listen_kind{
+    .name = "tls-listen",
+    .address = "address",
+    .example = "0.0.0.0:12334",
+    .help = "the same, encrypted; who connects shows a certificate",
+    .carries = Carries::bytes,
+    .over_network = true,
+    .encrypts = true,
+    .listens = true,
+    .may_be_paced = true,
+    .keys = tls_listen_keys,
+    .settings = [] { return KindSettings{TcpListen{}}; },
+    .make = make_link_of<TcpListenLink>,
+    .usual_name = [](const LinkSettings& link) { return "tls-listen-" + std::to_string(link.as<TcpListen>().local.port); },
+    .reach = reach_of_tcp,
+    .validate = validate_tls_listener,
     .shared = shared_port,
 };
 

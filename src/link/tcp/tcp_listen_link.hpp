@@ -1,9 +1,10 @@
-// A listening TCP port: each connection is a peer with its own channel.
+// A listening TCP port, encrypted or not: each connection is a peer with its own channel.
 #pragma once
 #include <gateway/peers/connection_places.hpp>
 #include <link/own_networks.hpp>
 #include <link/reconnect.hpp>
 #include <link/tcp/tcp_settings.hpp>
+#include <link/tcp/tls_context.hpp>
 #include <sys/descriptor.hpp>
 
 #include <memory>
@@ -32,6 +33,8 @@ private:
 
     Opened<void> open();
     void accept();
+    bool handshakes_are_many() const;
+    void accept_on();
     void admit(UniqueFd fd, const Endpoint& peer);
     bool make_place(const IpAddress& address, TimePoint now);
     bool is_allowed(const IpAddress& address, TimePoint now);
@@ -49,8 +52,10 @@ private:
     std::vector<std::unique_ptr<Connection>> ended_;    // destroyed when no call of theirs runs
     Alarm sweep_;
     Alarm accept_again_;    // while there is no descriptor or memory for another connection
-    bool is_reading_ = true;
-    std::uint64_t no_place_ = 0, no_memory_ = 0, outsiders_ = 0;
+    std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
+    bool is_ending_ = false;
+    std::string last_fault_;             // of a handshake that failed
+    std::uint64_t no_place_ = 0, no_memory_ = 0, outsiders_ = 0, handshakes_failed_ = 0;
 };
 
 }    // namespace anogate

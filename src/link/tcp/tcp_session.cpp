@@ -5,6 +5,47 @@
 
 namespace anogate {
 
+TcpSession::TcpSession(const LinkContext& context)
+    : StreamSession{context},
+      handshake_ends_{context.alarms,
+                      [this] {
+                          if (!is_opening()) return;
+                          is_late_ = true;
+                          failed(ETIMEDOUT);
+                      }},
+      read_on_{context.alarms, [this] { read_again(); }} {}
+
+void TcpSession::encrypt_by(std::unique_ptr<TlsConnection> tls) {
+    tls_ = std::move(tls);
+    is_late_ = false;
+    handshake_ends_.cancel();
+}
+
+std::string TcpSession::handshake_fault() const {
+    if (!tls_) return {};
+    return is_late_ ? "the handshake was not finished within 10 s" : tls_->fault();
+}
+
+StreamSession::Opening TcpSession::go_on_opening() {
+    if (!tls_) return Opening::done;
+    if (!handshake_ends_.is_set()) handshake_ends_.set(context_.host.now() + handshake_patience);
+    switch (tls_->go_on()) {
+    case TlsConnection::Handshake::wants_to_read: return Opening::wants_to_read;
+    case TlsConnection::Handshake::wants_to_write: return Opening::wants_to_write;
+    case TlsConnection::Handshake::done: handshake_ends_.cancel(); return Opening::done;
+    case TlsConnection::Handshake::failed: break;
+    }
+    handshake_ends_.cancel();
+    return Opening::failed;
+}
+
+ssize_t TcpSession::read_some(std::span<std::uint8_t> room) {
+    if (!tls_) return StreamSession::read_some(room);
+    const ssize_t n = tls_->read(room);
+    if (n > 0 && tls_->has_more()) read_on_.set(context_.host.now());
+    return n;
+}
+
 ssize_t TcpSession::write_some(std::span<const iovec> pieces) {
     std::size_t bytes = not_sent(fd());
     if (bytes >= max_not_sent) {
@@ -13,7 +54,7 @@ ssize_t TcpSession::write_some(std::span<const iovec> pieces) {
     }
     std::size_t count = 0;
     while (count < pieces.size() && (count == 0 || bytes + pieces[count].iov_len <= max_not_sent)) bytes += pieces[count++].iov_len;
-    return StreamSession::write_some(pieces.first(count));
+    return tls_ ? tls_->write(pieces.first(count)) : StreamSession::write_some(pieces.first(count));
 }
 
 }    // namespace anogate

@@ -1,17 +1,35 @@
-// A TCP connection as a stream of frames.
+// A TCP connection as a stream of frames, encrypted or not.
 #pragma once
 #include <link/stream_session.hpp>
+#include <link/tcp/tls_context.hpp>
+
+#include <memory>
+#include <string>
 
 namespace anogate {
 
 class TcpSession : public StreamSession {
 public:
-    using StreamSession::StreamSession;
+    static constexpr Duration handshake_patience = std::chrono::seconds{10};
+
+    explicit TcpSession(const LinkContext& context);
+
+    /// To be called before each open(): how it is encrypted; nullptr: it is not.
+    void encrypt_by(std::unique_ptr<TlsConnection> tls);
+    /// Why the handshake failed; empty: it has not.
+    std::string handshake_fault() const;
 
 protected:
+    Opening go_on_opening() override;
+    ssize_t read_some(std::span<std::uint8_t> room) override;
     /// Keeps what the kernel has not sent below about 2 KiB, so that urgent frames pass in our queue. The socket option for that
     /// (TCP_NOTSENT_LOWAT) delays only the event that it can be written: a write beyond it is still taken.
     ssize_t write_some(std::span<const iovec> pieces) override;
+
+private:
+    std::unique_ptr<TlsConnection> tls_;
+    bool is_late_ = false;    // the handshake took too long
+    Alarm handshake_ends_, read_on_;
 };
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// The settings of the two kinds of TCP links.
+// The settings of TCP links, encrypted or not.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ip.hpp>
@@ -11,9 +11,21 @@
 
 namespace anogate {
 
+enum class TlsVerify : std::uint8_t { peer, none };
+
+/// PEM files of an encrypted link.
+struct LinkCertificates {
+    std::string certificate;    // ours, with its intermediate certificates; empty: none
+    std::string key;            // of the certificate, without a password
+    std::string ca;             // whose certificates we accept; empty: those of the system
+    TlsVerify verify = TlsVerify::peer;
+    bool operator==(const LinkCertificates&) const = default;
+};
+
 struct TcpSettings {
     std::string peer;    // HostPort
     ano::Duration dead_after = std::chrono::seconds{10};
+    LinkCertificates tls;    // of a `tls` link
     bool operator==(const TcpSettings&) const = default;
 };
 
@@ -26,6 +38,7 @@ struct TcpListenSettings {
     std::vector<Network> allow;    // empty without allow_any: the networks of our interfaces
     bool trusted_any = false;
     std::vector<Network> trusted;    // a quarter of the places is kept for them
+    LinkCertificates tls;                    // of a `tls-listen` link
     bool operator==(const TcpListenSettings&) const = default;
 };
 

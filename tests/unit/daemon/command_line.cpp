@@ -177,6 +177,22 @@ TEST(CommandLine, a_check_warns_of_what_shuts_the_network_door) {
     EXPECT_EQ(line_of({"--check", "--config", closed.c_str()}).warnings, "") << "there is no door";
 }
 
+TEST(CommandLine, a_check_warns_of_a_key_that_slows_down_new_connections) {
+    const support::TempDir folder;
+    const std::string certificate = folder / "c.pem", key = folder / "k.pem";
+    const std::string file = folder.write("door.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "tls": {"certificate": ")" +
+                                                           certificate + R"(", "key": ")" + key + R"("}}})");
+    const auto warnings = [&](int bits) {
+        const std::string made = "openssl req -x509 -nodes -subj /CN=x -newkey rsa:" + std::to_string(bits) + " -keyout " + key + " -out " +
+                                 certificate + " 2>/dev/null";
+        EXPECT_EQ(std::system(made.c_str()), 0);
+        std::filesystem::permissions(key, std::filesystem::perms{0600});
+        return line_of({"--check", "--config", file.c_str()}).warnings;
+    };
+    EXPECT_NE(warnings(3072).find("an RSA key of 3072 bits slows down every new connection"), std::string::npos);
+    EXPECT_EQ(warnings(2048).find("RSA"), std::string::npos);
+}
+
 TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {
     const auto said = [](std::vector<const char*> links) {
         links.insert(links.begin(), "--check");

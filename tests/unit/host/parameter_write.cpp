@@ -173,6 +173,17 @@ TEST_F(Writes, a_write_that_is_stored_and_never_acknowledged_as_it_must_be_is_fo
     EXPECT_EQ(task->end()->what, "U8 was never acknowledged as it must be, and is written");
 }
 
+TEST_F(Writes, a_write_with_wrong_acknowledgements_is_repeated_once) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0xE1) return std::nullopt;
+        return std::vector<Bytes>{fake.to_host(f, 0x00, {0xE1, 1, 2})};    // and stores nothing
+    };
+    const auto task = write(info(0), std::int64_t{200});
+    EXPECT_NE(task->end()->ending, Ending::done);
+    EXPECT_EQ(writes(), 2u) << "each write wears the flash";
+    EXPECT_NE(task->end()->what.find("wrong check bytes"), std::string::npos) << task->end()->what;
+}
+
 TEST_F(Writes, silence_behind_a_write_says_that_it_may_be_done) {
     fake.instead = [&](FrameView) { return writes() > 0 ? nothing() : std::nullopt; };
     const auto task = write(info(0), std::int64_t{200});

@@ -62,10 +62,12 @@ function dropsOf(links: Link[]): Drop[] {
   const byCause = new Map<string, Drop>();
   for (const link of links)
     for (const [cause, count] of lost(link)) {
-      const drop = entryOf(byCause, cause, (): Drop => ({ cause, total: 0, now: rateOf(links, [cause]), links: [] }));
+      const drop = entryOf(byCause, cause, (): Drop => ({ cause, total: 0, now: undefined, links: [] }));
       drop.total += count;
       drop.links.push(link.name);
     }
+  for (const drop of byCause.values())
+    drop.now = rateOf(links.filter((link) => drop.links.includes(link.name)), [drop.cause]); // of the same links as the total
   return [...byCause.values()].sort((a, b) => (b.now ?? 0) - (a.now ?? 0) || b.total - a.total);
 }
 

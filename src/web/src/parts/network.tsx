@@ -45,7 +45,7 @@ function Who({ route }: { route: Route }) {
 
 /** The peers of a link that may have several. */
 function Peers({ link }: { link: Link }) {
-  if (link.kind !== "udp-listen") return null;
+  if (!link.kind.endsWith("-listen")) return null;
   const shown = link.channels.slice(0, 6);
   if (shown.length === 0 && link.hint_id === "no_peer_yet") return null; // the hint says it already
   if (shown.length === 0) return <p class="muted">{t("no_peers")}</p>;

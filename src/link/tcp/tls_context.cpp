@@ -1,0 +1,224 @@
+#include <link/tcp/tls_context.hpp>
+#include <sys/errors.hpp>
+
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+#include <openssl/x509v3.h>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t most_per_write = 16 * 1024;
+
+using Context = std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)>;
+
+/// The oldest error that OpenSSL noted in this thread, in words.
+std::string openssl_fault() {
+    const unsigned long error = ::ERR_get_error();
+    ::ERR_clear_error();
+    const char* const reason = error == 0 ? nullptr : ::ERR_reason_error_string(error);
+    return reason ? reason : "TLS failed";
+}
+
+/// When the files were written; another value when one was replaced.
+using Times = std::array<std::pair<timespec, ino_t>, 3>;
+Times times_of(const LinkCertificates& files) {
+    Times times{};
+    for (std::size_t i = 0; const std::string* file : {&files.certificate, &files.key, &files.ca}) {
+        struct stat facts {};
+        if (!file->empty() && ::stat(file->c_str(), &facts) == 0) times[i] = {facts.st_mtim, facts.st_ino};
+        ++i;
+    }
+    return times;
+}
+bool are_equal(const Times& one, const Times& two) {
+    return std::equal(one.begin(), one.end(), two.begin(), [](const auto& a, const auto& b) {
+        return a.first.tv_sec == b.first.tv_sec && a.first.tv_nsec == b.first.tv_nsec && a.second == b.second;
+    });
+}
+
+// OpenSSL does not tell why a file can't be read, and it would block on a pipe.
+std::string fault_of_file(const std::string& file, bool is_secret) {
+    struct stat facts {};
+    if (::access(file.c_str(), R_OK) != 0 || ::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
+    if (!S_ISREG(facts.st_mode)) return file + ": is not a file";
+    const bool is_open = is_secret && (facts.st_mode & S_IRWXO) != 0;
+    return is_open ? file + ": everybody on this computer may read it; chmod o= " + file : "";
+}
+
+std::string fault_of_files(const LinkCertificates& files) {
+    for (const std::string* file : {&files.certificate, &files.key, &files.ca})
+        if (!file->empty())
+            if (std::string fault = fault_of_file(*file, file == &files.key); !fault.empty()) return fault;
+    return {};
+}
+
+std::string use_files(SSL_CTX* context, const LinkCertificates& files) {
+    if (!files.certificate.empty() && ::SSL_CTX_use_certificate_chain_file(context, files.certificate.c_str()) != 1)
+        return files.certificate + ": " + openssl_fault();
+    if (!files.key.empty() && ::SSL_CTX_use_PrivateKey_file(context, files.key.c_str(), SSL_FILETYPE_PEM) != 1)
+        return files.key + ": " + openssl_fault();
+    if (!files.ca.empty() && ::SSL_CTX_load_verify_file(context, files.ca.c_str()) != 1) return files.ca + ": " + openssl_fault();
+    if (files.ca.empty()) ::SSL_CTX_set_default_verify_paths(context);
+    return {};
+}
+
+}    // namespace
+
+struct TlsConnection::Parts {
+    std::unique_ptr<SSL, void (*)(SSL*)> ssl{nullptr, ::SSL_free};
+    std::vector<std::uint8_t> taken{};    // given to OpenSSL, and not on the wire yet: it must get the same bytes again
+    std::string fault{};
+};
+
+TlsConnection::TlsConnection(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
+TlsConnection::~TlsConnection() = default;
+
+const std::string& TlsConnection::fault() const noexcept { return parts_->fault; }
+bool TlsConnection::has_more() const noexcept { return ::SSL_pending(parts_->ssl.get()) > 0; }
+
+TlsConnection::Handshake TlsConnection::go_on() {
+    ::ERR_clear_error();
+    SSL* const ssl = parts_->ssl.get();
+    const int result = ::SSL_do_handshake(ssl);
+    if (result == 1) return Handshake::done;
+    const int error = errno;
+    switch (::SSL_get_error(ssl, result)) {
+    case SSL_ERROR_WANT_READ: return Handshake::wants_to_read;
+    case SSL_ERROR_WANT_WRITE: return Handshake::wants_to_write;
+    case SSL_ERROR_SYSCALL:
+    case SSL_ERROR_ZERO_RETURN:
+        parts_->fault = "the other end closed the connection during the handshake";
+        if (error != 0 && error != ECONNRESET && error != EPIPE) parts_->fault = error_text(error);
+        break;
+    default:
+        const long verified = ::SSL_get_verify_result(ssl);
+        const bool was_refused_by_us = verified != X509_V_OK;
+        parts_->fault = was_refused_by_us ? std::string{"its certificate: "} + ::X509_verify_cert_error_string(verified) : openssl_fault();
+    }
+    ::ERR_clear_error();
+    errno = ECONNABORTED;
+    return Handshake::failed;
+}
+
+// Records are read until the room is full, since the socket does not report what OpenSSL has read of it.
+ssize_t TlsConnection::read(std::span<std::uint8_t> room) {
+    ::ERR_clear_error();
+    std::size_t size = 0;
+    while (size < room.size()) {
+        std::size_t more = 0;
+        const int result = ::SSL_read_ex(parts_->ssl.get(), room.data() + size, room.size() - size, &more);
+        size += more;
+        if (result == 1) continue;
+        const int error = errno;
+        const int what = ::SSL_get_error(parts_->ssl.get(), result);
+        ::ERR_clear_error();
+        if (size > 0) break;    // the next call reports the end
+        if (what == SSL_ERROR_ZERO_RETURN) return 0;
+        errno = what == SSL_ERROR_WANT_READ || what == SSL_ERROR_WANT_WRITE ? EAGAIN
+                : what == SSL_ERROR_SYSCALL && error != 0                   ? error
+                                                                            : ECONNRESET;
+        return -1;
+    }
+    return static_cast<ssize_t>(size);
+}
+
+ssize_t TlsConnection::write(std::span<const iovec> pieces) {
+    const auto send = [&] {
+        std::vector<std::uint8_t>& taken = parts_->taken;
+        ::ERR_clear_error();
+        while (!taken.empty()) {
+            std::size_t sent = 0;
+            const int result = ::SSL_write_ex(parts_->ssl.get(), taken.data(), taken.size(), &sent);
+            taken.erase(taken.begin(), taken.begin() + static_cast<std::ptrdiff_t>(sent));
+            if (result == 1) continue;
+            const int what = ::SSL_get_error(parts_->ssl.get(), result);
+            ::ERR_clear_error();
+            errno = what == SSL_ERROR_WANT_READ || what == SSL_ERROR_WANT_WRITE ? EAGAIN : EPIPE;
+            return false;
+        }
+        return true;
+    };
+    if (!send()) return -1;
+    for (const iovec& piece : pieces) {
+        if (!parts_->taken.empty() && parts_->taken.size() + piece.iov_len > most_per_write) break;
+        const auto* const begin = static_cast<const std::uint8_t*>(piece.iov_base);
+        parts_->taken.insert(parts_->taken.end(), begin, begin + piece.iov_len);
+    }
+    const auto size = static_cast<ssize_t>(parts_->taken.size());
+    if (!send() && errno != EAGAIN) return -1;
+    return size;
+}
+
+struct TlsContext::Loaded {
+    Context context{nullptr, ::SSL_CTX_free};
+    Times times{};
+};
+
+TlsContext::TlsContext(LinkCertificates files, Side side) : files_{std::move(files)}, side_{side} {}
+TlsContext::~TlsContext() = default;
+
+// While a pair of files is being replaced, the one before goes on.
+Opened<void> TlsContext::refresh() {
+    const Times times = times_of(files_);
+    if (loaded_ && are_equal(loaded_->times, times)) return {};
+    const auto fresh = std::make_shared<Loaded>();
+    fresh->times = times;
+    fresh->context.reset(::SSL_CTX_new(side_ == Side::listens ? ::TLS_server_method() : ::TLS_client_method()));
+    SSL_CTX* const context = fresh->context.get();
+    if (!context) return NotOpened{LinkError{"tls", openssl_fault(), {}}};
+    ::SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
+    ::SSL_CTX_set_options(context, SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION | SSL_OP_IGNORE_UNEXPECTED_EOF);
+    ::SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER | SSL_MODE_RELEASE_BUFFERS);
+    ::SSL_CTX_set_default_passwd_cb(context, [](char*, int, int, void*) { return 0; });    // never asks at the terminal
+    const int verify = files_.verify == TlsVerify::peer ? SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT : SSL_VERIFY_NONE;
+    ::SSL_CTX_set_verify(context, verify, nullptr);
+    ::ERR_clear_error();
+    std::string fault = fault_of_files(files_);
+    if (fault.empty()) fault = use_files(context, files_);
+    if (!fault.empty() && loaded_) return {};
+    if (!fault.empty()) return NotOpened{LinkError{"tls", fault, {}}};
+    const std::array<unsigned char, 8> id{'a', 'n', 'o', 'g', 'a', 't', 'e', 0};
+    ::SSL_CTX_set_session_id_context(context, id.data(), id.size());
+    loaded_ = fresh;
+    return {};
+}
+
+Opened<std::unique_ptr<TlsConnection>> TlsContext::connection(int fd, const std::string& host) {
+    if (auto read = refresh(); !read) return NotOpened{std::move(read.error())};
+    auto parts = std::make_unique<TlsConnection::Parts>();
+    parts->ssl.reset(::SSL_new(loaded_->context.get()));
+    SSL* const ssl = parts->ssl.get();
+    if (!ssl || ::SSL_set_fd(ssl, fd) != 1) return NotOpened{LinkError{"tls", openssl_fault(), {}}};
+    if (side_ == Side::listens) {
+        ::SSL_set_accept_state(ssl);
+    } else {
+        ::SSL_set_connect_state(ssl);
+        X509_VERIFY_PARAM* const wanted = ::SSL_get0_param(ssl);
+        const bool is_address = !host.empty() && ::X509_VERIFY_PARAM_set1_ip_asc(wanted, host.c_str()) == 1;
+        if (!host.empty() && !is_address) {
+            ::SSL_set_tlsext_host_name(ssl, host.c_str());
+            ::SSL_set1_host(ssl, host.c_str());
+        }
+        ::ERR_clear_error();
+    }
+    return std::make_unique<TlsConnection>(std::move(parts));
+}
+
+std::optional<std::int64_t> TlsContext::days_left() const {
+    const X509* const certificate = loaded_ ? ::SSL_CTX_get0_certificate(loaded_->context.get()) : nullptr;
+    int days = 0, seconds = 0;
+    if (!certificate || ::ASN1_TIME_diff(&days, &seconds, nullptr, ::X509_get0_notAfter(certificate)) != 1) return std::nullopt;
+    return days < 0 || seconds < 0 ? days - 1 : days;
+}
+
+}    // namespace anogate

@@ -1,0 +1,64 @@
+// TLS 1.2 and 1.3 for connections of links, by OpenSSL.
+#pragma once
+#include <link/link_error.hpp>
+#include <link/tcp/tcp_settings.hpp>
+
+#include <sys/types.h>
+#include <sys/uio.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace anogate {
+
+/// One end of an encrypted connection over a non-blocking socket, which the caller owns.
+class TlsConnection {
+public:
+    struct Parts;
+    explicit TlsConnection(std::unique_ptr<Parts> parts);
+    ~TlsConnection();
+    TlsConnection(const TlsConnection&) = delete;
+    TlsConnection& operator=(const TlsConnection&) = delete;
+
+    enum class Handshake { done, wants_to_read, wants_to_write, failed };
+    /// To be called again when the socket can be read or written, as the result asks. `failed`: fault() says why.
+    Handshake go_on();
+    const std::string& fault() const noexcept;
+
+    /// As read() and writev(). What write() has taken may still wait here; the next call sends it first.
+    ssize_t read(std::span<std::uint8_t> room);
+    ssize_t write(std::span<const iovec> pieces);
+    /// Bytes that were received and decrypted wait to be read: the socket does not report them.
+    bool has_more() const noexcept;
+
+private:
+    std::unique_ptr<Parts> parts_;
+};
+
+/// The certificates of a link. The files are read again when they have changed; connections that are open go on.
+class TlsContext {
+public:
+    enum class Side { connects, listens };
+    TlsContext(LinkCertificates files, Side side);
+    ~TlsContext();
+    TlsContext(const TlsContext&) = delete;
+    TlsContext& operator=(const TlsContext&) = delete;
+
+    /// For a connected socket. `host`: the name or address that the other end's certificate must have; empty: any.
+    Opened<std::unique_ptr<TlsConnection>> connection(int fd, const std::string& host);
+    /// Full days until our certificate expires, below zero when it has; std::nullopt: there is none.
+    std::optional<std::int64_t> days_left() const;
+
+private:
+    struct Loaded;
+    Opened<void> refresh();
+
+    LinkCertificates files_;
+    Side side_;
+    std::shared_ptr<const Loaded> loaded_;
+};
+
+}    // namespace anogate
