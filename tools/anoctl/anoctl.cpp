@@ -25,7 +25,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 31> all{{
+    static constexpr std::array<Subcommand, 32> all{{
         {"decode", "Shows the frames in bytes", add_decode, "Frames",
          "  anoctl decode AB DC FE 03 07 00 7B 00 00 00 00 00 01 09 E4\n  anoctl decode --json < bytes.txt\n"},
         {"encode", "Makes a frame", add_encode, "Frames", "  anoctl encode euler rol=1.5 pit=0\n"},
@@ -74,6 +74,8 @@ std::span<const Subcommand> subcommands() noexcept {
         {"plot-udp", "Sends what frames say to the plotter PlotJuggler", add_plot_udp, "Frames", ""},
         {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web,
          "Gateway", ""},
+        {"certificate", "Makes certificates for tls links: an authority, and one for each computer", add_certificate, "Gateway",
+         "  sudo anoctl certificate                  this computer\n  sudo anoctl certificate vehicle2        another one\n"},
     }};
     return all;
 }

@@ -62,6 +62,7 @@ Run add_monitor(Options& options);
 Run add_plot_udp(Options& options);
 Run add_ports(Options& options);
 Run add_setup(Options& options);
+Run add_certificate(Options& options);
 Run add_record(Options& options);
 Run add_recordings(Options& options);
 Run add_replay(Options& options);

@@ -14,7 +14,7 @@ _anoctl_links() {
         kind=$prev cur=
     else
         compopt -o nospace 2>/dev/null
-        _anoctl_words 'serial: udp-listen: udp: can: pty: sim: replay:'
+        _anoctl_words 'serial: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'
         return
     fi
     case $kind in
@@ -45,9 +45,9 @@ _anoctl_parameters() {
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports setup status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports setup status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web certificate help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports setup status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports setup status links routes metrics reload flexible send devices param command waypoint flash calibrate log alarms image terminal top record recordings info convert replay plot-udp web certificate'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -157,6 +157,7 @@ _anoctl() {
         'plot-udp --config') _anoctl_files; return ;;
         'web --into') :; return ;;
         'web --control') _anoctl_files; return ;;
+        'certificate --into') :; return ;;
     esac
     case $command in
         'decode') options='--json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
@@ -190,6 +191,7 @@ _anoctl() {
         'replay') options='--commands --rate --json -h --help'; operands='_anoctl_files' ;;
         'plot-udp') options='--id --from --to --link --direction --control --encoding --config -h --help'; operands='_anoctl_links' ;;
         'web') options='--open --make-certificate --into --control --json -h --help'; operands=':' ;;
+        'certificate') options='--into -h --help'; operands=':' ;;
     esac
     if [[ $cur == -* ]]; then _anoctl_words "$options"; else eval "$operands"; fi
 }

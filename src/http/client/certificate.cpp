@@ -34,7 +34,7 @@ using Text = std::unique_ptr<BIO, Free<BIO_free>>;
 using File = std::unique_ptr<std::FILE, Free<std::fclose>>;
 using Extension = std::unique_ptr<X509_EXTENSION, Free<X509_EXTENSION_free>>;
 
-constexpr long day = 24L * 60 * 60, valid_days = 824;
+constexpr long day = 24L * 60 * 60, valid_days = 824, authority_days = 20 * 365;
 
 Unexpected openssl_fault() {
     char words[256] = {};
@@ -63,22 +63,25 @@ bool set_serial(X509& certificate) {
     return ASN1_INTEGER_set_uint64(X509_get_serialNumber(&certificate), number >> 1) == 1;
 }
 
-bool fill(X509& certificate, EVP_PKEY& key, const CertificateNames& names) {
+bool fill(X509& certificate, EVP_PKEY& key, const std::string& subject, long days) {
     constexpr long version_3 = 2;
     X509_NAME* name = X509_get_subject_name(&certificate);
-    const std::string subject = names.hosts.empty() ? "anogate" : names.hosts.front();
     return X509_set_version(&certificate, version_3) == 1 && set_serial(certificate) &&
            X509_gmtime_adj(X509_getm_notBefore(&certificate), -day) != nullptr &&
-           X509_gmtime_adj(X509_getm_notAfter(&certificate), (valid_days - 1) * day) != nullptr &&
+           X509_gmtime_adj(X509_getm_notAfter(&certificate), (days - 1) * day) != nullptr &&
            X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_UTF8, reinterpret_cast<const unsigned char*>(subject.c_str()), -1, -1,
                                       0) == 1 &&
-           X509_set_issuer_name(&certificate, name) == 1 && X509_set_pubkey(&certificate, &key) == 1 &&
-           add_extension(certificate, NID_basic_constraints, "critical,CA:FALSE") &&
-           add_extension(certificate, NID_key_usage, "critical,digitalSignature") &&
-           add_extension(certificate, NID_ext_key_usage, "serverAuth") &&
-           add_extension(certificate, NID_subject_alt_name, alternative_names(names)) &&
-           X509_sign(&certificate, &key, EVP_sha256()) > 0;
+           X509_set_issuer_name(&certificate, name) == 1 && X509_set_pubkey(&certificate, &key) == 1;
 }
+
+bool add_use(X509& certificate, const CertificateNames& names, const char* ends) {
+    return add_extension(certificate, NID_basic_constraints, "critical,CA:FALSE") &&
+           add_extension(certificate, NID_key_usage, "critical,digitalSignature") &&
+           add_extension(certificate, NID_ext_key_usage, ends) &&
+           add_extension(certificate, NID_subject_alt_name, alternative_names(names));
+}
+
+std::string subject_of(const CertificateNames& names) { return names.hosts.empty() ? "anogate" : names.hosts.front(); }
 
 Expected<void> write_new(const std::string& path, BIO& text, mode_t mode) {
     char* bytes = nullptr;
@@ -91,20 +94,51 @@ Expected<void> write_new(const std::string& path, BIO& text, mode_t mode) {
     return Unexpected{error_text(path, error)};
 }
 
-}    // namespace
-
-Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key) {
+/// Makes a pair, has `finish` complete and sign the certificate, and writes both.
+template <class Finish>
+Expected<void> make_pair(const std::string& subject, long days, const CertificateFiles& files, Finish finish) {
     const Key pair{EVP_EC_gen("P-256")};
     const Certificate made{X509_new()};
     const Text key_text{BIO_new(BIO_s_mem())}, certificate_text{BIO_new(BIO_s_mem())};
-    const bool done = pair && made && key_text && certificate_text && fill(*made, *pair, names) &&
+    const bool done = pair && made && key_text && certificate_text && fill(*made, *pair, subject, days) && finish(*made, *pair) &&
                       PEM_write_bio_PKCS8PrivateKey(key_text.get(), pair.get(), nullptr, nullptr, 0, nullptr, nullptr) == 1 &&
                       PEM_write_bio_X509(certificate_text.get(), made.get()) == 1;
     if (!done) return openssl_fault();
-    if (auto written = write_new(key, *key_text, S_IRUSR | S_IWUSR); !written) return written;
-    auto written = write_new(certificate, *certificate_text, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
-    if (!written) ::unlink(key.c_str());
+    if (auto written = write_new(files.key, *key_text, S_IRUSR | S_IWUSR); !written) return written;
+    auto written = write_new(files.certificate, *certificate_text, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
+    if (!written) ::unlink(files.key.c_str());
     return written;
+}
+
+}    // namespace
+
+Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key) {
+    return make_pair(subject_of(names), valid_days, {certificate, key}, [&](X509& made, EVP_PKEY& pair) {
+        return add_use(made, names, "serverAuth") && X509_sign(&made, &pair, EVP_sha256()) > 0;
+    });
+}
+
+Expected<void> make_authority(const std::string& name, const CertificateFiles& files) {
+    return make_pair(name, authority_days, files, [](X509& made, EVP_PKEY& pair) {
+        return add_extension(made, NID_basic_constraints, "critical,CA:TRUE,pathlen:0") &&
+               add_extension(made, NID_key_usage, "critical,keyCertSign,cRLSign") && X509_sign(&made, &pair, EVP_sha256()) > 0;
+    });
+}
+
+Expected<void> make_signed_certificate(const CertificateNames& names, const CertificateFiles& files,
+                                       const CertificateFiles& authority) {
+    const File certificate{::fopen(authority.certificate.c_str(), "re")};
+    if (!certificate) return Unexpected{error_text(authority.certificate, errno)};
+    const File key{::fopen(authority.key.c_str(), "re")};
+    if (!key) return Unexpected{error_text(authority.key, errno)};
+    const Certificate issuer{PEM_read_X509(certificate.get(), nullptr, nullptr, nullptr)};
+    const Key its_key{PEM_read_PrivateKey(key.get(), nullptr, nullptr, nullptr)};
+    if (!issuer || !its_key || X509_check_private_key(issuer.get(), its_key.get()) != 1)
+        return Unexpected{authority.certificate + " and " + authority.key + " are no certificate and its key"};
+    return make_pair(subject_of(names), valid_days, files, [&](X509& made, EVP_PKEY&) {
+        return X509_set_issuer_name(&made, X509_get_subject_name(issuer.get())) == 1 &&
+               add_use(made, names, "serverAuth,clientAuth") && X509_sign(&made, its_key.get(), EVP_sha256()) > 0;
+    });
 }
 
 Expected<std::string> fingerprint(const std::string& certificate) {

@@ -1,4 +1,4 @@
-// Makes a self-signed certificate for TLS: browsers ask once whether to trust it.
+// Makes certificates for TLS: self-signed ones, about which browsers ask once, and those of an own authority.
 #pragma once
 #include <sys/expected.hpp>
 
@@ -15,6 +15,16 @@ struct CertificateNames {
 /// Writes a new key (P-256, readable by our user only) and its self-signed certificate, valid for 824 days (some browsers do not accept
 /// more) from yesterday (clocks differ). Existing files are never overwritten.
 Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key);
+
+/// PEM files.
+struct CertificateFiles {
+    std::string certificate, key;
+};
+/// Writes a new authority, which signs the certificates of several computers, valid for 20 years. Existing files are never overwritten.
+Expected<void> make_authority(const std::string& name, const CertificateFiles& files);
+/// As make_certificate(), signed by `authority`; also for the end that connects.
+Expected<void> make_signed_certificate(const CertificateNames& names, const CertificateFiles& files,
+                                       const CertificateFiles& authority);
 
 /// The SHA-256 of the first certificate in a PEM file, as browsers show it: "AB:CD:…", 32 bytes.
 Expected<std::string> fingerprint(const std::string& certificate);

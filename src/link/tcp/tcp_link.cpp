@@ -30,7 +30,8 @@ TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                      return {};
                  },
                  Backoff::network} {
-    if (this->settings().kind->encrypts) tls_ = std::make_unique<TlsContext>(this->settings().as<TcpSettings>().tls, TlsContext::Side::connects);
+    if (this->settings().kind->encrypts)
+        tls_ = std::make_unique<TlsContext>(this->settings().as<TcpSettings>().tls, TlsContext::Side::connects);
 }
 
 void TcpLink::connected(UniqueFd fd, const Endpoint& peer) {
@@ -56,14 +57,9 @@ void TcpLink::opened() {
     context_.host.link_up(*this);
 }
 
-void TcpLink::failed(int error) {
-    const std::string fault = handshake_fault();
-    if (fault.empty()) return read_ended(error);
-    fail({"tls", "TLS with " + tcp_peer(settings()) + ": " + fault, {}});
-}
-
 void TcpLink::read_ended(int error) {
     const std::string& peer = tcp_peer(settings());
+    if (const std::string fault = tls_fault(); !fault.empty()) return fail({"tls", "TLS with " + peer + ": " + fault, {}});
     if (error == 0 || error == ECONNRESET || error == EPIPE)
         return fail({"closed_by_peer", peer + " closed the connection", {{"peer", peer}}});
     if (error == ETIMEDOUT || error == EHOSTUNREACH || error == ENETUNREACH)
@@ -132,12 +128,14 @@ void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
 }
 
 constexpr Key<LinkSettings> tls_keys[] = {
-    text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") | needed,
+    text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") |
+        needed,
     duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day, dead_after_help),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) | as("FILE"),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::key>("key", 1, max_path, key_help) | as("FILE"),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::ca>("ca", 1, max_path, ca_help) | as("FILE"),
-    choice<own<Tcp>, &Tcp::tls, &LinkCertificates::verify>("verify", "peer|none", "none: the other end's certificate is not checked"),
+    choice<own<Tcp>, &Tcp::tls, &LinkCertificates::verify>("verify", "peer|none",
+                                                           "none: the other end's certificate is not checked"),
 };
 
 void validate_tls(const LinkSettings& link, LinkFaults& faults) {
@@ -185,8 +183,7 @@ constinit const LinkKind tls_kind{
     .keys = tls_keys,
     .settings = [] { return KindSettings{Tcp{}}; },
     .make = make_link_of<TcpLink>,
-    .usual_name =
-        [](const LinkSettings& link) { return "tls-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
+    .usual_name = [](const LinkSettings& link) { return "tls-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
     .reach = tcp_kind.reach,
     .validate = validate_tls,
 };

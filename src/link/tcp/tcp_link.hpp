@@ -28,11 +28,11 @@ private:
     void connected(UniqueFd fd, const Endpoint& peer);
     void opened() override;
     void read_ended(int error) override;
-    void failed(int error) override;
+    void failed(int error) override { read_ended(error); }
     void fail(LinkError why);
 
     Channel* channel_ = nullptr;
-    std::string connected_to_;    // the address; empty: none
+    std::string connected_to_;           // the address; empty: none
     std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
     Connector connector_;
     Reconnect reconnect_;

@@ -68,9 +68,9 @@ private:
     }
     void read_ended(int) override { link_.end(*this); }
     void failed(int) override {
-        if (!is_opened_ && !handshake_fault().empty()) {
+        if (!is_opened_ && !tls_fault().empty()) {
             ++link_.handshakes_failed_;
-            link_.last_fault_ = handshake_fault();
+            link_.last_fault_ = tls_fault();
         }
         link_.end(*this);
     }
@@ -289,8 +289,7 @@ using TcpListen = TcpListenSettings;
 
 constexpr Key<LinkSettings> tcp_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
-    duration<own<TcpListen>, &TcpListen::dead_after>(
-        "dead_after", second, day, dead_after_help),
+    duration<own<TcpListen>, &TcpListen::dead_after>("dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
                                                    "most connections at a time; one that sends no frame gives way"),
     integer<own<TcpListen>, &TcpListen::max_per_address>(
@@ -305,8 +304,7 @@ constexpr Key<LinkSettings> tcp_listen_keys[] = {
 
 constexpr Key<LinkSettings> tls_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
-    duration<own<TcpListen>, &TcpListen::dead_after>(
-        "dead_after", second, day, dead_after_help),
+    duration<own<TcpListen>, &TcpListen::dead_after>("dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
                                                    "most connections at a time; one that sends no frame gives way"),
     integer<own<TcpListen>, &TcpListen::max_per_address>(
@@ -317,10 +315,12 @@ constexpr Key<LinkSettings> tls_listen_keys[] = {
         "allow", "networks whose members may connect, or any (default: the networks of our interfaces)"),
     networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
         "trusted", "networks for whose members a quarter of max_peers is kept, or any (default: none)"),
-    text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) | as("FILE") | needed,
+    text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) |
+        as("FILE") | needed,
     text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::key>("key", 1, max_path, key_help) | as("FILE") | needed,
     text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::ca>("ca", 1, max_path, ca_help) | as("FILE"),
-    choice<own<TcpListen>, &TcpListen::tls, &LinkCertificates::verify>("verify", "peer|none", "none: whoever connects needs no certificate"),
+    choice<own<TcpListen>, &TcpListen::tls, &LinkCertificates::verify>("verify", "peer|none",
+                                                                       "none: whoever connects needs no certificate"),
 };
 
 void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
@@ -334,7 +334,9 @@ void validate_tls_listener(const LinkSettings& link, LinkFaults& faults) {
     validate_tcp_listener(link, faults);
     const LinkCertificates& tls = link.as<TcpListen>().tls;
     if (tls.verify == TlsVerify::peer && tls.ca.empty())
-        faults.error("ca", "'ca' is missing: the file of the certificate that signed those of the peers; or verify=none, if anybody may connect");
+        faults.error("ca",
+                     "'ca' is missing: the file of the certificate that signed those of the peers; or verify=none, if anybody "
+                     "may connect");
 }
 
 Reach reach_of_tcp(const LinkSettings& link) {

@@ -51,10 +51,10 @@ private:
     std::vector<std::unique_ptr<Connection>> connections_;
     std::vector<std::unique_ptr<Connection>> ended_;    // destroyed when no call of theirs runs
     Alarm sweep_;
-    Alarm accept_again_;    // while there is no descriptor or memory for another connection
+    Alarm accept_again_;                 // while there is no descriptor or memory for another connection
     std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
     bool is_ending_ = false;
-    std::string last_fault_;             // of a handshake that failed
+    std::string last_fault_;    // of a handshake that failed
     std::uint64_t no_place_ = 0, no_memory_ = 0, outsiders_ = 0, handshakes_failed_ = 0;
 };
 

@@ -21,7 +21,7 @@ void TcpSession::encrypt_by(std::unique_ptr<TlsConnection> tls) {
     handshake_ends_.cancel();
 }
 
-std::string TcpSession::handshake_fault() const {
+std::string TcpSession::tls_fault() const {
     if (!tls_) return {};
     return is_late_ ? "the handshake was not finished within 10 s" : tls_->fault();
 }
@@ -53,7 +53,8 @@ ssize_t TcpSession::write_some(std::span<const iovec> pieces) {
         return -1;
     }
     std::size_t count = 0;
-    while (count < pieces.size() && (count == 0 || bytes + pieces[count].iov_len <= max_not_sent)) bytes += pieces[count++].iov_len;
+    while (count < pieces.size() && (count == 0 || bytes + pieces[count].iov_len <= max_not_sent))
+        bytes += pieces[count++].iov_len;
     return tls_ ? tls_->write(pieces.first(count)) : StreamSession::write_some(pieces.first(count));
 }
 

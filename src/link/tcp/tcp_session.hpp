@@ -16,8 +16,8 @@ public:
 
     /// To be called before each open(): how it is encrypted; nullptr: it is not.
     void encrypt_by(std::unique_ptr<TlsConnection> tls);
-    /// Why the handshake failed; empty: it has not.
-    std::string handshake_fault() const;
+    /// Why the handshake failed, or the other end ended it all; empty: neither.
+    std::string tls_fault() const;
 
 protected:
     Opening go_on_opening() override;

@@ -38,7 +38,7 @@ struct TcpListenSettings {
     std::vector<Network> allow;    // empty without allow_any: the networks of our interfaces
     bool trusted_any = false;
     std::vector<Network> trusted;    // a quarter of the places is kept for them
-    LinkCertificates tls;                    // of a `tls-listen` link
+    LinkCertificates tls;            // of a `tls-listen` link
     bool operator==(const TcpListenSettings&) const = default;
 };
 

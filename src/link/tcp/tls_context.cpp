@@ -103,7 +103,8 @@ TlsConnection::Handshake TlsConnection::go_on() {
     default:
         const long verified = ::SSL_get_verify_result(ssl);
         const bool was_refused_by_us = verified != X509_V_OK;
-        parts_->fault = was_refused_by_us ? std::string{"its certificate: "} + ::X509_verify_cert_error_string(verified) : openssl_fault();
+        parts_->fault = was_refused_by_us ? std::string{"its certificate: "} + ::X509_verify_cert_error_string(verified)
+                                          : openssl_fault();
     }
     ::ERR_clear_error();
     errno = ECONNABORTED;
@@ -121,6 +122,8 @@ ssize_t TlsConnection::read(std::span<std::uint8_t> room) {
         if (result == 1) continue;
         const int error = errno;
         const int what = ::SSL_get_error(parts_->ssl.get(), result);
+        if (what == SSL_ERROR_SSL)
+            parts_->fault = openssl_fault();    // an alert of the other end: it does not accept our certificate
         ::ERR_clear_error();
         if (size > 0) break;    // the next call reports the end
         if (what == SSL_ERROR_ZERO_RETURN) return 0;

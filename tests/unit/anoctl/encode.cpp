@@ -114,7 +114,7 @@ TEST(Anoctl, takes_json_before_the_command) {
               "anoctl: --json is for a command; the commands are decode, encode, messages, monitor, ports, setup, status, links, "
               "routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, calibrate, log, alarms, image, "
               "terminal, top, record, "
-              "recordings, info, convert, replay, plot-udp, web\n");
+              "recordings, info, convert, replay, plot-udp, web, certificate\n");
     EXPECT_EQ(anoctl({"--json", "encod"}).err.rfind("anoctl: there is no command 'encod' (did you mean 'encode'?)", 0), 0u);
 }
 

@@ -101,17 +101,17 @@ TEST(Anoctl, a_command_that_is_none_is_named) {
         "ports, setup, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, "
         "calibrate, "
         "log, alarms, image, "
-        "terminal, top, record, recordings, info, convert, replay, plot-udp, web\n");
+        "terminal, top, record, recordings, info, convert, replay, plot-udp, web, certificate\n");
     EXPECT_EQ(anoctl({"help"}).out, anoctl({"--help"}).out);
     EXPECT_EQ(anoctl({"help", "decode"}).out, anoctl({"decode", "--help"}).out);
     EXPECT_EQ(anoctl({}).exit, 2);
-    EXPECT_EQ(
-        anoctl({}).err,
-        "anoctl: no command; the commands are decode, encode, messages, monitor, "
-        "ports, setup, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, "
-        "calibrate, "
-        "log, alarms, "
-        "image, terminal, top, record, recordings, info, convert, replay, plot-udp, web, and anoctl COMMAND --help says more\n");
+    EXPECT_EQ(anoctl({}).err,
+              "anoctl: no command; the commands are decode, encode, messages, monitor, "
+              "ports, setup, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, "
+              "calibrate, "
+              "log, alarms, "
+              "image, terminal, top, record, recordings, info, convert, replay, plot-udp, web, certificate, and anoctl COMMAND "
+              "--help says more\n");
 }
 
 }    // namespace

@@ -180,11 +180,12 @@ TEST(CommandLine, a_check_warns_of_what_shuts_the_network_door) {
 TEST(CommandLine, a_check_warns_of_a_key_that_slows_down_new_connections) {
     const support::TempDir folder;
     const std::string certificate = folder / "c.pem", key = folder / "k.pem";
-    const std::string file = folder.write("door.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "tls": {"certificate": ")" +
-                                                           certificate + R"(", "key": ")" + key + R"("}}})");
+    const std::string file = folder.write(
+        "door.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "tls": {"certificate": ")" + certificate +
+                         R"(", "key": ")" + key + R"("}}})");
     const auto warnings = [&](int bits) {
-        const std::string made = "openssl req -x509 -nodes -subj /CN=x -newkey rsa:" + std::to_string(bits) + " -keyout " + key + " -out " +
-                                 certificate + " 2>/dev/null";
+        const std::string made = "openssl req -x509 -nodes -subj /CN=x -newkey rsa:" + std::to_string(bits) + " -keyout " + key +
+                                 " -out " + certificate + " 2>/dev/null";
         EXPECT_EQ(std::system(made.c_str()), 0);
         std::filesystem::permissions(key, std::filesystem::perms{0600});
         return line_of({"--check", "--config", file.c_str()}).warnings;

@@ -15,7 +15,6 @@
 
 #include <unistd.h>
 
-#include <climits>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -25,14 +24,6 @@ namespace anoctl {
 namespace {
 
 using ano::Json;
-
-Computer this_computer() {
-    char name[HOST_NAME_MAX + 1] = {};
-    Computer computer;
-    if (::gethostname(name, sizeof name - 1) == 0) computer.name = name;
-    for (const anogate::Network& network : anogate::own_networks()) computer.addresses.push_back(network.address);
-    return computer;
-}
 
 bool is_set(const Json& object, const char* key) { return text_at(object, key) == "true"; }
 

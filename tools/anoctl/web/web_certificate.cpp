@@ -3,6 +3,7 @@
 #include <anoctl/anoctl.hpp>
 
 #include <http/client/certificate.hpp>
+#include <link/udp/ip_socket.hpp>
 #include <sys/unique_fd.hpp>
 
 #include <fcntl.h>
@@ -10,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <climits>
 #include <filesystem>
 
 namespace anoctl {
@@ -21,6 +23,18 @@ using anogate::http::CertificateNames;
 constexpr char folder_of_the_system[] = "/etc/anogate";
 constexpr char user_of_the_service[] = "anogate";
 constexpr char another_folder[] = "; give another folder by --into";
+
+void check(const fs::path& folder, const MadeCertificate& made) {
+    std::error_code ec;
+    if (!fs::is_directory(folder, ec)) throw Failure{"there is no folder " + folder.string() + another_folder};
+    for (const std::string& path : {made.certificate, made.key})
+        if (fs::exists(fs::symlink_status(path, ec)))
+            throw Failure{path + " is there already and is not written over: move it away, or give another folder by --into"};
+    if (::access(folder.c_str(), W_OK | X_OK) != 0)
+        throw Failure{"this user may not write into " + folder.string() + another_folder + ", or use sudo"};
+}
+
+}    // namespace
 
 CertificateNames names_for(const Computer& computer) {
     CertificateNames names{names_of(computer), {}};
@@ -42,17 +56,13 @@ bool give_to_service(const std::string& key) {
            ::fchown(fd.get(), user->pw_uid, user->pw_gid) == 0;
 }
 
-void check(const fs::path& folder, const MadeCertificate& made) {
-    std::error_code ec;
-    if (!fs::is_directory(folder, ec)) throw Failure{"there is no folder " + folder.string() + another_folder};
-    for (const std::string& path : {made.certificate, made.key})
-        if (fs::exists(fs::symlink_status(path, ec)))
-            throw Failure{path + " is there already and is not written over: move it away, or give another folder by --into"};
-    if (::access(folder.c_str(), W_OK | X_OK) != 0)
-        throw Failure{"this user may not write into " + folder.string() + another_folder + ", or use sudo"};
+Computer this_computer() {
+    char name[HOST_NAME_MAX + 1] = {};
+    Computer computer;
+    if (::gethostname(name, sizeof name - 1) == 0) computer.name = name;
+    for (const anogate::Network& network : anogate::own_networks()) computer.addresses.push_back(network.address);
+    return computer;
 }
-
-}    // namespace
 
 std::string certificate_folder() {
     std::error_code ec;

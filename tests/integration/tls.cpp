@@ -1,0 +1,197 @@
+// Encrypted links: who is accepted, certificates that change, handshakes that never end, programs of others.
+#include <http/client/certificate.hpp>
+#include <link/tcp/tls_context.hpp>
+#include <support/process.hpp>
+#include <support/running_gateway.hpp>
+#include <support/tcp_peer.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tls_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using anogate::http::CertificateFiles;
+
+struct Tls : testing::Test {
+    Tls() {
+        EXPECT_TRUE(make_authority("ours", authority("ca")));
+        EXPECT_TRUE(make_authority("another", authority("other")));
+        make("gateway", "ca", {{"localhost"}, {"127.0.0.1"}});
+        make("vehicle", "ca", {{"vehicle"}, {}});
+    }
+    CertificateFiles authority(const std::string& name) const { return {dir / (name + ".pem"), dir / (name + "-key.pem")}; }
+    void make(const std::string& name, const std::string& by, const anogate::http::CertificateNames& names) const {
+        std::filesystem::remove(dir / (name + ".pem"));
+        std::filesystem::remove(dir / (name + "-key.pem"));
+        EXPECT_TRUE(make_signed_certificate(names, authority(name), authority(by)));
+    }
+    std::string pair(const std::string& name) const {
+        return ",certificate=" + (dir / (name + ".pem")) + ",key=" + (dir / (name + "-key.pem"));
+    }
+    std::string ca(const std::string& name = "ca") const { return ",ca=" + (dir / (name + ".pem")); }
+    /// A gateway that listens, and the LINK text by which another one reaches it.
+    void listen(const std::string& more) {
+        ground.emplace(
+            loop, std::vector<std::string>{"tls-listen:127.0.0.1:0,name=l" + pair("gateway") + more, "sim:fc,hz=50,name=fc"});
+        ASSERT_TRUE(ground->until_up("l"));
+    }
+    std::string to(const std::string& host, const std::string& more) {
+        return "tls:" + host + ":" + std::to_string(ground->port("l")) + ",name=t" + more;
+    }
+    std::string connect_error(const std::string& link) {
+        air.emplace(loop, std::vector<std::string>{link});
+        EXPECT_TRUE(air->until(
+            [&] { return !air->link("t").at("error").get<std::string>().empty() && air->link("t").at("error_id") != "other"; }));
+        return air->link("t").at("error");
+    }
+
+    TempDir dir;
+    Loop loop;
+    std::optional<RunningGateway> ground, air;
+};
+
+TEST_F(Tls, both_ends_show_certificates_and_frames_pass_both_ways) {
+    listen(ca());
+    air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca()), "udp-listen:127.0.0.1:0,name=u"});
+    ASSERT_TRUE(air->until_up("t")) << air->link("t");
+    UdpPeer station;
+    station.send(air->port("u"), vendor::who_are_you);
+    EXPECT_TRUE(air->until([&] { return split(station.heard()).frames.size() > 20; }));
+    EXPECT_TRUE(split(station.heard()).rest.empty());
+    EXPECT_GT(ground->count("l", "frames_in"), 0u);
+    EXPECT_GT(air->link("t").at("certificate_days"), 800);
+    EXPECT_TRUE(air->counters_add_up() && ground->counters_add_up());
+}
+
+TEST_F(Tls, large_frames_arrive_whole) {
+    listen(ca());
+    air.emplace(loop, std::vector<std::string>{to("127.0.0.1", pair("vehicle") + ca()), "udp-listen:127.0.0.1:0,name=u"});
+    ASSERT_TRUE(air->until_up("t")) << air->link("t");
+    UdpPeer station;
+    const Bytes large = frame(0xFE, 0xFF, 0xF1, Bytes(4000, 0x5A));
+    for (int n = 1; n <= 50; ++n) {
+        ASSERT_TRUE(station.send(air->port("u"), large));
+        ASSERT_TRUE(air->until([&] { return ground->count("l", "frames_in") == static_cast<std::uint64_t>(n); }));
+    }
+    EXPECT_EQ(ground->count("l", "bad_check"), 0u);
+}
+
+TEST_F(Tls, a_certificate_of_another_authority_is_refused_on_both_sides) {
+    listen(ca());
+    EXPECT_NE(connect_error(to("localhost", pair("vehicle") + ca("other"))).find("its certificate: "), std::string::npos);
+    make("stranger", "other", {{"stranger"}, {}});
+    air.emplace(loop, std::vector<std::string>{to("localhost", pair("stranger") + ca())});
+    EXPECT_TRUE(ground->until([&] { return ground->link("l").at("error_id") == "tls"; })) << ground->link("l");
+    EXPECT_EQ(ground->count("l", "frames_in"), 0u);
+}
+
+TEST_F(Tls, whoever_shows_no_certificate_is_refused_unless_none_is_needed) {
+    listen(ca());
+    const std::string error = connect_error(to("localhost", ca()));
+    EXPECT_NE(error.find("certificate required"), std::string::npos) << error;
+    ground.reset();
+    listen(",verify=none");
+    air.emplace(loop, std::vector<std::string>{to("localhost", ca())});
+    EXPECT_TRUE(air->until([&] { return air->count("t", "frames_in") > 10; }));
+}
+
+TEST_F(Tls, a_certificate_for_another_name_is_refused) {
+    make("gateway", "ca", {{"elsewhere"}, {"10.1.2.3"}});
+    listen(ca());
+    EXPECT_NE(connect_error(to("localhost", pair("vehicle") + ca())).find("hostname mismatch"), std::string::npos);
+    EXPECT_NE(connect_error(to("127.0.0.1", pair("vehicle") + ca())).find("IP address mismatch"), std::string::npos);
+}
+
+TEST_F(Tls, a_key_that_others_may_read_is_refused) {
+    listen(ca());
+    std::filesystem::permissions(dir / "vehicle-key.pem", std::filesystem::perms{0644});
+    EXPECT_NE(connect_error(to("localhost", pair("vehicle") + ca())).find("everybody on this computer may read it; chmod o= "),
+              std::string::npos);
+    std::filesystem::permissions(dir / "vehicle-key.pem", std::filesystem::perms{0600});
+    EXPECT_TRUE(air->until_up("t"));
+}
+
+TEST_F(Tls, a_new_certificate_is_used_for_new_connections_and_the_open_ones_go_on) {
+    listen(ca());
+    air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
+    ASSERT_TRUE(air->until([&] { return air->count("t", "frames_in") > 5; }));
+    make("gateway", "other", {{"localhost"}, {}});
+    const auto before = air->count("t", "frames_in");
+    EXPECT_TRUE(air->until([&] { return air->count("t", "frames_in") > before + 5; })) << "the open connection goes on";
+    RunningGateway second{loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())}};
+    EXPECT_TRUE(second.until([&] { return second.link("t").at("error_id") == "tls"; }))
+        << "it sees the new one, of another authority";
+    EXPECT_TRUE(air->up("t"));
+}
+
+TEST_F(Tls, connections_that_never_shake_hands_keep_nobody_out_for_long) {
+    listen(ca() + ",max_peers=64,max_per_address=64");
+    std::vector<TcpPeer> silent;
+    for (int n = 0; n < 40; ++n) silent.emplace_back(ground->port("l"));
+    air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
+    EXPECT_TRUE(air->until_up("t")) << air->link("t");
+    EXPECT_TRUE(ground->until([&] { return silent.front().is_closed(); })) << "after 10 s";
+}
+
+TEST_F(Tls, junk_instead_of_a_handshake_ends_that_connection_alone) {
+    listen(ca());
+    air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
+    ASSERT_TRUE(air->until_up("t"));
+    TcpPeer stranger{ground->port("l")};
+    stranger.send(vendor::who_are_you + Bytes(500, 0xFF));
+    EXPECT_TRUE(ground->until([&] { return stranger.is_closed(); }));
+    const auto before = air->count("t", "frames_in");
+    EXPECT_TRUE(air->until([&] { return air->count("t", "frames_in") > before; }));
+    EXPECT_EQ(ground->count("l", "frames_in"), 0u);
+}
+
+TEST_F(Tls, the_client_of_openssl_connects) {
+    listen(ca());
+    const std::string port = std::to_string(ground->port("l"));
+    Process client{
+        "/bin/sh",
+        {"-c", "sleep 60 | exec timeout 60 openssl s_client -quiet -verify_return_error -connect localhost:" + port +
+                   " -CAfile " + (dir / "ca.pem") + " -cert " + (dir / "vehicle.pem") + " -key " + (dir / "vehicle-key.pem")}};
+    EXPECT_TRUE(ground->until([&] { return client.output().find("\xAB\xDC") != std::string::npos; })) << client.output();
+}
+
+TEST_F(Tls, socat_as_the_listening_end) {
+    const std::string listener = "OPENSSL-LISTEN:0,bind=127.0.0.1,cert=" + (dir / "gateway.pem") +
+                                 ",key=" + (dir / "gateway-key.pem") + ",cafile=" + (dir / "ca.pem") + ",verify=1";
+    Process socat{"/bin/sh", {"-c", "exec timeout 60 socat -dd " + listener + " EXEC:cat 2>&1"}};
+    std::string port;
+    ASSERT_TRUE(wait_until([&] {
+        const std::string said = socat.output();
+        const auto at = said.find("listening on AF=2 127.0.0.1:");
+        if (at == std::string::npos || said.find('\n', at) == std::string::npos) return false;
+        port = said.substr(at + 28, said.find('\n', at) - at - 28);
+        return true;
+    })) << socat.output();
+    air.emplace(loop, std::vector<std::string>{"tls:localhost:" + port + ",name=t,hello=on" + pair("vehicle") + ca()});
+    EXPECT_TRUE(air->until([&] { return air->count("t", "bytes_in") > 0; }))
+        << air->link("t") << socat.output();    // its echo of the hello
+}
+
+TEST_F(Tls, its_days_are_counted) {
+    anogate::TlsContext none{{}, anogate::TlsContext::Side::connects};
+    EXPECT_FALSE(none.days_left());
+    TcpListener somebody;
+    TcpPeer peer{somebody.port()};
+    anogate::TlsContext one{{dir / "vehicle.pem", dir / "vehicle-key.pem", {}, {}}, anogate::TlsContext::Side::connects};
+    ASSERT_TRUE(one.connection(peer.fd(), "localhost"));
+    EXPECT_NEAR(static_cast<double>(one.days_left().value_or(0)), 823, 1);
+}
+
+}    // namespace
+}    // namespace tls_tests

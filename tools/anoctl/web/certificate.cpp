@@ -1,0 +1,75 @@
+// anoctl certificate: an authority of one's own, and a certificate for each computer.
+#include <anoctl/anoctl.hpp>
+#include <anoctl/text/table.hpp>
+#include "web_certificate.hpp"
+
+#include <http/client/certificate.hpp>
+
+#include <ano_json/text.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace anogate::http;
+
+struct CertificateCommand {
+    std::string name;
+    std::optional<std::string> into;
+
+    int run(Streams& streams) const {
+        const Computer computer = this_computer();
+        const std::string whose = name.empty() ? computer.name : name;
+        const bool is_file_name = !whose.empty() && whose.front() != '.' && whose.find('/') == std::string::npos;
+        if (!is_file_name) throw UsageError{ano::in_quotes(whose) + " is not the name of a computer"};
+        const fs::path folder = fs::absolute(into.value_or(certificate_folder()));
+        if (!fs::is_directory(folder)) throw Failure{"there is no folder " + folder.string() + "; give another one by --into"};
+
+        const CertificateFiles authority{folder / "ca.pem", folder / "ca-key.pem"};
+        const CertificateFiles made{folder / (whose + ".pem"), folder / (whose + "-key.pem")};
+        const bool is_new = !fs::exists(authority.certificate);
+        if (is_new) must(make_authority("anogate", authority));
+        must(make_signed_certificate(whose == computer.name ? names_for(computer) : names_of_another(whose), made, authority));
+        give_to_service(made.key);
+        tell(authority, made, is_new, streams.out);
+        return fine;
+    }
+
+private:
+    static void must(const anogate::Expected<void>& done) {
+        if (!done) throw Failure{done.error()};
+    }
+    static CertificateNames names_of_another(const std::string& name) {
+        if (anogate::IpAddress::parse(name)) return {{}, {name}};
+        return {names_of({name, {}}), {}};
+    }
+    static void tell(const CertificateFiles& authority, const CertificateFiles& made, bool is_new, std::ostream& out) {
+        if (is_new)
+            out << authority.certificate << ": a new authority; every computer needs this file\n"
+                << authority.key << ": its key, which signs further certificates; keep it here and secret\n";
+        out << made.certificate << ", " << made.key << ": the certificate and its key\n"
+            << "The links:\n"
+            << "    tls-listen:0.0.0.0:12334,certificate=" << made.certificate << ",key=" << made.key
+            << ",ca=" << authority.certificate << "\n    tls:HOST:12334,certificate=" << made.certificate << ",key=" << made.key
+            << ",ca=" << authority.certificate << '\n';
+    }
+};
+
+}    // namespace
+
+Run add_certificate(Options& options) {
+    const auto self = std::make_shared<CertificateCommand>();
+    options.push_back({"name", &self->name, "[NAME]", "The host name or IP address of the computer (default: this one)"});
+    options.push_back({"--into", &self->into, "FOLDER",
+                       "Where the files are made (default: /etc/anogate for root where it is, else this folder)"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl
