@@ -79,8 +79,9 @@ std::string short_help(LinkKinds kinds, const std::string& default_file) {
         "  anogated [--config FILE]    default: " +
         default_file + "\n\nLinks:\n";
     for (const LinkKind* kind : kinds)
-        text += row(std::string{kind->name} + ":" + std::string{kind->example},
-                    kind->help.substr(0, kind->help.find_first_of(";,.:")));
+        if (!kind->encrypts)
+            text += row(std::string{kind->name} + ":" + std::string{kind->example},
+                        kind->help.substr(0, kind->help.find_first_of(";,.:")));
     text += "\nOptions:\n" + row("--http ADDR:PORT", "the page, for a browser") +
             row("--route ADDR=LINK", "pins an address (0xDC, 30-40) to a link") +
             row("--check, --print-config", "checks the configuration; prints it as a file") +

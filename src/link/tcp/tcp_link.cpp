@@ -174,7 +174,7 @@ constinit const LinkKind tls_kind{
     .name = "tls",
     .address = "address",
     .example = "gateway.local:12334",
-    .help = "the same, encrypted; both ends show a certificate",
+    .help = "an encrypted TCP connection; both ends show a certificate",
     .carries = Carries::bytes,
     .over_network = true,
     .encrypts = true,

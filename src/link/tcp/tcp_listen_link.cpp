@@ -378,7 +378,7 @@ constinit const LinkKind tls_listen_kind{
     .name = "tls-listen",
     .address = "address",
     .example = "0.0.0.0:12334",
-    .help = "the same, encrypted; who connects shows a certificate",
+    .help = "a listening TCP port, encrypted; who connects shows a certificate",
     .carries = Carries::bytes,
     .over_network = true,
     .encrypts = true,
