@@ -54,7 +54,7 @@ private:
 
 /// The old values are read, and stored by the owner before anything is changed; then the device clears them, so that it sends raw
 /// measurements; the user turns it; the new values are computed, written and read back; then what the device sends, which is corrected
-/// now, is compared with what the fit has promised. When they are rejected, the task is cancelled or the device fails, the old values
+/// now, is compared with what the fit has promised, and the values are read once more, since it may have restarted before they were stored. When they are rejected, the task is cancelled or the device fails, the old values
 /// are written back before the task ends. After a crash the owner does that with CalibrationWrite.
 ///
 /// A device that restarts uses its old calibration again. So each sign of a restart (RestartWatch) since it acknowledged the clear, or CAL_
@@ -133,6 +133,7 @@ private:
     void take_field(const Vector& field, TimePoint now);
     bool is_gone_on(TimePoint now);
     void verify(TimePoint now);
+    void kept_new_values(TimePoint now);
     void not_verified(TimePoint now);
     std::optional<TimePoint> samples_missing_at() const noexcept;
     void stop_tasks(TimePoint now);
@@ -164,6 +165,7 @@ private:
     CompassSphere sphere_;
     std::optional<RestartWatch> watch_;    // since the last clear
     bool keeps_new_ = false;
+    bool is_proven_ = false;        // what it sends is as promised; its parameters are read once more
     bool was_corrected_ = false;    // the samples needed no correction, once
     unsigned restarts_ = 0;
     std::string last_restart_;

@@ -17,6 +17,16 @@ Action use_of(Sensor sensor) noexcept {
     return sensor == Sensor::accelerometer ? Action::accelerometer_calibration_sent : Action::store_compass_calibration;
 }
 
+/// The name of the first value that the device has not, as it was read; nullptr: it has them all.
+const std::string* first_unlike(const CalibrationValues& values, const Parameters& read) {
+    for (const auto& [name, value] : values) {
+        const ParameterInfo* info = read.find(name).parameter;
+        const auto stored = info != nullptr ? read.value(info->id) : std::nullopt;
+        if (!stored || !same_bytes(*stored, value, *info)) return &name;
+    }
+    return nullptr;
+}
+
 bool are_same(const CalibrationValues& a, const CalibrationValues& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& one, const auto& other) {
         return one.first == other.first && same_bytes(one.second, other.second, Type::f32);
@@ -71,12 +81,8 @@ void CalibrationWrite::told(TimePoint now) {
 
 void CalibrationWrite::read_back(TimePoint now) {
     if (again_.end()->ending != Ending::done) return finish_as(again_, now);
-    for (const auto& [name, value] : values_) {
-        const ParameterInfo* info = again_.find(name).parameter;
-        const auto stored = info != nullptr ? again_.value(info->id) : std::nullopt;
-        if (!stored || !same_bytes(*stored, value, *info))
-            return finish({Ending::refused, hex_of(device().address()) + " does not keep " + name, {}}, now);
-    }
+    if (const std::string* name = first_unlike(values_, again_))
+        return finish({Ending::refused, hex_of(device().address()) + " does not keep " + *name, {}}, now);
     finish({}, now);
 }
 
@@ -231,6 +237,7 @@ void Calibration::hear(FrameView frame, TimePoint now) {
 
 void Calibration::take_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now) {
     if (step_ == Step::verify) {
+        if (is_proven_) return;
         accelerometer_check_->take(acceleration, rotation);
         return verify(now);
     }
@@ -241,6 +248,7 @@ void Calibration::take_inertial(const Vector& acceleration, const Vector& rotati
 
 void Calibration::take_field(const Vector& field, TimePoint now) {
     if (step_ == Step::verify) {
+        if (is_proven_) return;
         compass_check_->take(field);
         return verify(now);
     }
@@ -382,6 +390,7 @@ CalibrationValues Calibration::named(std::span<const float> values) const {
 void Calibration::written(TimePoint now) {
     if (end() || step_ != Step::write) return;
     if (write_->end()->ending != Ending::done) return restore(*write_->end(), now);
+    is_proven_ = false;
     enter(Step::verify, now);
 }
 
@@ -394,11 +403,22 @@ std::optional<double> Calibration::verified() const noexcept {
 
 void Calibration::verify(TimePoint now) {
     if (!(accelerometer_check_ ? accelerometer_check_->is_passed() : compass_check_->is_passed())) return;
-    if (further_checks_.empty()) return finish({}, now);
+    if (further_checks_.empty()) {
+        is_proven_ = true;
+        return read_values(&Calibration::kept_new_values, now);
+    }
     verified_faces_.push_back(*accelerometer_check_);
     accelerometer_check_ = further_checks_.front();
     further_checks_.erase(further_checks_.begin());
     enter(Step::verify, now);
+}
+
+// A device that restarts before it has stored them uses its old values again, which need not show where it was measured.
+void Calibration::kept_new_values(TimePoint now) {
+    if (end() || step_ != Step::verify) return;
+    if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
+    if (first_unlike(new_, *reading_) == nullptr) return finish({}, now);
+    restore({Ending::failed, hex_of(device().address()) + " has not kept the new values: it has probably restarted", {}}, now);
 }
 
 void Calibration::not_verified(TimePoint now) {

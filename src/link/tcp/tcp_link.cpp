@@ -127,6 +127,11 @@ void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
     if (peer->literal->address.is_multicast()) faults.error("address", "TCP has no multicast: use udp:" + tcp_peer(link));
 }
 
+Reach reach_of_peer(const LinkSettings& link) {
+    const auto peer = HostPort::parse(tcp_peer(link));
+    return peer && peer->literal && peer->literal->address.is_loopback() ? Reach::here : Reach::network;
+}
+
 constexpr Key<LinkSettings> tls_keys[] = {
     text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") |
         needed,
@@ -161,11 +166,7 @@ constinit const LinkKind tcp_kind{
     .settings = [] { return KindSettings{Tcp{}}; },
     .make = make_link_of<TcpLink>,
     .usual_name = [](const LinkSettings& link) { return "tcp-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
-    .reach =
-        [](const LinkSettings& link) {
-            const auto peer = HostPort::parse(tcp_peer(link));
-            return peer && peer->literal && peer->literal->address.is_loopback() ? Reach::here : Reach::network;
-        },
+    .reach = reach_of_peer,
     .validate = validate_tcp,
 };
 
@@ -184,7 +185,7 @@ constinit const LinkKind tls_kind{
     .settings = [] { return KindSettings{Tcp{}}; },
     .make = make_link_of<TcpLink>,
     .usual_name = [](const LinkSettings& link) { return "tls-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
-    .reach = tcp_kind.reach,
+    .reach = reach_of_peer,
     .validate = validate_tls,
 };
 

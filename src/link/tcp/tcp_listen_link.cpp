@@ -345,7 +345,7 @@ Reach reach_of_tcp(const LinkSettings& link) {
     return listen.local.address.is_any() && (listen.allow_any || listen.allow.empty()) ? Reach::whole_networks : Reach::network;
 }
 
-std::optional<SharedByTwo> shared_port(const LinkSettings& a, const LinkSettings& b) {
+std::optional<SharedByTwo> shared_tcp_port(const LinkSettings& a, const LinkSettings& b) {
     const EndpointSpec &one = a.as<TcpListen>().local, &two = b.as<TcpListen>().local;
     if (one.port == 0 || one.port != two.port) return std::nullopt;
     if (one.address != two.address && !one.address.is_any() && !two.address.is_any()) return std::nullopt;
@@ -370,7 +370,7 @@ constinit const LinkKind tcp_listen_kind{
     .usual_name = [](const LinkSettings& link) { return "tcp-listen-" + std::to_string(link.as<TcpListen>().local.port); },
     .reach = reach_of_tcp,
     .validate = validate_tcp_listener,
-    .shared = shared_port,
+    .shared = shared_tcp_port,
 };
 
 extern const LinkKind tls_listen_kind;    // listed in kinds.cpp
@@ -390,7 +390,7 @@ constinit const LinkKind tls_listen_kind{
     .usual_name = [](const LinkSettings& link) { return "tls-listen-" + std::to_string(link.as<TcpListen>().local.port); },
     .reach = reach_of_tcp,
     .validate = validate_tls_listener,
-    .shared = shared_port,
+    .shared = shared_tcp_port,
 };
 
 }    // namespace anogate

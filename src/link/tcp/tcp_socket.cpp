@@ -14,7 +14,7 @@
 namespace anogate {
 namespace {
 
-constexpr int send_buffer = 32 * 1024;    // the kernel doubles it
+constexpr int tcp_send_buffer = 32 * 1024;    // the kernel doubles it
 constexpr int backlog = 64;
 constexpr int probes = 3;
 
@@ -46,7 +46,7 @@ void set_tcp_options(int fd, ano::Duration dead_after) noexcept {
     const auto between = std::max<seconds>(seconds{1}, duration_cast<seconds>(dead_after / 5));
     set_option(fd, IPPROTO_TCP, TCP_NODELAY, 1);
     set_option(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, static_cast<int>(2 * max_not_sent));
-    set_option(fd, SOL_SOCKET, SO_SNDBUF, send_buffer);
+    set_option(fd, SOL_SOCKET, SO_SNDBUF, tcp_send_buffer);
     set_option(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
     set_option(fd, IPPROTO_TCP, TCP_KEEPIDLE, static_cast<int>(idle.count()));
     set_option(fd, IPPROTO_TCP, TCP_KEEPINTVL, static_cast<int>(between.count()));

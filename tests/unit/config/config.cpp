@@ -123,7 +123,8 @@ TEST(Config, what_is_needed_and_missing_is_told) {
     EXPECT_EQ(faults_in(R"({"links": [{}]})"), "/links/0: 'kind' is missing, for example \"kind\": \"serial\"\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial"}]})"), "/links/0: 'device' is missing: path of the port\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "seral"}]})"),
-              "/links/0/kind: unknown kind 'seral' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, tcp, tcp-listen, tls, tls-listen, can, "
+              "/links/0/kind: unknown kind 'seral' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, tcp, "
+              "tcp-listen, tls, tls-listen, can, "
               "pty, sim, replay\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": 5}, 6]})"),
               "/links/0/kind: 'kind' must be text such as \"serial\", not 5\n/links/1: must be a LINK text or an object {...}, "

@@ -419,7 +419,8 @@ TEST(LinkText, what_is_no_link_says_what_a_link_is) {
     EXPECT_EQ(fault_of("sim"), "no address, for example sim:fc");
     EXPECT_EQ(fault_of("udp-listen,name=x"), "no address, for example udp-listen:0.0.0.0:12333");
     EXPECT_EQ(fault_of("serail:/dev/x"),
-              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, tcp, tcp-listen, tls, tls-listen, can, pty, sim, replay");
+              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, tcp, tcp-listen, tls, "
+              "tls-listen, can, pty, sim, replay");
     EXPECT_EQ(fault_of("serial:"), "the address is missing, for example serial:/dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:,baud=9"), "the address is missing, for example serial:/dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:/dev/\xFF"), "not text in UTF-8");

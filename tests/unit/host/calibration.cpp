@@ -83,6 +83,7 @@ struct Calibrates : testing::Test {
         Draft<"inertial"> m;
         (void)m.set<"acc_z">(-981);
         for (int i = 0; i < 120; ++i) hear(task, m);
+        simulation.run(task);
     }
 };
 
@@ -102,6 +103,7 @@ TEST_F(Calibrates, an_accelerometer) {
     Draft<"inertial"> m;
     (void)m.set<"acc_z">(-981);
     for (int i = 0; i < 120; ++i) hear(task, m);
+    simulation.run(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x20, 0x21}));
@@ -135,6 +137,7 @@ TEST_F(Calibrates, a_compass) {
         (void)m.set<"mag_z">(0);
         hear(task, m);
     }
+    simulation.run(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
     EXPECT_LT(task.verified().value_or(1), 0.02);

@@ -120,6 +120,28 @@ TEST(CalibrationRestarts, device_info_that_somebody_asked_for_is_none) {
     EXPECT_EQ(clears(bench), 1);
 }
 
+// It restarts before it has written its flash. On the face where it is verified the old values are as good as the new ones.
+TEST(CalibrationRestarts, one_behind_the_store_is_found_by_the_values) {
+    for (const Duration later : {100ms, 300ms, 1000ms, 2000ms}) {
+        CalibrationBench bench;
+        bench.sensor = {{0, 60, 0}, {0.97, 1, 1.03}};
+        bench.flash = CalibrationBench::raw;
+        bench.flash[1] = 60;
+        bench.load_flash();
+        const auto old = bench.flash;
+        ASSERT_TRUE(bench.run_to(Step::verify));
+        bench.run(later);
+        if (bench.task.end()) continue;    // it was verified sooner
+        bench.flash = old;
+        bench.restart(200ms);
+        bench.run();
+        ASSERT_TRUE(bench.task.end());
+        EXPECT_EQ(bench.task.end()->ending, Ending::failed) << bench.task.end()->what;
+        EXPECT_TRUE(bench.task.has_old_values());
+        EXPECT_EQ(bench.flash, old);
+    }
+}
+
 TEST(CalibrationRestarts, device_info_that_has_changed_is_one) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::turn, 1));
