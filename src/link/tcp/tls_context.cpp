@@ -209,7 +209,8 @@ Opened<std::unique_ptr<TlsConnection>> TlsContext::connection(int fd, const std:
         X509_VERIFY_PARAM* const wanted = ::SSL_get0_param(ssl);
         const bool is_address = !host.empty() && ::X509_VERIFY_PARAM_set1_ip_asc(wanted, host.c_str()) == 1;
         if (!host.empty() && !is_address) {
-            ::SSL_set_tlsext_host_name(ssl, host.c_str());
+            std::string name = host;
+            ::SSL_ctrl(ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, name.data());    // the macro has a C cast
             ::SSL_set1_host(ssl, host.c_str());
         }
         ::ERR_clear_error();
