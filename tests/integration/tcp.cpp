@@ -234,7 +234,7 @@ TEST_F(Tcp, fail_over_between_serial_and_tcp_loses_and_duplicates_no_command) {
     const auto all_heard = [&] {
         heard = 0;
         for (const Bytes* stream : {&cable.heard(), &air.heard()})
-            for (const Bytes& one : split(*stream).frames) heard += one[3] == 0xC0 ? 1 : 0;
+            for (const Bytes& one : split(*stream).frames) heard += one[3] == 0xC0 ? 1u : 0u;
         return heard >= said;
     };
     const auto say = [&] {
@@ -247,7 +247,7 @@ TEST_F(Tcp, fail_over_between_serial_and_tcp_loses_and_duplicates_no_command) {
     for (int n = 0; n < 20; ++n) ASSERT_TRUE(say()) << heard << " of " << said;
     const Bytes kept = cable.heard();
     std::size_t by_cable = 0;
-    for (const Bytes& one : split(kept).frames) by_cable += one[3] == 0xC0 ? 1 : 0;
+    for (const Bytes& one : split(kept).frames) by_cable += one[3] == 0xC0 ? 1u : 0u;
     ASSERT_TRUE(by_cable == 0 || by_cable == 20) << "one link of the group carries them";
     if (by_cable == 20) cable.unplug();
     else air.close();
@@ -262,7 +262,7 @@ TEST_F(Tcp, fail_over_between_serial_and_tcp_loses_and_duplicates_no_command) {
         ASSERT_TRUE(daemon->until([&] {
             after = 0;
             const Bytes& stream = by_cable == 20 ? air.heard() : cable.heard();
-            for (const Bytes& one : split(stream).frames) after += one[3] == 0xC0 ? 1 : 0;
+            for (const Bytes& one : split(stream).frames) after += one[3] == 0xC0 ? 1u : 0u;
             return after >= said - before;
         }));
         ASSERT_EQ(after, said - before);
