@@ -138,6 +138,7 @@ TEST_F(Tls, a_new_certificate_is_used_for_new_connections_and_the_open_ones_go_o
 TEST_F(Tls, connections_that_never_shake_hands_keep_nobody_out_for_long) {
     listen(ca() + ",max_peers=64,max_per_address=64");
     std::vector<TcpPeer> silent;
+    silent.reserve(40);
     for (int n = 0; n < 40; ++n) silent.emplace_back(ground->port("l"));
     air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
     EXPECT_TRUE(air->until_up("t")) << air->link("t");
