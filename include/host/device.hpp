@@ -119,7 +119,8 @@ public:
     /// `flush` is called before a frame leaves that the device may not hear, because its parser waits inside a damaged one: before a
     /// request is repeated, unless the device has heard a later one; and before one that waits long. Where it may flush later only, the
     /// frame waits for that, if the wait for its answer would last longer: deaf, the device would cost it that. Not so a command while
-    /// another one waits for its end or within a second behind one, nor the next request of an asker whose last one was just answered.
+    /// another one waits for its end, nor the next request of an asker whose last one was just answered. A request that did not wait is sent
+    /// once more when it may flush.
     void on_maybe_deaf(std::function<Flush(FrameView next)> flush) { flush_ = std::move(flush); }
     /// When next_frame() has to be called again; TimePoint::min(): now; std::nullopt: no request is open.
     std::optional<TimePoint> due() const noexcept;
@@ -192,7 +193,6 @@ private:
     const Exchange* lost() const noexcept;
     bool keeps_back_those_that_yield() const noexcept;
     const Exchange* next_to_send(TimePoint now) const noexcept;
-    bool is_behind_a_command(TimePoint now) const noexcept;
     bool may_be_deaf_to(const Exchange& exchange) const noexcept;
     bool waits_for_flush(Exchange& next, TimePoint now);
     Exchange::Send this_send(const Exchange& next) const noexcept;
@@ -224,7 +224,6 @@ private:
     std::uint64_t heard_send_ = 0;          // the latest of them that the device has answered
     const Asker* heard_asker_ = nullptr;    // whose the request was that it has answered last
     TimePoint last_sent_{};
-    std::optional<TimePoint> commanded_at_;
     TimePoint line_is_busy_until_ = TimePoint::min();    // with what flush_ sends, or kept free for it
     std::function<Flush(FrameView)> flush_;
     Exchanges sent_;

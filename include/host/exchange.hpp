@@ -86,6 +86,10 @@ public:
     /// The next send is kept back for `time`, which is no time in which an answer could come. False: it was already.
     bool keep(TimePoint now, Duration time) noexcept;
     TimePoint kept_until() const noexcept { return kept_until_; }
+    /// The device may be deaf to the next send, but may be flushed at `at` only: the wait for an answer ends there, and one more send follows.
+    void flush_at(TimePoint at) noexcept {
+        if (flush_at_ == TimePoint::min()) flush_at_ = at;
+    }
     /// The frame that was sent last has not left yet: its wait begins anew.
     void wait_to_leave(TimePoint now) noexcept;
     /// To be called when the wait of Patience::if_heard is over. True: it waits on, since the device was not heard.
@@ -99,6 +103,7 @@ public:
     /// To be called when the wait is over: the frame is to be sent again. False when it was sent as often as it may be.
     bool time_out(TimePoint now) noexcept {
         on_its_way_ = false;
+        if (last_sent_ < flush_at_) return true;
         if (is_once() || !is_measured()) return sent_ < patience_.sends;
         return sent_ < patience_.sends ||
                now - first_sent_ - kept_for_ < (asks_often(known_) ? Patience::unknown_for : Patience::repeated_for);
@@ -123,8 +128,8 @@ public:
     bool is_once() const noexcept { return patience_.sends == 1 && expects_->is_alone(); }
     TimePoint first_sent() const noexcept { return first_sent_; }
     unsigned sent() const noexcept { return sent_; }
-    /// The last send was waited for as long as the measured round trips told.
-    bool is_lost_by_measure() const noexcept { return is_measured() && known_; }
+    /// The last send was waited for as long as the measured round trips told, and the device was not deaf for it.
+    bool is_lost_by_measure() const noexcept { return is_measured() && known_ && last_sent_ >= flush_at_; }
     /// Round trips are measured only by requests without a fixed wait.
     bool is_measured() const noexcept { return !patience_.wait; }
 
@@ -152,6 +157,7 @@ private:
     bool waits_on_ = false;    // longer than Patience::if_heard
     TimePoint kept_until_ = TimePoint::min();
     Duration kept_for_{};    // all sends
+    TimePoint flush_at_ = TimePoint::min();
 };
 
 }    // namespace ano::host

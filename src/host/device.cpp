@@ -276,12 +276,6 @@ std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const no
     return at;
 }
 
-// Then zero bytes were sent just before that one.
-bool Device::is_behind_a_command(TimePoint now) const noexcept {
-    return std::any_of(sent_.begin(), sent_.end(), is_command) ||
-           (commanded_at_ && now - *commanded_at_ < std::chrono::seconds{1});
-}
-
 // A request that is answered shows that the device hears: it was not deaf when a later one was sent.
 bool Device::may_be_deaf_to(const Exchange& exchange) const noexcept {
     if (exchange.was_sent()) return heard_send_ < exchange.last().number;
@@ -296,10 +290,13 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     const Duration wait = next.wait_for_answer(round_trip_, this_send(next));
     const bool is_first = !next.was_sent();
     const bool goes_on = is_first && next.asker() == heard_asker_ && heard_send_ == sends_;
-    const bool is_at_once = is_command(next) && is_behind_a_command(now);
+    const bool is_at_once = is_command(next) && std::any_of(sent_.begin(), sent_.end(), is_command);
     const bool is_worth_it = !is_at_once && flush.later <= wait && !goes_on && (!is_first || wait >= RoundTrip::ceiling);
-    if (flush.busy > Duration::zero() || flush.later <= Duration::zero() || !is_worth_it || !next.keep(now, flush.later))
+    if (flush.busy > Duration::zero() || flush.later <= Duration::zero()) return false;
+    if (!is_worth_it || !next.keep(now, flush.later)) {
+        if (!next.is_once() && !goes_on) next.flush_at(now + flush.later);
         return false;
+    }
     line_is_busy_until_ = std::max(line_is_busy_until_, next.kept_until());
     return true;
 }
@@ -314,7 +311,6 @@ FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now
     const Exchange::Send send = this_send(*which);
     if (!which->was_sent()) sent_.splice(sent_.end(), from, which);
     last_sent_ = now;
-    if (is_command(*which)) commanded_at_ = now;
     sends_ = send.number;
     which->send(std::max(now, line_is_busy_until_), round_trip_, send);
     if (is_question_for_info(which->frame())) expect_info(now);

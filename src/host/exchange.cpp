@@ -19,6 +19,7 @@ void Exchange::send(TimePoint now, const RoundTrip& round_trip, const Send& send
     last_ = send;
     known_ = round_trip.smoothed().has_value();
     due_ = now + patience_.if_heard.value_or(wait_for_answer(round_trip, send));
+    if (now < flush_at_) due_ = std::min(due_, flush_at_);
     waits_on_ = false;
     ++sent_;
     on_its_way_ = true;

@@ -89,7 +89,9 @@ std::vector<Operation> operations() {
 struct Count final : Task {
     using Task::Task;
     void start(ano::TimePoint now) { ask(question::parameter_count(0), now); }
-    void ended(const Ended&, ano::TimePoint now) override { finish({}, now); }
+    void ended(const Ended& ended, ano::TimePoint now) override {
+        finish({ended.outcome == Outcome::answered ? Ending::done : Ending::timeout, {}, {}}, now);
+    }
 };
 
 // The device was asked before, one question at a time.
@@ -160,6 +162,31 @@ TEST(DeafDevice, a_call_at_any_time_after_a_flush_is_heard) {
             ASSERT_TRUE(took);
             EXPECT_LE(*took, 1s + 50ms) << "and 50 ms without";
         }
+}
+
+// The flush of the first one bars the flush of the second one.
+TEST(DeafDevice, of_two_operations_in_a_row_each_is_heard_behind_a_header_of_its_own) {
+    std::vector<Operation> all = operations();
+    all.pop_back();    // an upgrade takes many seconds
+    all.push_back({"count", begin<Count>()});
+    all.push_back({"repeated call", begin<CommandCall>(CommandInfo{0, {1, 2, 3}, {}, false, "go", ""}, std::vector<AnyValue>{}, true)});
+    for (const unsigned baud : {9600u, 57600u, 115200u, 500000u})
+        for (const Operation& first : all)
+            for (const Operation& second : all)
+                for (ano::Duration after{}; after <= 1100ms; after += 100ms) {
+                    SCOPED_TRACE(second.name + ' ' + std::to_string(after / 1ms) + " ms after " + first.name + " at " +
+                                 std::to_string(baud));
+                    Deaf clean{baud}, disturbed{baud};
+                    for (Deaf* const deaf : {&clean, &disturbed}) {
+                        know_count(*deaf);
+                        ASSERT_TRUE(time_of(*deaf, first, deaf == &disturbed));
+                    }
+                    const auto without = time_of(clean, second, false, after), with = time_of(disturbed, second, true, after);
+                    ASSERT_TRUE(without);
+                    EXPECT_TRUE(with);
+                    // Right behind a flush the next one is a second away, and its zero bytes take 36 ms at 57600 baud.
+                    EXPECT_LE(with.value_or(1h) - *without, after == 0ms ? 1100ms : 1s);
+                }
 }
 
 TEST(DeafDevice, all_operations_of_a_session_succeed_with_such_a_header_before_each) {

@@ -275,6 +275,43 @@ TEST(Device, a_command_behind_a_question_that_is_waited_for_briefly_leaves_at_on
     EXPECT_EQ(host.flushes, 1);
 }
 
+// It may be deaf since the flush before the first one.
+TEST(Device, a_command_behind_an_answered_one_waits_for_the_flush) {
+    TimePoint now = start;
+    LateFlushes host{start};
+    host.listen(now);
+    const Request command{0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}};
+    ASSERT_TRUE(host.device.ask(command, host.listener));
+    const auto first = host.sent_at(now, start);
+    ASSERT_EQ(first.size(), 1u);
+    host.acknowledge(first[0], start + 10ms);
+    Listener another;
+    ASSERT_TRUE(host.device.ask(command, another));
+    EXPECT_TRUE(host.sent_at(now, start + 100ms).empty());
+    EXPECT_EQ(host.device.due(), start + 1s);
+    EXPECT_EQ(host.sent_at(now, start + 1s).size(), 1u);
+    EXPECT_EQ(host.flushes, 2);
+}
+
+TEST(Device, a_command_that_may_be_repeated_and_left_at_once_is_repeated_behind_the_flush) {
+    TimePoint now = start;
+    LateFlushes host{start};
+    host.listen(now);
+    for (int i = 0; i < 3; ++i) {
+        host.ask_value(9);
+        host.sent_at(now, start);
+        host.value(9, start);
+    }
+    ASSERT_TRUE(host.device.ask({0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}}, host.listener));
+    EXPECT_EQ(host.sent_at(now, start).size(), 1u);
+    ASSERT_TRUE(host.device.ask({0xC0, {1, 2, 4}, {.sends = 5, .wait = 2s}}, host.listener));
+    EXPECT_EQ(host.sent_at(now, start + 100ms).size(), 1u) << "the first one is not acknowledged yet";
+    EXPECT_EQ(host.device.due(), start + 1s);
+    EXPECT_EQ(host.sent_at(now, start + 1s).size(), 1u);
+    EXPECT_EQ(host.flushes, 2);
+    EXPECT_TRUE(host.sent_at(now, start + 2900ms).empty());
+}
+
 // The other flush came after the request.
 TEST(Device, a_request_waits_once_for_a_flush_even_if_another_one_gets_it) {
     TimePoint now = start;
