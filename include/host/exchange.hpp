@@ -119,10 +119,6 @@ public:
     /// A loss of the first send costs the whole task, or seconds.
     bool waits_long() const noexcept { return is_once() || (!is_measured() && expects_->is_alone()); }
     TimePoint due() const noexcept { return due_; }
-    /// It was sent less often than it may be.
-    bool may_be_repeated() const noexcept { return sent_ < patience_.sends; }
-    /// To be called when its wait is over, but not by time.
-    void stop_waiting() noexcept { on_its_way_ = false; }
     /// An order that may be sent only once. An equal one is not sent as long as an answer to this one may come: it would be taken for its
     /// answer.
     bool is_once() const noexcept { return patience_.sends == 1 && expects_->is_alone(); }

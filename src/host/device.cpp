@@ -3,6 +3,7 @@
 #include <host/device.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace ano::host {
@@ -17,11 +18,6 @@ std::optional<std::uint16_t> parameter_in(FrameView request) noexcept {
 }
 
 bool is_command(const Exchange& exchange) noexcept { return exchange.frame().id() == id_of<"command">; }
-
-// Each time it arrives the device does something: a command, or an action such as a save. A write says the same each time.
-bool runs_each_time(FrameView acknowledged) noexcept {
-    return acknowledged.id() == id_of<"command"> || acknowledged.id() == id_of<"parameter_command">;
-}
 
 }    // namespace
 
@@ -142,14 +138,14 @@ Taken Device::past(FrameView frame) noexcept {
     return frame.destination() == own_ ? Taken::unasked : Taken::foreign;
 }
 
-// A wrong acknowledgement is one of the only write or command on its way: a write is repeated once, at once; a command or an action has arrived
-// and ends. One of an earlier frame, such as a question that needs none, is not meant.
+// A wrong acknowledgement is one of the only write or command on its way, which has arrived, and ends: what it did is read back. One of an
+// earlier frame, such as a question that needs none, is not meant.
 bool Device::missed(FrameView frame, TimePoint now) {
     const auto is_missed = [&](const Exchange& e) { return e.is_on_its_way() && e.expects().is_missed_by(frame); };
     const auto it = std::find_if(sent_.begin(), sent_.end(), is_missed);
-    if (it == sent_.end() || is_of_the_past(frame) || !it->miss(frame)) return false;
-    it->stop_waiting();
-    if (!it->may_be_repeated() || it->sent() > 1 || runs_each_time(it->frame())) end(sent_, it, Outcome::timeout, {}, now);
+    if (it == sent_.end() || std::any_of(std::next(it), sent_.end(), is_missed)) return false;
+    if (is_of_the_past(frame) || !it->miss(frame)) return false;
+    end(sent_, it, Outcome::timeout, {}, now);
     return true;
 }
 

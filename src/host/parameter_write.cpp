@@ -1,3 +1,4 @@
+#include <ano/hex.hpp>
 #include <ano/typed.hpp>
 #include <ano/values.hpp>
 #include <host/parameter_write.hpp>
@@ -13,6 +14,11 @@ namespace ano::host {
 namespace {
 
 constexpr std::string_view not_taken = "it probably takes no such value, or lets nobody write it";
+
+std::string fault_of(const Evidence& silence) {
+    if (silence.unfit.empty()) return "not acknowledged";
+    return "acknowledged with wrong check bytes (" + spaced_hex(silence.unfit) + ')';
+}
 
 }    // namespace
 
@@ -167,7 +173,7 @@ void ParameterWrite::compare(TimePoint now) {
     if (same(*stored_, wire_))
         return finish(
             {Ending::done,
-             silence_ ? info_.name + " was never acknowledged as it must be, and is written" : words_of_port(acknowledgement_),
+             silence_ ? info_.name + " is written, but was " + fault_of(*silence_) : words_of_port(acknowledgement_),
              acknowledgement_},
             now);
     if (same(*stored_, *before_) && silence_) return finish_unacknowledged("write of " + info_.name, *silence_, now, not_taken);
