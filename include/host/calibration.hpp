@@ -69,6 +69,8 @@ public:
     /// A device from which nothing came for so long, or no samples though other frames did, ends the task.
     static constexpr Duration silent_after = std::chrono::milliseconds{4500};
     static constexpr unsigned max_restarts = 5;    // of the device; one more ends the task
+    /// So many in a row right behind the clear are no restarts of themselves: the task ends and says so.
+    static constexpr unsigned max_silences = 3;
 
     Calibration(Device& device, Sensor sensor, DescriptionCache* cache = nullptr);
 
@@ -168,6 +170,7 @@ private:
     bool is_proven_ = false;        // what it sends is as promised; its parameters are read once more
     bool was_corrected_ = false;    // the samples needed no correction, once
     unsigned restarts_ = 0;
+    unsigned silences_ = 0;    // of those, in a row right behind the clear
     std::string last_restart_;
     std::optional<AccelerometerCheck> accelerometer_check_;
     std::vector<AccelerometerCheck> further_checks_, verified_faces_;    // on other faces than this one

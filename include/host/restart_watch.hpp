@@ -18,19 +18,22 @@ public:
     static constexpr unsigned usual_gaps = 3;
 
     RestartWatch(const Device& device, TimePoint now) noexcept
-        : presence_{device.presence()}, announcements_{device.announcements()}, last_{now} {}
+        : presence_{device.presence()}, announcements_{device.announcements()}, begun_{now}, last_{now} {}
 
     /// To be called with each sample.
     void sampled(TimePoint now);
     /// The first sign, as a clause; std::nullopt: none.
     std::optional<std::string> sign(const Device& device) const;
+    /// If the sign is a gap that began within max_gap of the beginning: how long it was, as text; otherwise empty.
+    std::string silence_at_begin() const;
     /// The time of the last sample, or of the beginning.
     TimePoint sampled_at() const noexcept { return last_; }
 
 private:
     std::uint32_t presence_, announcements_;
-    TimePoint last_;
+    TimePoint begun_, last_;
     bool is_sampled_ = false;
+    TimePoint longest_since_{};
     Duration longest_{};    // also from the beginning to the first sample: judged again when the pace is known better
     std::optional<Duration> usual_;
     std::optional<Duration> gap_;

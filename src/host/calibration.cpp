@@ -184,6 +184,7 @@ void Calibration::cleared(TimePoint now) {
 
 void Calibration::read_cleared(TimePoint now) {
     if (end() || step_ != Step::clear) return;
+    if (reading_->end()->ending == Ending::timeout && now < silent_at()) return;    // again when it is heard
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
     if (is_restarted(now)) return;
     const auto values = values_read();
@@ -202,12 +203,22 @@ bool Calibration::is_restarted(TimePoint now) {
 
 void Calibration::restarted(std::string sign, TimePoint now) {
     last_restart_ = std::move(sign);
+    const std::string silence = watch_ ? watch_->silence_at_begin() : std::string{};
+    silences_ = silence.empty() ? 0 : silences_ + 1;
     watch_.reset();
     if (step_ == Step::clear || step_ == Step::confirm) {
         reading_->on_end({});
         reading_->cancel(now);
     }
-    if (++restarts_ <= max_restarts) return clear(now);
+    ++restarts_;
+    if (silences_ == max_silences)
+        return restore({Ending::failed,
+                        hex_of(device().address()) + " was silent for " + silence + " after each of " +
+                            std::to_string(max_silences) +
+                            " clears, which can't be told from a restart with its old calibration",
+                        {}},
+                       now);
+    if (restarts_ <= max_restarts) return clear(now);
     restore({Ending::failed,
              hex_of(device().address()) + " restarted " + std::to_string(restarts_) + " times (" + last_restart_ + ')',
              {}},
@@ -219,6 +230,7 @@ void Calibration::hear(FrameView frame, TimePoint now) {
     const bool measures = is_cleared || step_ == Step::turn || step_ == Step::confirm || step_ == Step::verify;
     if (!measures || end() || !may_be_of(frame.source(), device().address())) return;
     if (step_ != Step::verify && is_restarted(now)) return;
+    if (is_cleared && reading_->end()) read_values(&Calibration::read_cleared, now);
     if (sensor_ == Sensor::accelerometer) {
         if (const auto m = as<"inertial">(frame))
             take_inertial({double(m->get<"acc_x">()), double(m->get<"acc_y">()), double(m->get<"acc_z">())},

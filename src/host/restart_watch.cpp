@@ -16,9 +16,14 @@ std::string length_of_gap(Duration time) {
 
 void RestartWatch::sampled(TimePoint now) {
     const Duration interval = now - std::exchange(last_, now);
+    if (interval > longest_) longest_since_ = now - interval;
     longest_ = std::max(longest_, interval);
     if (usual_ && longest_ > std::max(max_gap, usual_gaps * *usual_)) gap_ = gap_.value_or(longest_);
     if (std::exchange(is_sampled_, true)) usual_ = usual_ ? (7 * *usual_ + interval) / 8 : interval;
+}
+
+std::string RestartWatch::silence_at_begin() const {
+    return gap_ && longest_since_ - begun_ <= max_gap ? length_of_gap(*gap_) : std::string{};
 }
 
 std::optional<std::string> RestartWatch::sign(const Device& device) const {

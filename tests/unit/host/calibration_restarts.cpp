@@ -258,6 +258,30 @@ TEST(CalibrationRestarts, again_and_again_ends_it) {
     EXPECT_EQ(bench.task.end()->what, "0xDC restarted 6 times (no samples for 0.6 s); the old values are back");
 }
 
+// It erases flash, for instance. Whether it restarted can't be seen.
+TEST(CalibrationRestarts, silence_after_each_clear_is_named_and_ends_it) {
+    for (const auto& [silence, words] : {std::pair{800ms, "0.8 s"}, {3000ms, "3.0 s"}}) {
+        CalibrationBench bench;
+        const auto old = bench.flash;
+        std::size_t seen = 0;
+        TimePoint until{};
+        bench.each_step = [&, time = silence] {
+            if (bench.actions.size() > seen && bench.actions.back() == 0x20) until = bench.now + time;
+            seen = bench.actions.size();
+            bench.is_dead = bench.now < until;
+        };
+        const TimePoint begin = bench.now;
+        bench.run();
+        ASSERT_TRUE(bench.task.end());
+        EXPECT_EQ(bench.task.end()->what,
+                  std::string{"0xDC was silent for "} + words +
+                      " after each of 3 clears, which can't be told from a restart with its old calibration; the old values are back");
+        EXPECT_EQ(clears(bench), 3);
+        EXPECT_LT(bench.now - begin, 3 * silence + 3s);
+        EXPECT_EQ(bench.flash, old);
+    }
+}
+
 // It restarts so fast that nothing shows it, and its parameters never show that they are cleared.
 TEST(CalibrationRestarts, what_no_sign_shows_is_found_in_what_the_device_sends_afterwards) {
     CalibrationBench bench;
