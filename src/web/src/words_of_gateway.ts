@@ -106,7 +106,7 @@ export const causes: Record<string, [string, string]> = {
   inhibited: ["kept off by a switch", "被开关挡住"],
   looped: ["went round and came back", "绕了一圈又回来"],
   duplicate: ["came by another link of the group already", "已从同组的另一条链路来过"],
-  no_route: ["nobody takes it", "没有去处"],
+  no_route: ["no receiver", "没有去处"],
   over_share: ["the peer sent more than its share", "对端发送的数据超过了它的份额"],
   suspended: ["the peer asked as a listening gateway does", "对端像监听网关那样发来询问"],
   superseded: ["replaced by a newer one while waiting", "等待时被更新的顶替"],

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { CounterRates, drops, lost } from "../src/live/counters";
+import { CounterRates, drops, lossesByCause, lost } from "../src/live/counters";
 import { askEvery, Liveness, lostAfter } from "../src/live/liveness";
 import { Arrivals, Rate } from "../src/live/rate";
 import { FrameRows } from "../src/live/rows";
@@ -106,6 +106,13 @@ test("only what did not arrive is a loss: every cause of the gateway's, and noth
   assert.deepEqual(drops(link).map(([name]) => name).sort(), [...counted.filter((name) => !carried.has(name)), "kernel_drops"].sort());
   for (const [name] of drops(link)) assert.ok(name in causes, `${name} has words`);
   assert.deepEqual(drops({ stale: 0, limited: 3, queue_full: 9, denied_in: "5" }), [["queue_full", 9], ["limited", 3]]);
+});
+
+test("frames without a receiver are counted of the links that should have one", () => {
+  const fc = { name: "fc", no_route: 7, hint_id: "" }, replay = { name: "flight", no_route: 100, replayed: [] }, alone = { name: "imu", no_route: 50, stale: 1, hint_id: "no_host_takes" };
+  const losses = lossesByCause([fc, replay, alone]);
+  assert.deepEqual(losses.get("no_route"), { total: 7, of: [fc] });
+  assert.deepEqual(losses.get("stale"), { total: 1, of: [alone] });
 });
 
 test("a frame to nobody is no loss where no host is, or where a recording speaks", () => {

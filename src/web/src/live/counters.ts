@@ -1,5 +1,7 @@
 // Rates from counters that are read at intervals.
 
+import { entryOf } from "../entries";
+
 export interface Counters {
   [name: string]: unknown;
 }
@@ -24,6 +26,18 @@ const isAlone = (link: Counters): boolean => link.hint_id === "no_host_takes" ||
 
 /** Dropped frames that should have arrived, the highest number first. */
 export const lost = (link: Counters): [string, number][] => drops(link).filter(([cause]) => cause !== "no_route" || !isAlone(link));
+
+/** Of each cause: how many frames should have arrived, and of which links. */
+export function lossesByCause<L extends Counters>(links: L[]): Map<string, { total: number; of: L[] }> {
+  const all = new Map<string, { total: number; of: L[] }>();
+  for (const link of links)
+    for (const [cause, count] of lost(link)) {
+      const losses = entryOf(all, cause, () => ({ total: 0, of: [] as L[] }));
+      losses.total += count;
+      losses.of.push(link);
+    }
+  return all;
+}
 
 interface Look {
   at: number;

@@ -29,8 +29,12 @@ export class Store<T> {
 /** Renders the component again when the value changes. */
 export function useStore<T>(store: Store<T>): T {
   const [, again] = useState(0);
-  useEffect(() => store.subscribe(() => again((n) => n + 1)), [store]);
-  return store.get();
+  const shown = store.get();
+  useEffect(() => {
+    if (store.get() !== shown) again((n) => n + 1); // it changed before this effect, which comes late on a hidden page
+    return store.subscribe(() => again((n) => n + 1));
+  }, [store]);
+  return shown;
 }
 
 /** Renders the component again at this interval, while the page is visible. */

@@ -1,8 +1,7 @@
 // Overview of the gateway, problems first.
 import { useState } from "preact/hooks";
-import { entryOf } from "../entries";
 import { causeText, errorText, hintText, inWords, reasonText, t, useLanguage } from "../i18n";
-import { lost } from "../live/counters";
+import { lossesByCause } from "../live/counters";
 import { devices, mayAct, rateOf, scan, status, type Link, type Status } from "../live/gateway";
 import { faultsOf } from "../live/recordings";
 import { replayedDevices } from "../live/replayed";
@@ -59,16 +58,8 @@ interface Drop {
 }
 
 function dropsOf(links: Link[]): Drop[] {
-  const byCause = new Map<string, Drop>();
-  for (const link of links)
-    for (const [cause, count] of lost(link)) {
-      const drop = entryOf(byCause, cause, (): Drop => ({ cause, total: 0, now: undefined, links: [] }));
-      drop.total += count;
-      drop.links.push(link.name);
-    }
-  for (const drop of byCause.values())
-    drop.now = rateOf(links.filter((link) => drop.links.includes(link.name)), [drop.cause]); // of the same links as the total
-  return [...byCause.values()].sort((a, b) => (b.now ?? 0) - (a.now ?? 0) || b.total - a.total);
+  const all = [...lossesByCause(links)].map(([cause, { total, of }]): Drop => ({ cause, total, now: rateOf(of, [cause]), links: of.map((link) => link.name) }));
+  return all.sort((a, b) => (b.now ?? 0) - (a.now ?? 0) || b.total - a.total);
 }
 
 function Drops({ links }: { links: Link[] }) {

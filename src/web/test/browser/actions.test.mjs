@@ -9,18 +9,18 @@ const here = world();
 test("writes the parameters that were changed, and no other", async () => {
   const page = await here.open({ hash: "#/220/parameters" });
   await type(page, "#parameter-1", "7");
-  await press(page, "Write 1 changed");
+  await press(page, "Write changes (1)");
   await outcome(page, ".outcome", /✓ 1 written and read back/);
   assert.match(await textOf(page, "#parameter-1-text"), /stored: 7/);
   await type(page, "#parameter-1", "400");
   await outcome(page, "#parameter-1-text .fault", /must be -?\d+ to \d+/); // while it is typed: nothing is sent
-  assert.ok(await page.$$eval("main button.main", (all) => all.find((one) => one.textContent === "Write 1 changed").disabled));
+  assert.ok(await page.$$eval("main button.main", (all) => all.find((one) => one.textContent === "Write changes (1)").disabled));
   await press(page, "back to 7");
   await choose(page, here.gateway, "backup.json", JSON.stringify({ parameters: { SIM_TURN: 0, SIM_SPEED: 300 } }));
   await press(page, "Take 1 from the file");
-  await press(page, "Write 1 changed");
+  await press(page, "Write changes (1)");
   await outcome(page, ".outcome", /✓ 1 written/);
-  await press(page, "Keep over a restart");
+  await press(page, "Save permanently");
   await outcome(page, ".outcome", /✓ The device keeps them/);
   await page.browserContext().close();
 });
@@ -147,7 +147,7 @@ test("tells who has no token, a wrong one, or one to look only", { skip: process
   await outcome(page, "[role=alert]", /the token is not right/);
   await logIn(page, here.gateway.token("view"));
   await page.waitForSelector(".branch");
-  assert.match(await textOf(page, ".note"), /You look only/);
+  assert.match(await textOf(page, ".note"), /Read-only: this token/);
   assert.equal(await page.$(".scan"), null, "what it may not is not offered");
   const status = await page.evaluate(() => fetch("send", { method: "POST", headers: { "Content-Type": "application/json" }, body: "{}" }).then((answer) => answer.status));
   assert.equal(status, 403);

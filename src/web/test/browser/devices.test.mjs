@@ -149,7 +149,7 @@ test("2,000 parameters, called as the device likes, with values that are no numb
     assert.deepEqual(await Promise.all([0, 1, 3, 4, 5, 7, 8].map(shown)), ["1", "2", "nan", "1e+38", "-inf", "18446744073709551615", "-9223372036854775808"]);
     await shot(page, "parameters-2000");
     for (const [id, value] of [[0, "5"], [1, "6"], [3, "0"], [4, "-1e38"], [11, "9"]]) await type(page, "#parameter-" + id, value);
-    await press(page, "Write 5 changed");
+    await press(page, "Write changes (5)");
     await outcome(page, ".outcome", /✓ 5 written and read back/);
     assert.deepEqual([0, 1, 3, 10, 11].map((id) => device.values[id][2].readFloatLE()), [5, 6, 0, 10, 9]);
     assert.deepEqual([await shown(1), await shown(10), await shown(11)], ["6", "10", "9"]);

@@ -87,7 +87,7 @@ test("“it may have been done” is said of writes alone", async () => {
   here.gateway.process.kill("SIGKILL");
   try {
     await page.waitForSelector(".contact.lost");
-    await press(page, "Write 1 changed");
+    await press(page, "Write changes (1)");
     await outcome(page, "main .outcome", /does not answer: it may have been done/);
     await press(page, "Read again");
     assert.doesNotMatch(await outcome(page, "main p.bad", /does not answer/), /may have been done/);
@@ -109,7 +109,7 @@ test("a job that waits is offered to be opened, and is described by device, acti
   const first = await page.$eval(".set li input:not(:disabled)", (one) => "#" + one.id);
   await type(page, first, "1");
   await until("something is changed", () => page.$(".set li.changed"));
-  await press(page, "Write 1 changed");
+  await press(page, "Write changes (1)");
   const said = await outcome(page, "main .outcome", /0xDD is used by job \d+ \(calibration, by 127\.0\.0\.1\)/);
   assert.doesNotMatch(said, /Mozilla/);
   for (const job of (await asked(page, "jobs")).jobs) assert.doesNotMatch(JSON.stringify(job), /Mozilla|Chrome/);

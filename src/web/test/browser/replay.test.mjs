@@ -72,7 +72,7 @@ test("the pages that ask a device say that nobody is there, and ask nothing", as
   await page.reload(); // the status is not known yet
   for (const name of ["parameters", "commands", "waypoints", "calibration", "firmware"]) {
     await go(page, "#/220/" + name);
-    await outcome(page, "main .note", /flight plays: nobody is there/);
+    await outcome(page, "main .note", /Replay of flight\. Read-only/);
     await page.waitForFunction((name) => document.title.toLowerCase().startsWith(name), {}, name);
     assert.equal(await page.$("main button, main input"), null, name);
   }
