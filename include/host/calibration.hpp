@@ -30,6 +30,11 @@ using CalibrationValues = std::vector<std::pair<std::string, AnyValue>>;
 
 /// The names of the parameters that a calibration of `sensor` writes: 15 or 6.
 std::vector<std::string> calibration_names(Sensor sensor);
+constexpr Sensor other_than(Sensor sensor) noexcept {
+    return sensor == Sensor::accelerometer ? Sensor::compass : Sensor::accelerometer;
+}
+/// The calibration of `sensor` in parameters that were read; std::nullopt: one is missing.
+std::optional<CalibrationValues> calibration_in(const Parameters& parameters, Sensor sensor);
 
 /// Writes all calibration values, tells the device to use them, and reads them back.
 class CalibrationWrite final : public Task {
@@ -98,6 +103,8 @@ public:
 
     Step step() const noexcept { return end() ? Step::over : step_; }
     const CalibrationValues& old_values() const noexcept { return old_; }
+    /// Of the other sensor, which stay: they tell units of one type apart. Empty: it has none.
+    const CalibrationValues& other_values() const noexcept { return other_; }
     /// What the device had after the last clear; empty before it was read.
     const CalibrationValues& cleared_values() const noexcept { return cleared_; }
     /// Empty before they are computed.
@@ -147,7 +154,7 @@ private:
     void restore(End why, TimePoint now);
     void restored(TimePoint now);
     bool order_is_right() const;
-    std::optional<CalibrationValues> values_read() const;
+    std::optional<CalibrationValues> values_read() const { return calibration_in(*reading_, sensor_); }
     CalibrationValues named(std::span<const float> values) const;
     template <std::size_t N, class Samples, class Found>
     void use(const Samples& samples, const Fit<Found>& fit, TimePoint now);
@@ -162,7 +169,7 @@ private:
     std::unique_ptr<ParameterAction> clear_;
     std::unique_ptr<CalibrationWrite> write_;
     std::unique_ptr<CalibrationWrite> restore_;
-    CalibrationValues old_, cleared_, new_;
+    CalibrationValues old_, cleared_, new_, other_;
     SixFaces faces_;
     CompassSphere sphere_;
     std::optional<RestartWatch> watch_;    // since the last clear

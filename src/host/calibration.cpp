@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <type_traits>
 #include <utility>
 
@@ -107,7 +108,9 @@ void Calibration::enter(Step step, TimePoint now) noexcept {
 void Calibration::read_values(void (Calibration::*then)(TimePoint), TimePoint now) {
     reading_ = std::make_unique<Parameters>(device(), cache_);
     reading_->on_end([this, then](TimePoint at) { (this->*then)(at); });
-    reading_->read_named(calibration_names(sensor_), now);
+    std::vector<std::string> names = calibration_names(sensor_);
+    if (step_ == Step::read) std::ranges::copy(calibration_names(other_than(sensor_)), std::back_inserter(names));
+    reading_->read_named(std::move(names), now);
 }
 
 void Calibration::start(TimePoint now) {
@@ -123,15 +126,15 @@ void Calibration::read_old(TimePoint now) {
             {Ending::unsupported, hex_of(device().address()) + " has not the parameters of this calibration in their order", {}},
             now);
     old_ = *values_read();
+    other_ = calibration_in(*reading_, other_than(sensor_)).value_or(CalibrationValues{});
     enter(Step::keep, now);
 }
 
-// std::nullopt: one is missing.
-std::optional<CalibrationValues> Calibration::values_read() const {
+std::optional<CalibrationValues> calibration_in(const Parameters& parameters, Sensor sensor) {
     CalibrationValues values;
-    for (const std::string& name : calibration_names(sensor_)) {
-        const ParameterInfo* info = reading_->find(name).parameter;
-        auto value = info != nullptr ? reading_->value(info->id) : std::nullopt;
+    for (const std::string& name : calibration_names(sensor)) {
+        const ParameterInfo* info = parameters.find(name).parameter;
+        auto value = info != nullptr ? parameters.value(info->id) : std::nullopt;
         if (!value) return std::nullopt;
         values.emplace_back(name, *std::move(value));
     }

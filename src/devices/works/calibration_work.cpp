@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <variant>
@@ -124,15 +125,26 @@ CalibrationValues neutral_values(Sensor sensor) {
     return values;
 }
 
-// Whether a device has what the calibration of the note has left in it: each value is the old one, the one after the clear, or the new one.
-// Otherwise it was calibrated by somebody else meanwhile, or is another one of its type. A note without the cleared values is of an older
-// version, or of a calibration that ended at once.
-bool is_left_by_calibration(const CalibrationValues& has, const std::string& text, Sensor sensor) {
+bool are_same(const CalibrationValues& a, const CalibrationValues& b) {
+    return std::ranges::equal(a, b, [](const auto& one, const auto& other) {
+        return ano::host::same_bytes(one.second, other.second, ano::Type::f32);
+    });
+}
+
+// Whether a device has what the calibration of the note has left in it: each value is the old one, the one after the clear, or the new one,
+// and those of the other sensor are as they were. Otherwise it was calibrated by somebody else meanwhile, or is another one of its type. The
+// note of a calibration that ended right behind the clear has no cleared values: then neutral ones are those only if the other sensor was
+// calibrated, since a unit that never was has them as well.
+bool is_left_by_calibration(const CalibrationValues& has, const CalibrationValues& has_of_other, const std::string& text,
+                            Sensor sensor) {
     const Json note = note_json(text);
+    const Sensor other = ano::host::other_than(sensor);
+    const auto other_values = further_values(note, "other", other);
+    if (other_values && !are_same(*other_values, has_of_other)) return false;
     std::vector<CalibrationValues> left;
     if (auto old = values_in_note(text, sensor)) left.push_back(*std::move(old));
-    auto cleared = further_values(note, "cleared", sensor);
-    left.push_back(cleared ? *std::move(cleared) : neutral_values(sensor));
+    if (auto cleared = further_values(note, "cleared", sensor)) left.push_back(*std::move(cleared));
+    else if (other_values && !are_same(*other_values, neutral_values(other))) left.push_back(neutral_values(sensor));
     if (auto found = further_values(note, "new", sensor)) left.push_back(*std::move(found));
     for (std::size_t i = 0; i < has.size(); ++i) {
         const auto is_it = [&](const CalibrationValues& one) {
@@ -164,7 +176,9 @@ public:
         const auto sensor = sensor_of_note(name_);
         if (!sensor) return finish(work_fault(409, name_ + " is no note of a calibration"));
         auto task = std::make_unique<ano::host::Parameters>(place().device, &place().cache);
-        next(std::move(task)).read_named(ano::host::calibration_names(*sensor), now);
+        std::vector<std::string> names = ano::host::calibration_names(*sensor);
+        std::ranges::copy(ano::host::calibration_names(ano::host::other_than(*sensor)), std::back_inserter(names));
+        next(std::move(task)).read_named(std::move(names), now);
     }
     std::string message() const override { return "writing back what was before a calibration that never ended"; }
     std::string half_done() const override { return "the old values are kept, and written back at the next start"; }
@@ -188,7 +202,8 @@ private:
             has.emplace_back(name, *std::move(stored));
             value = ano::host::nearest_value(value, *info);
         }
-        if (!is_left_by_calibration(has, *text, *sensor)) return finish(work_fault(409, drop_note(place(), name_)));
+        const auto of_other = ano::host::calibration_in(parameters, ano::host::other_than(*sensor));
+        if (!is_left_by_calibration(has, of_other.value_or(CalibrationValues{}), *text, *sensor)) return finish(work_fault(409, drop_note(place(), name_)));
         writes_ = true;
         next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
     }
@@ -300,7 +315,7 @@ private:
         const std::string name = kept_note(place(), sensor_);
         const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
         if (!values) return false;
-        if (!is_left_by_calibration(calibration_->old_values(), *place().notes.find(name), sensor_)) {
+        if (!is_left_by_calibration(calibration_->old_values(), calibration_->other_values(), *place().notes.find(name), sensor_)) {
             place().net.report(name + " is not used: " + drop_note(place(), name), true);
             return false;
         }
@@ -316,6 +331,7 @@ private:
         json_ = unit_json(place(), place().device.info());
         json_["parameters"] = values_json(calibration_->old_values());
         json_["bytes"] = bytes_json(calibration_->old_values());
+        if (!calibration_->other_values().empty()) json_["other"] = bytes_json(calibration_->other_values());
         keep_note(kept_);
     }
     void keep_note(const std::shared_ptr<Kept>& as) {

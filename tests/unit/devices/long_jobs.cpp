@@ -1,4 +1,5 @@
 // An upgrade and a calibration: jobs that are answered at once, with steps, to be cancelled and to go on.
+#include <ano/hex.hpp>
 #include <host/calibration.hpp>
 #include <support/fake_loader.hpp>
 #include <support/simulated_net.hpp>
@@ -604,22 +605,54 @@ TEST_F(Calibrates, whose_device_dies_in_the_writing_has_its_old_values_back) {
     for (std::size_t i = 0; i < old.size(); ++i) EXPECT_EQ(fake.parameters[i].value, old[i]) << i;
 }
 
-// Older versions did not keep what the device had after the clear.
-TEST_F(CutOff, a_note_without_cleared_values_is_for_a_device_that_looks_cleared) {
-    json note = json::parse(net.kept.begin()->second);
-    EXPECT_EQ(note.erase("cleared"), 1u);
-    const std::string name = net.kept.begin()->first;
-    for (const bool looks_cleared : {true, false}) {
+struct CutOffOfTwoSensors : CutOff {
+    static void store(FakeDevice& device, std::size_t which, float value) {
+        ano::store(device.parameters[which].value.data(), value);
+    }
+    // As a unit that was never calibrated has them.
+    static void make_neutral(FakeDevice& device, std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i < end; ++i)
+            store(device, i, (i >= 3 && i < 6) || i == 6 || i == 10 || i == 14 || i >= 18 ? 1.0f : 0.0f);
+    }
+    // A note of a calibration that ended right behind the clear, of a device with this calibration of its compass.
+    void remember(float offset_of_compass) {
+        json note = json::parse(net.kept.begin()->second);
+        note.erase("cleared");
+        note["other"] = json::object();
+        const auto names = ano::host::calibration_names(ano::host::Sensor::compass);
+        FakeDevice& device = *again.fakes[0];
+        device.parameters.resize(15);
+        for (const std::string& name : names) device.parameters.push_back({8, name, "", Bytes(4)});
+        make_neutral(device, 15, 21);
+        store(device, 15, offset_of_compass);
+        for (std::size_t i = 0; i < names.size(); ++i) note["other"][names[i]] = ano::hex(device.parameters[15 + i].value);
+        const std::string name = net.kept.begin()->first;
         again.kept = {{name, note.dump()}};
         EXPECT_TRUE(again.service.remember(name, note.dump()));
-        auto& parameters = again.fakes[0]->parameters;
-        for (std::size_t i = 0; i < 15; ++i) {
-            const bool is_one = (i >= 3 && i < 6) || i == 6 || i == 10 || i == 14;
-            ano::store(parameters[i].value.data(), is_one || !looks_cleared ? 1.0f : 0.0f);
-        }
-        ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 3min));
-        EXPECT_EQ(value() == before, looks_cleared);
     }
+};
+
+TEST_F(CutOffOfTwoSensors, are_written_to_a_device_that_looks_cleared_and_has_the_other_calibration) {
+    remember(12.5f);
+    make_neutral(*again.fakes[0], 0, 15);
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 3min));
+    EXPECT_EQ(value(), before);
+}
+
+TEST_F(CutOffOfTwoSensors, are_not_written_to_a_spare_unit_that_was_never_calibrated) {
+    remember(12.5f);
+    make_neutral(*again.fakes[0], 0, 21);
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 3min));
+    EXPECT_EQ(value(), Bytes(4));
+    EXPECT_NE(again.reports.at(0).find("so they stay, and the file is removed"), std::string::npos);
+}
+
+// Nothing distinguishes it from a spare unit.
+TEST_F(CutOffOfTwoSensors, are_not_written_where_the_other_sensor_was_never_calibrated) {
+    remember(0);
+    make_neutral(*again.fakes[0], 0, 15);
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 3min));
+    EXPECT_EQ(value(), Bytes(4));
 }
 
 TEST_F(CutOff, to_import_them_is_as_good) {
