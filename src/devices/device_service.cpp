@@ -703,6 +703,9 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     if (std::exchange(job.work, nullptr)) --at_work_;
     job.order.work = nullptr;
     job.order.result = nullptr;
+    // Its question for that waited behind the one without an answer.
+    if (job.state == JobState::failed && job.order.kind == JobKind::commands && !info(*job.order.address))
+        ask_who_it_is(*job.order.address, now, curious_);
     if (job.order.kind == JobKind::calibration && !notes_.all().empty()) write_back_soon(now);
     used_at_ = now;
     if (tells_end_) tells_end_(job);

@@ -27,6 +27,15 @@ TEST_F(CommandRoutes, are_listed) {
     EXPECT_EQ(all.at("commands")[1], json::parse(R"({"id": 1, "name": "LAND", "values": []})"));
 }
 
+// The page asks for commands alone, and shows the name.
+TEST_F(CommandRoutes, of_a_device_that_describes_none_tell_its_name_anyway) {
+    fake.instead = [](ano::FrameView f) { return f.id() == 0xC1 ? std::optional{std::vector<Bytes>{}} : std::nullopt; };
+    net.passes(frame(0xDC, 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_NE(net.ask("GET", "/devices/0xDC/commands").status, 200u);
+    net.pass(3s);
+    EXPECT_EQ(net.ask("GET", "/devices").json.at("devices")[0].value("name", ""), fake.name);
+}
+
 TEST_F(CommandRoutes, are_called_by_name_or_number) {
     const auto [status, told] = net.ask("POST", "/devices/0xDC/commands/TAKE_OFF", R"({"values": [300]})");
     EXPECT_EQ(status, 200u);
