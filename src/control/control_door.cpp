@@ -188,6 +188,8 @@ bool ControlDoor::use(Files files) {
                        {foxglove::subprotocols.begin(), foxglove::subprotocols.end()},
                        token_file_id_});
     network_.tls = std::move(files.tls);
+    const std::string advice = network_.tls ? network_.tls->advice() : std::string{};
+    if (!advice.empty()) log_warning("control.tls: {}: {}", settings_.tls.key, advice);
     server_.set_tls(network_.tls);
     network_door_.is_encrypted = network_.tls != nullptr;
     network_door_.certificate = network_.tls ? whole_path(settings_.tls.certificate) : std::string{};
