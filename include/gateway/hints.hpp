@@ -51,7 +51,7 @@ struct LinkFigures {
     bool is_over = false;          // a recording that is at its end
     bool listens = false;          // has a channel for each peer, and waits for peers
     bool waits_to_hear = false;    // sends no hello, but could be configured to
-    bool for_hosts = false;        // a route leads frames for hosts here: the other end may only listen
+    bool for_hosts = false;        // of hosts alone, by what was heard or by a route: the other end may only listen
     std::size_t channels = 0;
     ReceiveCounters received;    // of all channels, and what belongs to no channel
     SendCounters sent;

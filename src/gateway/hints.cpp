@@ -231,7 +231,7 @@ std::string hint_of_trouble(const LinkFigures& link) { return trouble_or_end(lin
 Hint find_hint(const LinkFigures& link) {
     Hint found = trouble_or_end(link, true);
     if (found.id == over.id) return found;
-    if (!found.id.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return found;
+    if (!found.id.empty() || !link.up || !link.silent_for || *link.silent_for < patience || link.for_hosts) return found;
     const bool spoke_by_itself = link.received.frames_in >= enough_frames;
     found.id = "silent";
     found.text = "silent for " + seconds(*link.silent_for);

@@ -5,6 +5,7 @@
 #include <runtime/link_report.hpp>
 
 #include <algorithm>
+#include <bitset>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -102,6 +103,20 @@ bool leads_hosts_to(const Settings& settings, const std::string& link) {
     });
 }
 
+bool has_heard_host(const Gateway& gateway, LinkId link) {
+    const Router& router = gateway.forwarder().router();
+    for (const ChannelId channel : gateway.forwarder().traffic(link).channels)
+        if (router.heard_at(ano::address::host, channel) || router.heard_at(ano::address::ros_bridge, channel)) return true;
+    return false;
+}
+
+bool has_device(const Gateway& gateway, LinkId link) {
+    const std::bitset<256> homes = gateway.forwarder().router().last_homes(link);
+    for (std::size_t address = 0; address < homes.size(); ++address)
+        if (homes[address] && !ano::address::is_host(static_cast<std::uint8_t>(address))) return true;
+    return false;
+}
+
 // A likely mistake of the user, although the link works: shown as its hint, not as its error.
 bool is_hint(const LinkError& trouble) { return trouble.id == "shared_port" || trouble.id == "other_adapter"; }
 
@@ -140,7 +155,8 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     f.listens = state.link->settings().kind->listens;
     f.channels = traffic.channels.size();
     f.waits_to_hear = !f.listens && hello_interval(state.link->settings()) == Duration{};
-    f.for_hosts = leads_hosts_to(gateway.settings(), state.link->name());
+    f.for_hosts = (leads_hosts_to(gateway.settings(), state.link->name()) || has_heard_host(gateway, state.link->id())) &&
+                  !has_device(gateway, state.link->id());
     f.up_for = now - state.since;
     f.untaken_for = traffic.untaken.duration(now);
     f.hosts_link = link_of_lost_hosts(gateway);

@@ -220,6 +220,9 @@ TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
         EXPECT_EQ(hint(link), "");
         link.silent_for = 12s;
         EXPECT_EQ(hint(link), "silent for 12 s") << "it spoke by itself";
+        link.for_hosts = true;
+        EXPECT_EQ(hint(link), "") << "a host may only listen";
+        link.for_hosts = false;
         link.received.frames_in = 19;
         EXPECT_EQ(hint(link), "silent for 12 s" + advice);
     }
