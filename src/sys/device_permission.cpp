@@ -52,6 +52,11 @@ std::string how_to_join(const DeviceGroup& group, const DeviceUser& user) {
     return "it is for the group " + group.name + ": sudo usermod -aG " + group.name + " " + name + ", and " + then;
 }
 
+std::string name_of(uid_t id) {
+    const passwd* const entry = ::getpwuid(id);
+    return entry != nullptr ? entry->pw_name : "user " + std::to_string(id);
+}
+
 }    // namespace
 
 DeviceUser DeviceUser::this_process() {
@@ -76,6 +81,9 @@ std::string missing_permission(const fs::path& root, const std::string& device, 
     if (group.name == "tty")
         return "a login sits on it: sudo systemctl disable --now serial-getty@" + fs::path{device}.filename().string() +
                ", and restart";
+    if (s.st_uid == user.uid) return "it is yours, and its mode forbids it: chmod u+rw " + device;
+    if (s.st_uid != 0 && ((s.st_mode >> 3) & both) != both)
+        return "it belongs to " + name_of(s.st_uid) + ", whose mode keeps others out: sudo chmod a+rw " + device;
     if (s.st_gid == 0 || ((s.st_mode >> 3) & both) != both)
         return "only root may open it: a rule of udev gives it to a group (GROUP=\"dialout\", MODE=\"0660\")";
     return how_to_join(group, user);
