@@ -152,13 +152,18 @@ TEST(AnoctlStatus, ends_with_3_while_it_is_degraded_if_that_is_asked_for) {
     PtyDevice one{dir / "one"};
     Daemon daemon{ANOGATED, socket, {"serial:" + (dir / "one"), "serial:" + (dir / "two")}};
     ASSERT_TRUE(daemon.until_up("one") && daemon.until_up("two"));
+    const auto ask = [&](const std::vector<std::string>& words) {
+        one.write(frame(0xDC, 0xFE, 0x03, {0, 0, 0, 0, 0, 0, 1}));    // a silent link has a hint
+        if (two) two->write(frame(0xDD, 0xFE, 0x03, {0, 0, 0, 0, 0, 0, 2}));
+        return anoctl(words);
+    };
     const auto expect = [&](int exit, const std::string& verdict) {
         for (const bool as_json : {false, true}) {
             std::vector<std::string> words{"status", "--control", socket};
             if (as_json) words.push_back("--json");
-            const Result plain = anoctl(words);
+            const Result plain = ask(words);
             words.push_back("--exit-code");
-            const Result asked = anoctl(words);
+            const Result asked = ask(words);
             EXPECT_EQ(plain.exit, 0) << plain.said;
             EXPECT_EQ(asked.exit, exit) << asked.said;
             if (!as_json) {

@@ -149,6 +149,15 @@ TEST_F(AnoctlRecord, a_gateway_that_ends_ends_it_with_a_summary) {
     EXPECT_NE(recorder.output().find(" in "), std::string::npos) << recorder.output();
 }
 
+TEST(AnoctlDecode, of_a_recording_names_the_commands_that_read_it) {
+    const TempDir dir;
+    const std::string file = dir.write("flight.mcap", "no matter what");
+    Process decode{ANOCTL, {"decode", file}};
+    EXPECT_EQ(decode.wait(), 2);
+    EXPECT_NE(decode.output().find("is a recording: see anoctl info " + file + ", or anoctl convert"), std::string::npos)
+        << decode.output();
+}
+
 TEST_F(AnoctlRecord, tshark_shows_its_frames_decoded_with_link_direction_and_cause) {
     if (run("tshark --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "tshark is not installed";
     Process recorder = record({"--direction", "in", "dropped"});

@@ -212,6 +212,8 @@ private:
         const int fd = input.size() == 1 ? open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1;
         if (fd < 0) throw UsageError{complaint()};
         const std::unique_ptr<const int, void (*)(const int*)> closer{&fd, [](const int* p) { close(*p); }};
+        if (anogate::recording_format_of(path))
+            throw UsageError{path + ": is a recording: see anoctl info " + path + ", or anoctl convert " + path + " FILE.csv"};
         decoder.read_all(fd, path);
     }
     /// `c` is the first character of `word` that is not allowed in hex text.

@@ -56,7 +56,7 @@ void write_links(const Json& links, const Json& before, double seconds, std::ost
     for (const Json& link : links) {
         table.row({text_at(link, "name"), text_at(link, "kind"), text_at(link, "state"), time_text(number_at(link, "since_s")),
                    rate_of(link, "frames_in", before, seconds), rate_of(link, "frames_out", before, seconds),
-                   text_at(link, "frames_in"), text_at(link, "frames_out"), sum_of(link, drop_causes())});
+                   text_at(link, "frames_in"), text_at(link, "frames_out"), sum_of(link, drop_causes(is_alone(link)))});
         if (const std::string place = listening_place(link); !place.empty()) table.note("    at " + place);
         for (const char* key : {"error", "hint"})
             if (const std::string words = told.once(key, text_at(link, key)); !words.empty()) table.note("    " + words);
@@ -94,18 +94,25 @@ struct Verdict {
     std::string text = "ok";
 };
 
-// Of what needs somebody: links that are not up, addresses that two devices have, a recording that fails.
+// Those that need no action: a host may only listen, and come later.
+bool is_calm(const std::string& hint) { return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "recording_ended"; }
+
+// Of what needs somebody: links that are not up or have a hint, addresses that two devices have, a recording that fails.
 Verdict verdict_of(const Json& status) {
-    std::size_t links = 0, down = 0;
+    std::size_t links = 0, down = 0, hints = 0;
     for (const Json& link : at(status, "links")) {
         if (text_at(link, "error_id") == "disabled") continue;
         ++links;
-        down += text_at(link, "state") == "up" ? 0u : 1u;
+        const bool is_up = text_at(link, "state") == "up";
+        down += is_up ? 0u : 1u;
+        const std::string hint = text_at(link, "hint_id");
+        hints += is_up && !hint.empty() && !is_calm(hint) ? 1u : 0u;
     }
     std::string what;
     if (down > 0) what = std::to_string(down) + " of " + plural(links, "link");
     if (const std::size_t conflicts = at(status, "conflicts").size(); conflicts > 0)
         what += (what.empty() ? "" : ", ") + plural(conflicts, "conflict");
+    else if (hints > 0) what += (what.empty() ? "" : ", ") + plural(hints, "hint");
     const Json& running = at(at(status, "recording"), "running");
     if (std::any_of(running.begin(), running.end(), [](const Json& one) { return !text_at(one, "error").empty(); }))
         what += (what.empty() ? "" : ", ") + std::string{"recording"};
@@ -150,8 +157,8 @@ Run add_status(Options& options) {
     const auto self = std::make_shared<StatusView>();
     GatewayOptions::add(options, self->gateway);
     options.push_back({"--exit-code", &self->exit_code, "",
-                       "Exit status 3 when it is degraded: a link is not up, two devices have "
-                       "one address, or a recording fails"});
+                       "Exit status 3 when it is degraded: a link is not up or has a hint that asks for an action, two devices "
+                       "have one address, or a recording fails"});
     options.push_back({"--json", &self->json, "", "As the gateway says it: one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }

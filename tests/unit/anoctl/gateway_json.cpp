@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <optional>
 
 namespace anoctl::gateway_json_tests {
@@ -31,9 +32,20 @@ TEST(GatewayJson, counters_that_are_not_zero_are_listed) {
     const ano::Json link = parse_answer(R"({"bad_check": 3, "stale": 0, "skipped_bytes": "9007199254740993"})");
     EXPECT_EQ(not_zero(link, {"stale", "skipped_bytes", "bad_check", "none"}),
               (std::vector<std::string>{"skipped_bytes 9007199254740993", "bad_check 3"}));
-    EXPECT_EQ(drop_causes().front(), "superseded");
+    EXPECT_EQ(drop_causes(false).front(), "superseded");
     EXPECT_EQ(causes_in().front(), "bytes_in");
     EXPECT_EQ(causes_out().front(), "bytes_out");
+}
+
+TEST(GatewayJson, frames_that_no_link_takes_are_no_loss_of_a_replay_or_where_no_host_is) {
+    const auto counts_no_route = [](const std::string& link) {
+        const auto& causes = drop_causes(is_alone(parse_answer(link)));
+        return std::count(causes.begin(), causes.end(), "no_route") == 1;
+    };
+    EXPECT_TRUE(counts_no_route(R"({"hint_id": "silent"})"));
+    EXPECT_FALSE(counts_no_route(R"({"hint_id": "no_host_takes"})"));
+    EXPECT_FALSE(counts_no_route(R"({"hint_id": "", "replayed": [{"address": "0xDC"}]})"));
+    EXPECT_TRUE(counts_no_route("[]"));
 }
 
 TEST(GatewayJson, what_is_recorded_and_what_is_wrong_with_it_are_lines) {

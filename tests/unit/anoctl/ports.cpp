@@ -262,7 +262,8 @@ TEST(Ports, say_which_permission_is_missing_and_how_to_get_it) {
     }
     fs::permissions(node, fs::perms{0600});
     if (::geteuid() == 0) {
-        EXPECT_EQ(missing(member), "only root may open it: a rule of udev gives it to a group (GROUP=\"dialout\", MODE=\"0660\")");
+        EXPECT_EQ(missing(member),
+                  "only root may open it: a rule of udev gives it to a group (GROUP=\"dialout\", MODE=\"0660\")");
         ASSERT_EQ(::chown(node.c_str(), 54322, gid_t(-1)), 0);
         EXPECT_EQ(missing(member), "it belongs to user 54322, whose mode keeps others out: sudo chmod a+rw /dev/ttyUSB0");
         fs::permissions(node, fs::perms{0060});
@@ -287,7 +288,8 @@ TEST(Ports, for_people_fit_80_columns_and_no_name_is_cut) {
     const std::string shown = computer.shown({54321, "eve", {}});
     for (const std::string& line : lines_of(shown)) EXPECT_TRUE(line.size() <= 80 || line == name) << line;
     EXPECT_NE(shown.find("\n" + name + "\n"), std::string::npos) << shown;
-    EXPECT_NE(shown.find(::geteuid() == 0 ? "    no permission: only root may open it:" : "    no permission: it belongs to "), std::string::npos)
+    EXPECT_NE(shown.find(::geteuid() == 0 ? "    no permission: only root may open it:" : "    no permission: it belongs to "),
+              std::string::npos)
         << shown;
 }
 

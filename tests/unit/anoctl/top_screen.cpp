@@ -62,6 +62,16 @@ TEST(TopScreen, rates_are_what_was_counted_between_two_looks) {
     EXPECT_EQ(view.title, "here 1.2.3, up 2 min; frames/s: 25.0 in, 10.0 out, 2.0 dropped") << view.title;
 }
 
+TEST(TopScreen, a_replay_without_a_receiver_loses_nothing) {
+    const auto replay = [](unsigned no_route) {
+        json link = fc(0, 0);
+        link["replayed"] = json::array();
+        link["channels"][0]["no_route"] = no_route;
+        return status(json::array({link}));
+    };
+    EXPECT_EQ(top_view(replay(0), replay(100), 1, nobody).channels.at(0).dropped, 0);
+}
+
 TEST(TopScreen, a_first_look_and_a_gateway_that_began_anew_have_no_rates) {
     EXPECT_EQ(top_view(json{}, status(json::array({fc(150, 30)})), 0, nobody).channels.at(0).in, 0);
     EXPECT_EQ(top_view(status(json::array({fc(150, 30)})), status(json::array({fc(5, 3)})), 1, nobody).channels.at(0).in, 0);

@@ -125,10 +125,18 @@ std::string list_text(const std::string& head, const std::vector<std::string>& i
     return text;
 }
 
-const std::vector<std::string>& drop_causes() {
-    static const auto names = names_of(anogate::send_counters,
-                                       [](const auto& row) { return row.counts != anogate::Counts::traffic; });
-    return names;
+const std::vector<std::string>& drop_causes(bool is_alone) {
+    const auto names = [](bool without_no_route) {
+        const auto is_drop = [&](const auto& row) {
+            return row.counts != anogate::Counts::traffic && !(without_no_route && row.name == "no_route");
+        };
+        std::vector<std::string> all = names_of(anogate::send_counters, is_drop);
+        const std::vector<std::string> received = names_of(anogate::receive_counters, is_drop);
+        all.insert(all.end(), received.begin(), received.end());
+        return all;
+    };
+    static const auto alone = names(true), beside_others = names(false);
+    return is_alone ? alone : beside_others;
 }
 const std::vector<std::string>& counts_of_kinds() {
     static const std::vector<std::string> names{"refused",

@@ -56,8 +56,14 @@ std::vector<std::string> recording_lines(const ano::Json& recording);
 /// difference, unless the clock was not set at the begin, or was changed meanwhile.
 std::optional<double> length_of_recording(const ano::Json& file);
 
-/// The names of the counters of frames that were to be sent, but were dropped.
-const std::vector<std::string>& drop_causes();
+/// Whether frames of this link of a status that no link takes are no loss: it plays a recording, or there is no host. anoctl and the page show
+/// them in any case.
+template <class Json>
+bool is_alone(const Json& link) {
+    return link.is_object() && (link.contains("replayed") || (link.contains("hint_id") && link.at("hint_id") == "no_host_takes"));
+}
+/// The names of the counters of dropped frames, for a link that is alone or not.
+const std::vector<std::string>& drop_causes(bool is_alone);
 /// The names of the counters that only some kinds of links have.
 const std::vector<std::string>& counts_of_kinds();
 /// The names of all counters of a direction, except its frames.

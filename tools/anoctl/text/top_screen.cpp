@@ -1,6 +1,5 @@
 #include "top_screen.hpp"
-
-#include <gateway/frame_record.hpp>
+#include "gateway_json.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -62,11 +61,11 @@ double rate(const Status& before, const Status& now, std::string_view counter, d
     return since >= then ? static_cast<double>(since - then) / seconds : 0;
 }
 
-void add_rates(TopChannel& row, const Status& before, const Status& now, double seconds) {
+void add_rates(TopChannel& row, const Status& before, const Status& now, double seconds, bool is_alone) {
     row.in = rate(before, now, "frames_in", seconds);
     row.out = rate(before, now, "frames_out", seconds);
     row.waiting = count_at(now, "waiting");
-    for (const std::string_view cause : anogate::frame_causes().subspan(1)) {
+    for (const std::string& cause : drop_causes(is_alone)) {
         const double of_it = rate(before, now, cause, seconds);
         if (of_it == 0) continue;
         row.dropped += of_it;
@@ -79,14 +78,14 @@ void add_link(TopView& view, const Status& before, const Status& now, double sec
     const Status& channels = member_of(now, "channels");
     if (!channels.is_array() || channels.empty()) {
         TopChannel row{name, "-"};
-        add_rates(row, before, now, seconds);
+        add_rates(row, before, now, seconds, is_alone(now));
         if (row.causes.empty()) row.causes = text_of_member(now, "error");
         view.channels.push_back(std::move(row));
         return;
     }
     for (const Status& channel : channels) {
         TopChannel row{name, text_of_member(channel, "peer")};
-        add_rates(row, named(member_of(before, "channels"), "peer", row.peer), channel, seconds);
+        add_rates(row, named(member_of(before, "channels"), "peer", row.peer), channel, seconds, is_alone(now));
         row.age = seconds_at(channel, "heard_s");
         if (text_of_member(now, "state") == "waiting" && row.causes.empty()) row.causes = text_of_member(now, "error");
         view.channels.push_back(std::move(row));
