@@ -217,8 +217,7 @@ void Calibration::restarted(std::string sign, TimePoint now) {
     if (silences_ == max_silences)
         return restore({Ending::failed,
                         hex_of(device().address()) + " was silent for " + silence + " after each of " +
-                            std::to_string(max_silences) +
-                            " clears, which can't be told from a restart with its old calibration",
+                            std::to_string(max_silences) + " clears, which can't be told from a restart with its old calibration",
                         {}},
                        now);
     if (restarts_ <= max_restarts) return clear(now);

@@ -220,14 +220,16 @@ void Firmware::refused(const Evidence& evidence, TimePoint now) {
     if (purpose_ != Purpose::begin)
         return give_up(lost_ending_, lost_because_ + ", and does not accept the image again", evidence, now);
     const std::string device_is = hex_of(device().address());
-    if (infos_ == 1 || step_ != describe) return finish({Ending::refused, device_is + " does not want this image", evidence}, now);
-    finish({Ending::refused,
-            device_is +
-                " did not answer the description of the image, and refused it when it came again: it has probably accepted the "
-                "first one, and takes no second one until it restarts; nothing was erased: power-cycle it and flash again (with a "
-                ".bia for its hardware, without force, the upgrade would have gone on)",
-            evidence},
-           now);
+    if (infos_ == 1 || step_ != describe)
+        return finish({Ending::refused, device_is + " does not want this image", evidence}, now);
+    finish(
+        {Ending::refused,
+         device_is +
+             " did not answer the description of the image, and refused it when it came again: it has probably accepted the "
+             "first one, and takes no second one until it restarts; nothing was erased: power-cycle it and flash again (with a "
+             ".bia for its hardware, without force, the upgrade would have gone on)",
+         evidence},
+        now);
 }
 
 void Firmware::erased(const FirmwareCode& answer, const Ended& ended, TimePoint now) {

@@ -171,11 +171,10 @@ void ParameterWrite::write(TimePoint now) {
 
 void ParameterWrite::compare(TimePoint now) {
     if (same(*stored_, wire_))
-        return finish(
-            {Ending::done,
-             silence_ ? info_.name + " is written, but was " + fault_of(*silence_) : words_of_port(acknowledgement_),
-             acknowledgement_},
-            now);
+        return finish({Ending::done,
+                       silence_ ? info_.name + " is written, but was " + fault_of(*silence_) : words_of_port(acknowledgement_),
+                       acknowledgement_},
+                      now);
     if (same(*stored_, *before_) && silence_) return finish_unacknowledged("write of " + info_.name, *silence_, now, not_taken);
     if (same(*stored_, *before_))
         return finish({Ending::refused,

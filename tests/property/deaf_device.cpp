@@ -169,7 +169,8 @@ TEST(DeafDevice, of_two_operations_in_a_row_each_is_heard_behind_a_header_of_its
     std::vector<Operation> all = operations();
     all.pop_back();    // an upgrade takes many seconds
     all.push_back({"count", begin<Count>()});
-    all.push_back({"repeated call", begin<CommandCall>(CommandInfo{0, {1, 2, 3}, {}, false, "go", ""}, std::vector<AnyValue>{}, true)});
+    all.push_back(
+        {"repeated call", begin<CommandCall>(CommandInfo{0, {1, 2, 3}, {}, false, "go", ""}, std::vector<AnyValue>{}, true)});
     for (const unsigned baud : {9600u, 57600u, 115200u, 500000u})
         for (const Operation& first : all)
             for (const Operation& second : all)

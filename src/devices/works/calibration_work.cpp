@@ -126,9 +126,8 @@ CalibrationValues neutral_values(Sensor sensor) {
 }
 
 bool are_same(const CalibrationValues& a, const CalibrationValues& b) {
-    return std::ranges::equal(a, b, [](const auto& one, const auto& other) {
-        return ano::host::same_bytes(one.second, other.second, ano::Type::f32);
-    });
+    return std::ranges::equal(
+        a, b, [](const auto& one, const auto& other) { return ano::host::same_bytes(one.second, other.second, ano::Type::f32); });
 }
 
 // Whether a device has what the calibration of the note has left in it: each value is the old one, the one after the clear, or the new one,
@@ -203,7 +202,8 @@ private:
             value = ano::host::nearest_value(value, *info);
         }
         const auto of_other = ano::host::calibration_in(parameters, ano::host::other_than(*sensor));
-        if (!is_left_by_calibration(has, of_other.value_or(CalibrationValues{}), *text, *sensor)) return finish(work_fault(409, drop_note(place(), name_)));
+        if (!is_left_by_calibration(has, of_other.value_or(CalibrationValues{}), *text, *sensor))
+            return finish(work_fault(409, drop_note(place(), name_)));
         writes_ = true;
         next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
     }
@@ -315,7 +315,8 @@ private:
         const std::string name = kept_note(place(), sensor_);
         const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
         if (!values) return false;
-        if (!is_left_by_calibration(calibration_->old_values(), calibration_->other_values(), *place().notes.find(name), sensor_)) {
+        if (!is_left_by_calibration(calibration_->old_values(), calibration_->other_values(), *place().notes.find(name),
+                                    sensor_)) {
             place().net.report(name + " is not used: " + drop_note(place(), name), true);
             return false;
         }

@@ -273,9 +273,10 @@ TEST(CalibrationRestarts, silence_after_each_clear_is_named_and_ends_it) {
         const TimePoint begin = bench.now;
         bench.run();
         ASSERT_TRUE(bench.task.end());
-        EXPECT_EQ(bench.task.end()->what,
-                  std::string{"0xDC was silent for "} + words +
-                      " after each of 3 clears, which can't be told from a restart with its old calibration; the old values are back");
+        EXPECT_EQ(
+            bench.task.end()->what,
+            std::string{"0xDC was silent for "} + words +
+                " after each of 3 clears, which can't be told from a restart with its old calibration; the old values are back");
         EXPECT_EQ(clears(bench), 3);
         EXPECT_LT(bench.now - begin, 3 * silence + 3s);
         EXPECT_EQ(bench.flash, old);

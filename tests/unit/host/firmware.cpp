@@ -401,10 +401,11 @@ TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_not_erased_for_when_nothing
         };
         const auto task = run(std::move(options));
         EXPECT_EQ(task->end()->ending, Ending::refused);
-        EXPECT_EQ(task->end()->what,
-                  "0xDC did not answer the description of the image, and refused it when it came again: it has probably accepted the "
-                  "first one, and takes no second one until it restarts; nothing was erased: power-cycle it and flash again (with a "
-                  ".bia for its hardware, without force, the upgrade would have gone on)");
+        EXPECT_EQ(
+            task->end()->what,
+            "0xDC did not answer the description of the image, and refused it when it came again: it has probably accepted the "
+            "first one, and takes no second one until it restarts; nothing was erased: power-cycle it and flash again (with a "
+            ".bia for its hardware, without force, the upgrade would have gone on)");
         EXPECT_EQ(loader.erases, 0u);
     };
     FirmwareOptions forced;
