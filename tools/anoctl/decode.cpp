@@ -8,6 +8,7 @@
 #include <ano/parser.hpp>
 
 #include <nlohmann/json.hpp>
+#include <record/recording_writer.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
