@@ -85,6 +85,7 @@ only_in 'src/(http/(tls|client/certificate)|link/tcp/tls_context)\.cpp' 'openssl
 only_in 'src/http/[a-z_/]+\.cpp' 'boost/beast'
 only_in 'src/gpio/gpio_line\.cpp' 'gpiod'
 only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'
+only_in 'tools/anoctl/web/qr_text\.cpp' 'qrencode\.h'
 only_in 'src/record/zstd\.cpp' 'zstd\.h'
 only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z_/]+\.cpp|tests/.*' 'nlohmann/json\.hpp'

@@ -41,7 +41,7 @@ unpack_package() {
 }
 
 build_packages=(cmake:cmake ninja-build:ninja g++:g++ libboost-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
-                libgpiod-dev libexpected-dev libpng-dev libssl-dev libzstd-dev pkg-config:pkg-config)
+                libgpiod-dev libexpected-dev libpng-dev libqrencode-dev libssl-dev libzstd-dev pkg-config:pkg-config)
 page_packages=(npm:npm)    # for the page in the browser
 
 # JOBS in the environment; without it, one job for each processor, but at most one for each gigabyte of free memory, so that a small board

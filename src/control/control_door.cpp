@@ -59,8 +59,15 @@ ControlDoor::ControlDoor(asio::io_context& io, ControlSettings settings)
 }
 
 void ControlDoor::add_login_routes() {
-    routes().add({"POST", "/login", http::Access::open, "takes a token as {\"token\": ...}, and gives a browser a cookie for it",
-                  [this](const http::Request& request) { return login(server_.admission(), request, ano::Clock::now()); }});
+    routes().add(
+        {"POST", "/login", http::Access::open,
+         "takes a token as {\"token\": ...}, or a one-time code as {\"code\": ...}, and gives a browser a cookie for it",
+         [this](const http::Request& request) { return login(server_.admission(), codes_, request, ano::Clock::now()); }});
+    routes().add(
+        {"POST", "/login/code", http::Access::control,
+         "makes a one-time code for /login, valid for five minutes: of a link, or with {\"form\": \"digits\"} six digits; with "
+         "{\"access\": \"view\"} for watching only",
+         [this](const http::Request& request) { return make_code(server_.admission(), codes_, request, ano::Clock::now()); }});
     routes().add_without_body({"POST", "/logout", http::Access::open, "takes the cookie back",
                                [this](const http::Request& request) { return logout(server_.admission(), request); }});
 }
@@ -173,8 +180,9 @@ void ControlDoor::name_network() {
     network_door_.hosts = settings_.hosts;
 }
 
-// The name of the cookie stays while the program runs: a browser whose token is still there stays signed in.
+// Codes that were made with tokens of before end with them. The name of the cookie stays while the program runs: a browser whose token is still there stays signed in.
 bool ControlDoor::use(Files files) {
+    codes_ = {};
     if (!files.fault.empty()) return shut(std::move(files.fault));
     if (!files.token_file.empty() && network_door_.token_file.empty())
         log_info("control.http: the tokens are in {}", files.token_file);

@@ -1,5 +1,6 @@
 // The listening sockets of the control interface: its Unix socket, and TCP when that is configured.
 #pragma once
+#include <control/sign_in_codes.hpp>
 #include <gateway/settings.hpp>
 #include <http/server.hpp>
 #include <status/network_door.hpp>
@@ -42,6 +43,8 @@ public:
         NetworkDoor door = network_door_;
         door.wrong_tokens = server_.admission().wrong_tokens();
         door.guessing_clients = server_.admission().guessing_clients();
+        door.link_code = text(codes_.state(SignInCodes::Form::link, ano::Clock::now()));
+        door.digits_code = text(codes_.state(SignInCodes::Form::digits, ano::Clock::now()));
         return door;
     }
 
@@ -67,6 +70,7 @@ private:
     http::Server::Network network_;
     NetworkDoor network_door_;
     std::string token_file_id_{};
+    SignInCodes codes_{};
 };
 
 }    // namespace anogate

@@ -1,22 +1,86 @@
 #include <ano_json/strict_json.hpp>
 #include <control/login_route.hpp>
+#include <log/log_line.hpp>
 
 #include <nlohmann/json.hpp>
 
-namespace anogate {
+#include <utility>
 
-http::Response login(http::Admission& admission, const http::Request& request, ano::TimePoint now) {
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using http::Access;
+
+http::Response signed_in(const http::Admission& admission, Access access, std::string_view token, const http::Door& door) {
+    http::Response response;
+    response.body = access == Access::control ? "{\"access\": \"control\"}\n" : "{\"access\": \"view\"}\n";
+    response.headers.push_back(admission.cookie(token, door));
+    return response;
+}
+
+std::string client(const http::Door& door) { return door.peer.empty() ? "a client of the control socket" : door.peer; }
+
+http::Response login_by_code(http::Admission& admission, SignInCodes& codes, const std::string& code, const http::Door& door,
+                             ano::TimePoint now) {
+    const SignInCodes::Use use = codes.use(code, now);
+    const std::string token = use.access ? admission.token_for(*use.access) : std::string{};
+    if (!token.empty()) {
+        log_info("control.http: {} signed in with a one-time code ({})", client(door), text(*use.access));
+        return signed_in(admission, *use.access, token, door);
+    }
+    if (use.voids)
+        log_warning(
+            "control.http: the digits to sign in with are void after {} wrong tries, the last from {}; new ones: anoctl web "
+            "--pair",
+            SignInCodes::max_wrong, client(door));
+    http::Response wrong = http::error(
+        401, "this code is wrong, was used, has expired or is void; a new one: anoctl web --qr or --pair");
+    wrong.headers.push_back({"WWW-Authenticate", "Bearer realm=\"anogate\""});
+    return admission.refuse_wrong(door, std::move(wrong), now);
+}
+
+/// The value of `key`, which is one of two words; the first when it is missing. nullptr: it is something else.
+const char* word_of(const Json& body, const char* key, const char* first, const char* second) {
+    if (!body.contains(key) || body[key] == first) return first;
+    return body[key] == second ? second : nullptr;
+}
+
+}    // namespace
+
+http::Response login(http::Admission& admission, SignInCodes& codes, const http::Request& request, ano::TimePoint now) {
     const auto parsed = ano::json_body(request.body);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return http::error(400, *wrong);
-    const auto& body = std::get<nlohmann::ordered_json>(parsed);
-    if (!body.is_object() || !body.contains("token") || !body["token"].is_string())
-        return http::error(400, "the body must be {\"token\": \"...\"}");
+    const auto& body = std::get<Json>(parsed);
+    const auto is_text = [&](const char* key) { return body.is_object() && body.contains(key) && body[key].is_string(); };
+    if (is_text("token") == is_text("code")) return http::error(400, R"(the body must be {"token": "..."} or {"code": "..."})");
+    if (is_text("code")) return login_by_code(admission, codes, body["code"], request.door, now);
     const std::string token = body["token"];
     auto allowed = admission.access_of(token, request.door, now);
     if (!allowed) return std::move(allowed.error());
+    return signed_in(admission, *allowed, token, request.door);
+}
+
+http::Response make_code(const http::Admission& admission, SignInCodes& codes, const http::Request& request, ano::TimePoint now) {
+    const auto parsed = ano::json_body(request.body);
+    if (const auto* wrong = std::get_if<std::string>(&parsed)) return http::error(400, *wrong);
+    const auto& body = std::get<Json>(parsed);
+    const char* const form = body.is_object() ? word_of(body, "form", "link", "digits") : nullptr;
+    const char* const access = body.is_object() ? word_of(body, "access", "control", "view") : nullptr;
+    if (!form || !access)
+        return http::error(400, R"(the body must be {"form": "link" or "digits", "access": "control" or "view"})");
+    const bool is_link = std::string_view{form} == "link";
+    const Access wanted = std::string_view{access} == "view" ? Access::view : Access::control;
+    if (admission.token_for(wanted).empty())
+        return http::error(409, std::string{"no token allows '"} + access +
+                                    "': either control.http needs none, or its token file has none; see anoctl web");
+    const auto code = codes.make(is_link ? SignInCodes::Form::link : SignInCodes::Form::digits, wanted, now);
+    if (!code) return http::error(503, "no code can be made: the system has no random numbers");
+    Json made{{"code", *code}, {"access", access}};
+    if (is_link) made["link"] = "/#once=" + *code;
+    made["expires_s"] = std::chrono::duration_cast<std::chrono::seconds>(SignInCodes::lifetime).count();
     http::Response response;
-    response.body = *allowed == http::Access::control ? "{\"access\": \"control\"}\n" : "{\"access\": \"view\"}\n";
-    response.headers.push_back(admission.cookie(token, request.door));
+    response.body = made.dump() + "\n";
     return response;
 }
 

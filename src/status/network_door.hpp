@@ -23,10 +23,11 @@ struct NetworkDoor {
     bool is_encrypted = false;
     std::string certificate{};    // absolute path; empty: not encrypted
     bool needs_token = false;
-    std::string token_file{};              // absolute path; empty: no tokens
-    std::vector<std::string> hosts{};      // configured names of this machine
-    std::uint64_t wrong_tokens = 0;        // that came so far
-    std::uint64_t guessing_clients = 0;    // whose wrong tokens were slowed down
+    std::string token_file{};                                     // absolute path; empty: no tokens
+    std::vector<std::string> hosts{};                             // configured names of this machine
+    std::uint64_t wrong_tokens = 0;                               // that came so far
+    std::uint64_t guessing_clients = 0;                           // whose wrong tokens were slowed down
+    std::string_view link_code = "none", digits_code = "none";    // the state of the one-time codes
 };
 
 constexpr std::string_view text(NetworkDoor::State state) noexcept {

@@ -162,6 +162,7 @@ Json http_json(const NetworkDoor& door) {
     json["hosts"] = door.hosts;
     json["wrong_tokens"] = door.wrong_tokens;
     json["guessing_clients"] = door.guessing_clients;
+    json["codes"] = {{"link", door.link_code}, {"digits", door.digits_code}};
     return json;
 }
 

@@ -5,6 +5,7 @@
 #include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
+#include <support/signing_browser.hpp>
 #include <support/temp_dir.hpp>
 
 #include <filesystem>
@@ -52,6 +53,21 @@ TEST_F(AnoctlSetup, writes_a_configuration_that_the_gateway_takes_and_starts_the
     Process check{ANOGATED, {"--check", "--config", config}};
     EXPECT_EQ(check.wait(), 0) << check.output();
     EXPECT_EQ(std::filesystem::status(config).permissions(), std::filesystem::perms{0644}) << "others may read it";
+}
+
+TEST_F(AnoctlSetup, opens_the_page_signed_in) {
+    const std::string socket = dir / "control.sock";
+    Daemon service{
+        ANOGATED, socket, {"udp-listen:127.0.0.1:0", "--http", "0.0.0.0:0"}, {"STATE_DIRECTORY=" + dir.path().string()}};
+    ASSERT_TRUE(service.until_answers()) << service.output();
+    write_signing_browser(dir, service.status().at("http").at("port"));
+    Process process{
+        ANOCTL,
+        {"setup", "--into", config, "--control", socket, device.path(), "--baud", "115200", "--yes"},
+        {"PATH=" + dir.path().string() + ":/usr/bin:/bin", "DISPLAY=:0", "SUDO_USER=", "HOME=" + dir.path().string()}};
+    EXPECT_EQ(process.wait(), 0) << process.output();
+    EXPECT_NE(process.output().find("leads to http://127.0.0.1:8088/\n{\"access\": \"control\"}"), std::string::npos)
+        << process.output();
 }
 
 TEST_F(AnoctlSetup, keeps_the_configuration_that_was_there) {

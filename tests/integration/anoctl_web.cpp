@@ -1,5 +1,7 @@
 // anoctl web: how a gateway that runs is reached, and the certificate that it makes.
+#include <support/http.hpp>
 #include <support/process.hpp>
+#include <support/signing_browser.hpp>
 #include <support/temp_dir.hpp>
 
 #include <gtest/gtest.h>
@@ -39,6 +41,16 @@ protected:
                                           std::vector<std::string>{"STATE_DIRECTORY=" + dir.path().string()});
         EXPECT_TRUE(daemon->until_answers()) << daemon->output();
         return *daemon;
+    }
+
+    std::uint16_t start_with_tokens() { return start(R"({"http": "0.0.0.0:0"})").status().at("http").at("port"); }
+    /// What the page sends for a code, and gets.
+    static std::string signed_in(std::uint16_t port, const std::string& code) {
+        const std::string body = R"({"code": ")" + code + "\"}";
+        return body_of(http(port,
+                            "POST /login HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: application/json\r\n"
+                            "Content-Length: " +
+                                std::to_string(body.size()) + "\r\n\r\n" + body));
     }
 
     TempDir dir;
@@ -107,16 +119,61 @@ TEST_F(AnoctlWeb, says_why_the_door_is_shut) {
     EXPECT_EQ(shut.said.find("anoctl: no HTTP: control.tls: " + (dir / "none") + ": "), 0u) << shut.said;
 }
 
-TEST_F(AnoctlWeb, opens_a_browser_on_this_computer) {
-    start(R"({"http": "0.0.0.0:0"})");
-    const std::string port = std::to_string(daemon->status().at("http").at("port").get<int>());
-    std::filesystem::permissions(dir.write("xdg-open", "#!/bin/sh\necho \"opens $1\"\n"), std::filesystem::perms{0700});
-    const Result opened = web({"--open"}, {"PATH=" + dir.path().string() + ":/usr/bin:/bin"});
+// The browser reads a file of its user, and signs in; no command line has the code.
+TEST_F(AnoctlWeb, opens_a_browser_on_this_computer_that_is_signed_in) {
+    const std::uint16_t port = start_with_tokens();
+    write_signing_browser(dir, port);
+    const std::vector<std::string> environment{"PATH=" + dir.path().string() + ":/usr/bin:/bin", "HOME=" + dir.path().string(),
+                                               "SUDO_USER="};
+    const Result opened = web({"--open"}, environment);
     EXPECT_EQ(opened.exit, 0) << opened.said;
-    EXPECT_NE(opened.said.find("\nopens http://localhost:" + port + "/\n"), std::string::npos) << opened.said;
-    const Result without = web({"--open"}, {"PATH=" + (dir / "empty")});
+    EXPECT_NE(opened.said.find("opens file://" + (dir / "anogate-")), std::string::npos) << opened.said;
+    EXPECT_NE(opened.said.find("mode 600\nleads to http://localhost:" + std::to_string(port) + "/\n{\"access\": \"control\"}"),
+              std::string::npos)
+        << opened.said;
+    EXPECT_NE(web({"--open", "--view"}, environment).said.find("{\"access\": \"view\"}"), std::string::npos);
+    for (const auto& entry : std::filesystem::directory_iterator{dir.path()})
+        EXPECT_NE(entry.path().extension(), ".html") << "it is removed";
+    const Result without = web({"--open"}, {"PATH=" + (dir / "empty"), "HOME=" + dir.path().string(), "SUDO_USER="});
     EXPECT_EQ(without.exit, 1);
-    EXPECT_NE(without.said.find("xdg-open is not installed"), std::string::npos) << without.said;
+    EXPECT_NE(without.said.find("xdg-open is not installed (package xdg-utils); open it yourself: http://localhost:"),
+              std::string::npos)
+        << without.said;
+}
+
+TEST_F(AnoctlWeb, shows_a_link_as_a_qr_code_that_signs_in_once) {
+    const std::uint16_t port = start_with_tokens();
+    const Result shown = web({"--qr"});
+    ASSERT_EQ(shown.exit, 0) << shown.said;
+    EXPECT_NE(shown.said.find("▀"), std::string::npos) << shown.said;
+    const auto at = shown.said.find(":" + std::to_string(port) + "/#once=");
+    ASSERT_NE(at, std::string::npos) << shown.said;
+    const std::string code = shown.said.substr(shown.said.find("#once=") + 6, 32);
+    EXPECT_EQ(signed_in(port, code), "{\"access\": \"control\"}\n");
+    EXPECT_NE(signed_in(port, code).find("\"error\""), std::string::npos) << "it was used";
+    const std::string link = json::parse(web({"--qr", "--view", "--json"}).said).at("link");
+    EXPECT_EQ(signed_in(port, link.substr(link.find("#once=") + 6)), "{\"access\": \"view\"}\n");
+}
+
+TEST_F(AnoctlWeb, shows_digits_that_sign_in_once) {
+    const std::uint16_t port = start_with_tokens();
+    const Result shown = web({"--pair"});
+    ASSERT_EQ(shown.exit, 0) << shown.said;
+    EXPECT_EQ(shown.said.find("\nType these digits instead of the token at http"), 6u) << shown.said;
+    EXPECT_EQ(signed_in(port, shown.said.substr(0, 6)), "{\"access\": \"control\"}\n");
+    const json told = json::parse(web({"--pair", "--view", "--json"}).said);
+    EXPECT_EQ(told.at("expires_s"), 300);
+    EXPECT_EQ(signed_in(port, told.at("digits")), "{\"access\": \"view\"}\n");
+}
+
+TEST_F(AnoctlWeb, of_a_loopback_address_shows_no_qr_code) {
+    start(R"({"http": "127.0.0.1:0"})");
+    const Result refused = web({"--qr"});
+    EXPECT_EQ(refused.exit, 1);
+    EXPECT_NE(refused.said.find("a phone can't reach the page: control.http listens on 127.0.0.1 alone"), std::string::npos)
+        << refused.said;
+    EXPECT_EQ(web({"--view"}).exit, 2);
+    EXPECT_EQ(web({"--qr", "--pair"}).exit, 2);
 }
 
 TEST_F(AnoctlWeb, makes_a_certificate_that_the_gateway_takes_and_clients_trust) {

@@ -253,6 +253,8 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /recordings/{name}/end", [this] { refuses("POST", "/recordings/none/end", 404, "unknown", "nothing is being"); }},
         {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no dot in front"); }},
         {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},    // NetworkDoor
+        {"POST /login/code",
+         [this] { refuses("POST", "/login/code", 409, "refused", "no token allows", "{}"); }},    // SignInCodes
         {"POST /logout", [this] { EXPECT_EQ(ask("POST", "/logout").status, 200u); }},             // Tokens
     };
     std::set<std::string> tested, there;

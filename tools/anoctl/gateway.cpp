@@ -24,20 +24,40 @@ std::string GatewayOptions::socket() const {
     return http::socket_to_ask(control, http::this_runner());
 }
 
+namespace {
+
+http::Answer answer_to(http::Request request, const std::string& socket) {
+    http::Outcome outcome = http::ask(socket, std::move(request));
+    if (!outcome.fault.empty()) throw Failure{outcome.fault};
+    return std::move(outcome.answer);
+}
+
+std::string body_of(http::Answer answer) {
+    if (answer.status / 100 != 2) throw Failure{words_of(answer)};
+    return std::move(answer.body);
+}
+
+}    // namespace
+
 http::Answer GatewayOptions::answer(const std::string& method, const std::string& target, const std::string& accept) const {
     http::Request request;
     request.method = method;
     request.target = target;
     if (!accept.empty()) request.headers.push_back({"Accept", accept});
-    http::Outcome outcome = http::ask(socket(), std::move(request));
-    if (!outcome.fault.empty()) throw Failure{outcome.fault};
-    return std::move(outcome.answer);
+    return answer_to(std::move(request), socket());
 }
 
 std::string GatewayOptions::ask(const std::string& method, const std::string& target, const std::string& accept) const {
-    http::Answer came = answer(method, target, accept);
-    if (came.status / 100 != 2) throw Failure{words_of(came)};
-    return std::move(came.body);
+    return body_of(answer(method, target, accept));
+}
+
+std::string GatewayOptions::post(const std::string& target, const std::string& body) const {
+    http::Request request;
+    request.method = "POST";
+    request.target = target;
+    request.headers.push_back({"Content-Type", "application/json"});
+    request.body = body;
+    return body_of(answer_to(std::move(request), socket()));
 }
 
 std::string percent_encoded(std::string_view word) {

@@ -19,6 +19,8 @@ struct GatewayOptions {
     std::string socket() const;
     /// The body of its response when it is a success. Throws Failure with the reason: there is no response, or the text of its refusal.
     std::string ask(const std::string& method, const std::string& target, const std::string& accept = {}) const;
+    /// The same for a POST with a body of JSON.
+    std::string post(const std::string& target, const std::string& body) const;
     /// Its response, of any status. Throws Failure when there is none.
     anogate::http::Answer answer(const std::string& method, const std::string& target, const std::string& accept = {}) const;
 };

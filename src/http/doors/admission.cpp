@@ -1,5 +1,6 @@
 #include <ano_json/lower_case.hpp>
 #include <http/doors/admission.hpp>
+#include <http/doors/same_token.hpp>
 #include <http/target.hpp>
 
 #include <algorithm>
@@ -9,15 +10,6 @@
 
 namespace anogate::http {
 namespace {
-
-/// Takes the same time wherever the texts differ.
-bool is_same_token(std::string_view known, std::string_view given) {
-    unsigned different = known.size() == given.size() ? 0u : 1u;
-    for (std::size_t i = 0; i < given.size(); ++i)
-        different |= static_cast<unsigned>(static_cast<unsigned char>(known[i % known.size()]) ^
-                                           static_cast<unsigned char>(given[i]));
-    return different == 0;
-}
 
 struct Authority {
     std::string host;         // in lower case, without brackets and final dot
@@ -203,8 +195,18 @@ std::optional<Access> Admission::access_of_known(std::string_view token) const {
 
 tl::expected<Access, Response> Admission::access_of(std::string_view token, const Door& door, ano::TimePoint now) {
     if (const auto access = access_of_known(token)) return *access;
+    return tl::unexpected{refuse_wrong(door, needs_token("the token is not right"), now)};
+}
+
+Response Admission::refuse_wrong(const Door& door, Response answer, ano::TimePoint now) {
     const auto slowed = count_wrong(door, now);
-    return tl::unexpected{slowed > ano::Duration{} ? slow_down(slowed) : needs_token("the token is not right")};
+    return slowed > ano::Duration{} ? slow_down(slowed) : std::move(answer);
+}
+
+std::string Admission::token_for(Access access) const {
+    const auto found = std::find_if(rules_.tokens.begin(), rules_.tokens.end(),
+                                    [access](const Token& token) { return token.access == access; });
+    return found == rules_.tokens.end() ? std::string{} : found->text;
 }
 
 // For how long the client's were slowed down before this one.

@@ -58,6 +58,10 @@ public:
 
     /// What a token allows, whatever wrong ones came before; for a wrong one 401, or 429 after too many.
     tl::expected<Access, Response> access_of(std::string_view token, const Door& door, ano::TimePoint now);
+    /// Counts a wrong token or code. Returns `answer`, or 429 after too many.
+    Response refuse_wrong(const Door& door, Response answer, ano::TimePoint now);
+    /// The first token that allows this and no more; empty: there is none.
+    std::string token_for(Access access) const;
     /// Whether the token allows as much as `access` still, after set().
     bool still_allows(std::string_view token, Access access) const { return access_of_known(token) >= access; }
     /// The header Set-Cookie, by which a browser sends this token from now on.

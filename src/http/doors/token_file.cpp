@@ -1,14 +1,13 @@
 #include <http/doors/token_file.hpp>
 #include <sys/errors.hpp>
 #include <sys/files/write_all.hpp>
+#include <sys/random.hpp>
 #include <sys/unique_fd.hpp>
 
 #include <fcntl.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
@@ -20,20 +19,11 @@
 namespace anogate::http {
 namespace {
 
-constexpr std::size_t min_token = 16, max_token = 256, max_file = 64 * 1024;
+constexpr std::size_t token_bytes = 32, min_token = 16, max_token = 256, max_file = 64 * 1024;
 
 bool is_token(std::string_view text) {
     constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~+/=";
     return text.size() >= min_token && text.size() <= max_token && text.find_first_not_of(allowed) == text.npos;
-}
-
-std::optional<std::string> random_token() {
-    std::array<unsigned char, 32> bytes{};
-    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return std::nullopt;
-    constexpr char digits[] = "0123456789abcdef";
-    std::string text;
-    for (const unsigned char byte : bytes) text.append({digits[byte >> 4], digits[byte & 15]});
-    return text;
 }
 
 std::string draft_of(const std::string& path, pid_t process) { return path + "." + std::to_string(process); }
@@ -61,7 +51,7 @@ Expected<void> make(const std::string& path) {
     const auto failed = [&] { return Unexpected{error_text(path, errno)}; };
     std::error_code ec;
     if (const fs::path folder = fs::path{path}.parent_path(); !folder.empty()) fs::create_directories(folder, ec);
-    const auto view = random_token(), control = random_token();
+    const auto view = random_hex(token_bytes), control = random_hex(token_bytes);
     if (!view || !control) return failed();
     const std::string text = "# Who gives one of these may look, or do everything: Authorization: Bearer TOKEN\nview " + *view +
                              "\ncontrol " + *control + "\n";

@@ -1,11 +1,13 @@
 // The frame around every page: the present page, the state of the gateway, the navigation.
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+import type { Refusal } from "./api";
 import { inWords, t, setLanguage, useLanguage } from "./i18n";
 import { rateText } from "./format";
-import { access, contact, devices, logIn, logOut, lostVehicles, silentFor, status, tokenNeeded, type Status } from "./live/gateway";
+import { access, contact, devices, isDigits, logIn, logOut, lostVehicles, silentFor, status, tokenNeeded, type Status } from "./live/gateway";
 import { editedPages, isEdited } from "./live/edits";
 import { replayedDevices } from "./live/replayed";
+import { linkIsOver } from "./live/sign_in";
 import { useStore, useTick } from "./live/store";
 import { ageOf, alarms, lostDevices, lostNews, seenRateOf } from "./live/watch";
 import { called, nameOf } from "./addresses";
@@ -173,31 +175,40 @@ function OnlyView() {
   );
 }
 
+function loginFault({ status, error }: Refusal, kind: "token" | "code"): string {
+  if (status === 401) return t(kind === "code" ? "code_wrong" : "token_wrong");
+  if (status === 429) return t("too_many_wrong");
+  return status === 0 ? t("no_contact") : error;
+}
+
 /** `done`: the form can be left without a token. */
 function Login({ title = t("token_title"), done }: { title?: string; done?: () => void }) {
   const [token, setToken] = useState("");
   const [wrong, setWrong] = useState("");
   const [busy, setBusy] = useState(false);
+  const isOver = useStore(linkIsOver);
   const enter = async (event: Event): Promise<void> => {
     event.preventDefault();
     if (busy) return;
     setBusy(true);
-    const fault = await logIn(token);
+    linkIsOver.set(false);
+    const typed = token.replace(/\s/g, ""), kind = isDigits(typed) ? "code" : "token";
+    const refusal = await logIn(typed, kind);
     setBusy(false);
-    if (fault === "") done?.();
-    setWrong(fault === "no_contact" ? t("no_contact") : fault);
+    if (!refusal) done?.();
+    setWrong(refusal ? loginFault(refusal, kind) : "");
   };
   return (
     <form class="login card" onSubmit={(event) => void enter(event)}>
       <h1>{title}</h1>
-      <p>{t("token_where", { command: "anoctl web" })}</p>
+      <p>{t("token_where", { pair: "sudo anoctl web --pair", qr: "--qr", command: "anoctl web" })}</p>
       <label>
         {t("token")}
         <input type="password" autocomplete="current-password" required autofocus value={token} onInput={(event) => setToken(event.currentTarget.value)} />
       </label>
       <button class="main" disabled={busy}>{t("token_enter")}</button>
       {done && <button type="button" onClick={done}>{t("cancel")}</button>}
-      {wrong && <p class="bad" role="alert">{wrong}</p>}
+      {(wrong || isOver) && <p class="bad" role="alert">{wrong || t("link_is_over")}</p>}
     </form>
   );
 }

@@ -4,6 +4,7 @@ import { beginLanguage } from "./i18n";
 import { beginEdits } from "./live/edits";
 import { begin } from "./live/gateway";
 import { beginLimits } from "./live/kept_limits";
+import { beginSignIn } from "./live/sign_in";
 import { beginWatch } from "./live/watch";
 import { beginSound } from "./parts/sound";
 import { beginRoute } from "./route";
@@ -11,10 +12,12 @@ import { beginTheme } from "./theme";
 
 beginTheme();
 beginLanguage();
-beginRoute();
-begin();
-beginLimits();
-beginWatch();
-beginEdits();
-beginSound();
-render(<App />, document.getElementById("app")!);
+void beginSignIn().then(() => {
+  beginRoute();
+  begin();
+  beginLimits();
+  beginWatch();
+  beginEdits();
+  beginSound();
+  render(<App />, document.getElementById("app")!);
+});

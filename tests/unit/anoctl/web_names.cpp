@@ -44,6 +44,12 @@ TEST(WebNames, of_a_loopback_address_are_for_this_computer) {
     EXPECT_EQ(url_here(door_at("0.0.0.0:80", true)), "https://localhost:80/");
 }
 
+TEST(WebNames, for_phones_are_those_with_an_address_of_ipv4_first) {
+    EXPECT_EQ(url_for_phones(door_at("[::]:8088"), {"vehicle", {address("2001:db8::5"), address("10.0.0.2")}}),
+              "http://10.0.0.2:8088/");
+    EXPECT_EQ(url_for_phones(door_at("[::]:8088"), {"", {address("2001:db8::5")}}), "http://[2001:db8::5]:8088/");
+}
+
 TEST(WebNames, have_what_the_configuration_adds_and_nothing_of_a_host_without_a_name) {
     WebDoor door = door_at("0.0.0.0:80");
     door.hosts = {"vehicle.lan"};

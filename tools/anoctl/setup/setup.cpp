@@ -1,25 +1,32 @@
 // anoctl setup: from an installed package to an open page. Each step asks first.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/device/file_text.hpp>
+#include <anoctl/gateway.hpp>
 #include <anoctl/ports/detect_rate.hpp>
 #include <anoctl/ports/port_list.hpp>
 #include <anoctl/ports/ports.hpp>
 #include <anoctl/run_program.hpp>
 #include <anoctl/say.hpp>
+#include <anoctl/text/gateway_json.hpp>
+#include <anoctl/web/sign_in.hpp>
 #include "service_config.hpp"
 
 #include <ano_json/text.hpp>
 #include <sys/files/kept_file.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <unistd.h>
 
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <ostream>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -29,11 +36,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint32_t rate_of_the_vendor = 500000;
+constexpr const char* page = "http://127.0.0.1:8088/";    // of service_config()
 
 struct Setup {
     std::string port, file = "/etc/anogate/anogate.json";
     std::uint32_t baud = 0;
     bool yes = false;
+    GatewayOptions gateway{};    // the service
 
     int run(Streams& streams) {
         check(streams);
@@ -122,19 +131,34 @@ private:
         return true;
     }
 
-    /// A browser of the user who called sudo can't be opened by root.
     int show_page(Streams& streams) const {
-        const char* const user = std::getenv("SUDO_USER");
         const bool has_screen = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-        say(streams, "The page: http://127.0.0.1:8088/");
-        say(streams, "Its tokens: sudo cat /var/lib/anogate/token");
+        say(streams, std::string{"The page: "} + page);
+        say(streams, "Sign in there: sudo anoctl web --open, or sudo anoctl web --pair for digits to type");
         say(streams, "The status: sudo anoctl status");
         if (!has_screen || !may(streams, "Open the page?")) return fine;
-        std::vector<std::string> words{"xdg-open", "http://127.0.0.1:8088/"};
-        if (user != nullptr) words.insert(words.begin(), {"runuser", "-u", user, "--"});
-        if (run_program(words).value_or(1) != 0)
-            tell(streams, "the browser can't be opened from here: open the address above yourself");
+        try {
+            await_page();
+            streams.out.flush();
+            SignIn{gateway, false}.open(page);
+        } catch (const Failure& failure) {
+            tell(streams, failure.what());
+        }
         return fine;
+    }
+
+    /// The service was started just now. Throws Failure when it does not serve the page within 10 s.
+    void await_page() const {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds{10};
+        for (;; std::this_thread::sleep_for(std::chrono::milliseconds{200})) {
+            const bool is_over = std::chrono::steady_clock::now() >= end;
+            try {
+                if (text_at(at(parse_answer(gateway.ask("GET", "/status")), "http"), "state") == "up") return;
+            } catch (const Failure&) {
+                if (is_over) throw;
+            }
+            if (is_over) throw Failure{"the gateway does not serve the page; journalctl -u anogated has the reason"};
+        }
     }
 };
 
@@ -153,6 +177,7 @@ Run add_setup(Options& options) {
                        },
                        "N", "Its baud rate (default: found by listening)"});
     options.push_back({"--into", &self->file, "FILE", "Where the configuration is written (default: /etc/anogate/anogate.json)"});
+    GatewayOptions::add(options, self->gateway);
     options.push_back({"--yes", &self->yes, "", "Does each step without asking"});
     return [self](Streams& streams) { return self->run(streams); };
 }

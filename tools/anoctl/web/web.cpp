@@ -1,9 +1,11 @@
 // anoctl web: how to reach the gateway in a browser or from another program.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway.hpp>
-#include <anoctl/run_program.hpp>
 #include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/table.hpp>
+#include "browser.hpp"
+#include "qr_text.hpp"
+#include "sign_in.hpp"
 #include "web_certificate.hpp"
 #include "web_names.hpp"
 
@@ -59,7 +61,9 @@ void tell_door(const Json& http, const WebDoor& door, const Computer& computer, 
     }
     const std::string tokens = text_at(http, "token_file"), certificate = text_at(http, "certificate");
     if (!is_set(http, "token_needed")) out << "no token is needed\n";
-    else out << "a token is needed, of a line 'view TOKEN' or 'control TOKEN' in " << tokens << ": Authorization: Bearer TOKEN\n";
+    else
+        out << "a token is needed, of a line 'view TOKEN' or 'control TOKEN' in " << tokens
+            << ": Authorization: Bearer TOKEN\nbrowsers sign in without it: --open here, --qr on a phone, --pair by digits\n";
     if (certificate.empty()) return;
     out << "encrypted; programs know it by " << certificate << ", as curl --cacert\n";
     if (const auto known_by = anogate::http::fingerprint(certificate)) out << "SHA-256 fingerprint " << *known_by << '\n';
@@ -76,19 +80,14 @@ void tell_certificate(const MadeCertificate& made, std::ostream& out) {
         << "SHA-256 fingerprint, which browsers show where they ask whether to trust it:\n    " << made.fingerprint << '\n';
 }
 
-void open_in_browser(const std::string& url) {
-    const auto status = run_program({"xdg-open", url});
-    if (!status) throw Failure{"xdg-open is not installed (package xdg-utils): open " + url + " yourself"};
-    if (*status != 0) throw Failure{"xdg-open found nothing to open " + url + " with"};
-}
-
 struct Web {
     GatewayOptions gateway;
-    bool json = false, open = false, make_certificate = false;
+    bool json = false, open = false, qr = false, pair = false, view = false, make_certificate = false;
     std::optional<std::string> into;
 
     int run(Streams& streams) const {
         if (into && !make_certificate) throw UsageError{"--into is for --make-certificate"};
+        if (view && !open && !qr && !pair) throw UsageError{"--view is for --open, --qr and --pair"};
         return make_certificate ? make(streams) : show(streams);
     }
 
@@ -111,6 +110,8 @@ private:
         const bool is_up = text_at(http, "state") == "up";
         const WebDoor door = door_of(http);
         const Computer computer = this_computer();
+        if (is_up && qr) return show_qr(http, door, streams);
+        if (is_up && pair) return show_digits(http, door, streams);
         if (json) {
             Json told{{"urls", Json::array()}};
             if (is_up) told["urls"] = urls_of(door, computer);
@@ -121,7 +122,47 @@ private:
         if (!json) tell_door(http, door, computer, streams.out);
         if (!open) return fine;
         streams.out.flush();
-        open_in_browser(url_here(door));
+        open_page(http, url_here(door));
+        return fine;
+    }
+
+    void open_page(const Json& http, const std::string& page) const {
+        if (is_set(http, "token_needed")) return SignIn{gateway, view}.open(page);
+        try {
+            open_in_browser(page);
+        } catch (const Failure& failure) {
+            throw Failure{failure.what() + ("; open it yourself: " + page)};
+        }
+    }
+
+    const char* allowed() const { return view ? "watching" : "control"; }
+
+    int show_qr(const Json& http, const WebDoor& door, Streams& streams) const {
+        if (door.address.is_loopback())
+            throw Failure{"a phone can't reach the page: control.http listens on " + door.address.text() +
+                          " alone; configure \"http\": \"0.0.0.0:" + std::to_string(door.port) + "\" and restart the gateway"};
+        const bool needs_code = is_set(http, "token_needed");
+        const std::string page = url_for_phones(door, this_computer()),
+                          link = needs_code ? SignIn{gateway, view}.link(page) : page;
+        if (json) {
+            streams.out << Json{{"link", link}} << '\n';
+            return fine;
+        }
+        streams.out << qr_text(link, streams.color) << link << '\n';
+        if (needs_code) streams.out << "signs in for " << allowed() << ", once, within 5 minutes\n";
+        return fine;
+    }
+
+    int show_digits(const Json& http, const WebDoor& door, Streams& streams) const {
+        const std::string page = urls_of(door, this_computer()).front();
+        if (!is_set(http, "token_needed")) throw Failure{"no token is needed: open " + page};
+        const Json code = SignIn{gateway, view}.code(SignIn::Form::digits);
+        if (json) {
+            streams.out << Json{{"digits", code.at("code")}, {"page", page}, {"expires_s", code.at("expires_s")}} << '\n';
+            return fine;
+        }
+        streams.out << text_at(code, "code") << "\nType these digits instead of the token at " << page << "\nThey sign in for "
+                    << allowed() << ", once, within 5 minutes; three wrong tries void them.\n";
         return fine;
     }
 };
@@ -130,7 +171,21 @@ private:
 
 Run add_web(Options& options) {
     const auto self = std::make_shared<Web>();
-    options.push_back({"--open", &self->open, "", "Opens it in a browser here, by xdg-open"});
+    options.push_back({"--open", &self->open, "", "Opens it in a browser here, by xdg-open, signed in"});
+    options.push_back({"--qr",
+                       &self->qr,
+                       "",
+                       "Shows a QR code, and its link, for a phone: signs it in, once, within 5 minutes",
+                       false,
+                       {"--open", "--make-certificate"}});
+    options.push_back(
+        {"--pair",
+         &self->pair,
+         "",
+         "Shows six digits to type where the page asks for a token: sign in once, within 5 minutes; three wrong tries void them",
+         false,
+         {"--open", "--qr", "--make-certificate"}});
+    options.push_back({"--view", &self->view, "", "With --open, --qr or --pair: for watching only, with the read-only token"});
     options.push_back(
         {"--make-certificate",
          &self->make_certificate,

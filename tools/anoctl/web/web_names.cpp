@@ -1,5 +1,7 @@
 #include "web_names.hpp"
 
+#include <algorithm>
+
 namespace anoctl {
 
 using anogate::IpAddress;
@@ -40,6 +42,12 @@ std::vector<std::string> urls_of(const WebDoor& door, const Computer& computer) 
     hosts.insert(hosts.end(), door.hosts.begin(), door.hosts.end());
     for (std::string& host : hosts) host = url_of(door, host);
     return hosts;
+}
+
+std::string url_for_phones(const WebDoor& door, const Computer& computer) {
+    const std::vector<std::string> all = urls_of(door, computer);
+    const auto found = std::find_if(all.begin(), all.end(), [](const std::string& url) { return url.find('[') == url.npos; });
+    return found == all.end() ? all.front() : *found;
 }
 
 std::string url_here(const WebDoor& door) {

@@ -29,6 +29,9 @@ std::vector<anogate::IpAddress> reachable(const Computer& computer);
 /// address, only those for this computer.
 std::vector<std::string> urls_of(const WebDoor& door, const Computer& computer);
 
+/// The URL that phones reach most likely: the first of urls_of() without an IPv6 address, if there is one.
+std::string url_for_phones(const WebDoor& door, const Computer& computer);
+
 /// The URL on this computer itself.
 std::string url_here(const WebDoor& door);
 

@@ -1,5 +1,5 @@
 // What the page knows of the gateway: whether it is there, its status, its message table, the devices that are heard.
-import { ask, onHeard, onTokenNeeded, type Answer } from "../api";
+import { ask, onHeard, onTokenNeeded, type Answer, type Refusal } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
 import type { Datum } from "../map/datum";
@@ -233,15 +233,19 @@ export function begin(): void {
   setInterval(beat, beatEvery);
 }
 
-export async function logIn(token: string): Promise<string> {
-  const answer = await ask<{ access: string }>("/login", { method: "POST", body: { token: token.trim() }, timeout: 5000 });
-  if (!answer.ok) return answer.refusal.error || "no_contact";
+/** Of “anoctl web --pair”, instead of a token. */
+export const isDigits = (typed: string): boolean => /^\d{6}$/.test(typed);
+
+/** Undefined: signed in. */
+export async function logIn(secret: string, kind: "token" | "code"): Promise<Refusal | undefined> {
+  const answer = await ask<{ access: string }>("/login", { method: "POST", body: { [kind]: secret }, timeout: 5000 });
+  if (!answer.ok) return answer.refusal;
   access.set(answer.value.access);
   remember("access", answer.value.access);
   tokenNeeded.set(false);
   liveness.restart(performance.now());
   reopenAll();
-  return "";
+  return undefined;
 }
 
 /** The browser forgets the cookie, and the page asks for a token. Without contact to the gateway it can't: it is signed in as before. */

@@ -144,7 +144,7 @@ test("tells who has no token, a wrong one, or one to look only", { skip: process
   await page.waitForSelector(".login input");
   await page.type(".login input", "wrong");
   await page.click(".login button");
-  await outcome(page, "[role=alert]", /the token is not right/);
+  await outcome(page, "[role=alert]", /Wrong token/);
   await logIn(page, here.gateway.token("view"));
   await page.waitForSelector(".branch");
   assert.match(await textOf(page, ".note"), /Read-only: this token/);

@@ -1,0 +1,17 @@
+// Compares secrets.
+#pragma once
+#include <cstddef>
+#include <string_view>
+
+namespace anogate::http {
+
+/// Takes the same time wherever the texts differ. `known` is not empty.
+inline bool is_same_token(std::string_view known, std::string_view given) {
+    unsigned different = known.size() == given.size() ? 0u : 1u;
+    for (std::size_t i = 0; i < given.size(); ++i)
+        different |= static_cast<unsigned>(static_cast<unsigned char>(known[i % known.size()]) ^
+                                           static_cast<unsigned char>(given[i]));
+    return different == 0;
+}
+
+}    // namespace anogate::http
