@@ -36,7 +36,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint32_t rate_of_the_vendor = 500000;
-constexpr const char* page = "http://127.0.0.1:8088/";    // of service_config()
+constexpr const char* url_of_page = "http://127.0.0.1:8088/";    // of service_config()
 
 struct Setup {
     std::string port, file = "/etc/anogate/anogate.json";
@@ -133,14 +133,14 @@ private:
 
     int show_page(Streams& streams) const {
         const bool has_screen = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-        say(streams, std::string{"The page: "} + page);
+        say(streams, std::string{"The page: "} + url_of_page);
         say(streams, "Sign in there: sudo anoctl web --open, or sudo anoctl web --pair for digits to type");
         say(streams, "The status: sudo anoctl status");
         if (!has_screen || !may(streams, "Open the page?")) return fine;
         try {
             await_page();
             streams.out.flush();
-            SignIn{gateway, false}.open(page);
+            SignIn{gateway, false}.open(url_of_page);
         } catch (const Failure& failure) {
             tell(streams, failure.what());
         }
