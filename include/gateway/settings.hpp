@@ -165,6 +165,7 @@ struct WrapSettings {
     std::uint8_t id = 0xB1;        // 0xB1, or 0xB2, the short one
     std::uint8_t source = 0xE6;    // S_ADDR of the tunnel frame
     std::uint8_t to = 0xFF;        // and its D_ADDR
+    std::string from_host{};       // a name, instead of `from`; empty: none
     bool operator==(const WrapSettings&) const = default;
 };
 
@@ -180,11 +181,13 @@ struct TunnelSettings {
     IpAddress bind;                    // IPv4 only: the tunnel frame has no room for IPv6
     std::uint16_t port = 12333;        // our port, also meant by port 0 in a tunnel frame; 0: the kernel chooses
     std::optional<IpAddress> ip;       // our address as others know it; std::nullopt: as the system has it
+    std::string ip_host;               // a name, instead of `ip`; empty: none
     Deliver deliver = Deliver::frames;
     std::vector<WrapSettings> wrap;    // the first rule that matches applies
-    std::vector<Network> allow;        // empty: the networks of our interfaces
-    bool relay = false;                // peers of IP links may reach this computer itself, where `allow` lists it
-    RuleSettings rules;                // of the link `tunnel`
+    std::vector<Network> allow;        // empty, as `allow_hosts` too: the networks of our interfaces
+    std::vector<std::string> allow_hosts;
+    bool relay = false;    // peers of IP links may reach this computer itself, where `allow` lists it
+    RuleSettings rules;    // of the link `tunnel`
     bool operator==(const TunnelSettings&) const = default;
 };
 

@@ -91,12 +91,17 @@ Json print_interval(const KeyFacts& key, const Value& value) {
 Json print_silence(const KeyFacts&, const Value& value) { return "silent " + duration_text(std::get<Duration>(value)); }
 Json print_text(const KeyFacts&, const Value& value) { return std::get<std::string>(value); }
 Json print_endpoint(const KeyFacts&, const Value& value) { return std::get<EndpointSpec>(value).text(); }
-Json print_network(const KeyFacts&, const Value& value) { return std::get<Network>(value).text(); }
+Json print_host(const KeyFacts&, const Value& value) { return std::get<HostSpec>(value).text(); }
+Json print_network(const KeyFacts& key, const Value& value) {
+    const auto* network = std::get_if<Network>(&value);
+    return network ? Json(network->text()) : print_text(key, value);
+}
 Json print_networks(const KeyFacts&, const Value& value) {
     const auto& list = std::get<NetworkList>(value);
     if (list.any) return "any";
     Json texts = Json::array();
     for (const Network& network : list.networks) texts.push_back(network.text());
+    for (const std::string& host : list.hosts) texts.push_back(host);
     return texts;
 }
 Json print_ip(const KeyFacts& key, const Value& value) {
@@ -274,6 +279,14 @@ constexpr FormRow rows[] = {
      .schema = [](Facts) { return pattern("^.+:[0-9]+$"); },
      .expected = [](Facts) { return std::string{"an IP address and a port such as 127.0.0.1:12333 or [::1]:12333"}; },
      .placeholder = [](Facts) { return std::string{"IP:PORT"}; }},
+    {.form = Form::host,
+     .words = text_words,
+     .read = read_value::host,
+     .print = print_host,
+     .schema = [](Facts) { return pattern("^.+:[0-9]+$"); },
+     .expected =
+         [](Facts) { return std::string{"a host name or IP address, and a port, such as 192.168.4.1:8888 or flow.local:8888"}; },
+     .placeholder = [](Facts) { return std::string{"HOST:PORT"}; }},
     {.form = Form::networks,
      .is_joined = true,
      .words = networks_words,
@@ -282,14 +295,22 @@ constexpr FormRow rows[] = {
      .schema = [](Facts) -> Json {
          return {{"anyOf", {Json{{"const", "any"}}, Json{{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}}}}};
      },
-     .expected = [](Facts) { return std::string{"any, or networks such as 192.168.0.0/24"}; },
+     .expected =
+         [](Facts key) {
+             return std::string{key.takes_hosts ? "any, or networks such as 192.168.0.0/24 and host names such as ground.local"
+                                                : "any, or networks such as 192.168.0.0/24"};
+         },
      .placeholder = [](Facts) { return std::string{"CIDR[+CIDR...]|any"}; }},
     {.form = Form::network,
      .words = text_words,
      .read = read_value::network,
      .print = print_network,
      .schema = any_string,
-     .expected = [](Facts) { return std::string{"an IPv4 network such as 192.168.0.0/24"}; },
+     .expected =
+         [](Facts key) {
+             return std::string{"an IPv4 network such as 192.168.0.0/24"} +
+                    (key.takes_hosts ? ", or a host name such as ground.local" : "");
+         },
      .placeholder = [](Facts) { return std::string{"CIDR"}; }},
     {.form = Form::ip,
      .words = text_words,
@@ -298,7 +319,9 @@ constexpr FormRow rows[] = {
      .schema = any_string,
      .expected =
          [](Facts key) {
-             return "an IPv4 address such as 192.168.0.5" + (key.choices.empty() ? "" : " or " + std::string{key.choices});
+             return std::string{"an IPv4 address such as 192.168.0.5"} +
+                    (key.takes_hosts ? ", a host name such as gateway.example.org" : "") +
+                    (key.choices.empty() ? "" : " or " + std::string{key.choices});
          },
      .placeholder = [](Facts key) { return or_choices("IP", key.choices); }},
     {.form = Form::names,

@@ -28,6 +28,7 @@ enum class Form : std::uint8_t {
     choice_or_link,    // one of the choices, or the name of a link
     text,
     endpoint,
+    host,    // an endpoint, or a host name and a port
     networks,
     network,    // a single network
     ip,         // an IPv4 address, or one of the choices

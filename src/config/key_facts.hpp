@@ -22,8 +22,9 @@ struct KeyFacts {
     std::string_view option{};         // the command-line option that sets it: "--id"
     std::string_view stands_for{};     // the placeholder in help texts: "PATH"; empty: that of the form
     bool required = false;
-    bool is_local = false;    // an endpoint of this computer
-    bool is_v4 = false;       // networks of IPv4 only: "any" is 0.0.0.0/0
+    bool is_local = false;       // an endpoint of this computer
+    bool is_v4 = false;          // networks of IPv4 only: "any" is 0.0.0.0/0
+    bool takes_hosts = false;    // host names beside networks or an IP address
 
     /// Whether GPIO lines of the use `kind` have this key. An empty `kind` has every key.
     bool is_of(std::string_view kind) const;

@@ -141,6 +141,10 @@ template <auto... Path>
 constexpr auto endpoint(std::string_view name, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::endpoint, .help = help});
 }
+template <auto... Path>
+constexpr auto host(std::string_view name, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::host, .help = help});
+}
 
 /// A list of networks in one field and a bool "any network" in another, both in the struct of one kind of link.
 template <class Struct, bool Struct::*any, std::vector<Network> Struct::*list>
@@ -148,7 +152,7 @@ constexpr auto networks(std::string_view name, std::string_view help) {
     return Key<LinkSettings>{{.name = name, .form = Form::networks, .help = help},
                              [](const KeyFacts&, const LinkSettings& link) -> Value {
                                  const Struct& all = link.as<Struct>();
-                                 return NetworkList{all.*any, all.*list};
+                                 return NetworkList{all.*any, all.*list, {}};
                              },
                              [](const KeyFacts&, Value value, LinkSettings& link) {
                                  auto& given = std::get<NetworkList>(value);

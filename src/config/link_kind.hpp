@@ -2,6 +2,7 @@
 #pragma once
 #include <config/keys.hpp>
 #include <gateway/hints.hpp>
+#include <gateway/host_spec.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/settings.hpp>
 
@@ -46,6 +47,13 @@ struct BoundPort {
     EndpointSpec local{};
     std::string interface {};    // empty: any
     std::string_view key{};      // the key that sets it: "bind"
+    bool is_tcp = false;         // otherwise UDP
+};
+
+/// The TCP port that a link connects to.
+struct PeerPort {
+    HostSpec peer{};
+    std::string_view key{};
 };
 
 /// A path in the file system that a link names by its ADDRESS.
@@ -94,6 +102,7 @@ struct LinkKind {
     LineRate (*line_rate)(const LinkSettings&) = nullptr;
     bool (*has_uart)(const LinkSettings&) = nullptr;    // devices receive by a UART there: bytes outside of frames may be sent
     std::optional<BoundPort> (*bound_port)(const LinkSettings&) = nullptr;
+    std::optional<PeerPort> (*connects_to)(const LinkSettings&) = nullptr;
     LinkPath (*path)(const LinkSettings&) = nullptr;
     Reach (*reach)(const LinkSettings&) = nullptr;
     const Rs485* rs485 = nullptr;

@@ -42,13 +42,14 @@ std::string_view port_alone(std::string_view text) {
 /// Names the half that is wrong, address or port, where it can be told.
 std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     const std::string shown = printable(std::string{text});
+    const bool takes_names = key.form == Form::host;
     if (const auto address = IpAddress::parse(text)) {
         const std::string better = address->v6 ? "[" + shown + "]:PORT" : shown + ":PORT";
         return "'" + shown + "' has no port: write " + better;
     }
     if (const std::string port{port_alone(text)}; !port.empty()) {
-        return "'" + shown + "' has no IP address: write " +
-               (key.is_local ? "0.0.0.0:" + port + " for every interface" : "IP:" + port);
+        return "'" + shown + "' has no " + (takes_names ? "host name or IP address" : "IP address") + ": write " +
+               (key.is_local ? "0.0.0.0:" + port + " for every interface" : (takes_names ? "HOST:" : "IP:") + port);
     }
     if (const std::size_t percent = text.find('%'), end = text.find(']'); percent < end && end != text.npos) {
         const std::string_view interface = text.substr(percent + 1, end - percent - 1);
@@ -62,7 +63,8 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
         return must_be(key, in_quotes(text)) + ": a port is at most 65535";
     const std::string_view host = text.substr(0, colon);
     const std::string port = colon == std::string_view::npos ? "PORT" : shown.substr(std::min(colon + 1, shown.size()));
-    if (host.find_first_of(":[]%") == std::string_view::npos && std::any_of(host.begin(), host.end(), is_beyond_hex))
+    if (!takes_names && host.find_first_of(":[]%") == std::string_view::npos &&
+        std::any_of(host.begin(), host.end(), is_beyond_hex))
         return "'" + shown + "': host names are not looked up, give an IP address such as 127.0.0.1:" + port;
     return must_be(key, in_quotes(text));
 }
@@ -183,13 +185,21 @@ std::string endpoint(const KeyFacts& key, const Words& words, Value& value) {
     return {};
 }
 
+std::string host(const KeyFacts& key, const Words& words, Value& value) {
+    auto parsed = HostSpec::parse(words[0]);
+    if (!parsed && HostSpec::parse(words[0] + ":1")) return in_quotes(words[0]) + " has no port: write " + words[0] + ":PORT";
+    if (!parsed) return endpoint_error(key, words[0]);
+    value = *std::move(parsed);
+    return {};
+}
+
 std::string networks(const KeyFacts& key, const Words& words, Value& value) {
     NetworkList list;
     list.any = words.size() == 1 && words[0] == "any";
     for (const std::string& word : list.any ? Words{} : words) {
-        const auto network = parse_network(key, word);
-        if (!network) return must_be(key, in_quotes(word));
-        list.networks.push_back(*network);
+        if (const auto network = parse_network(key, word)) list.networks.push_back(*network);
+        else if (key.takes_hosts && is_host_name(word)) list.hosts.push_back(word);
+        else return must_be(key, in_quotes(word));
     }
     value = std::move(list);
     return {};
@@ -197,6 +207,7 @@ std::string networks(const KeyFacts& key, const Words& words, Value& value) {
 
 std::string network(const KeyFacts& key, const Words& words, Value& value) {
     const auto parsed = parse_network(key, words[0]);
+    if (!parsed && key.takes_hosts && is_host_name(words[0])) return value = words[0], std::string{};
     if (!parsed) return must_be(key, in_quotes(words[0]));
     value = *parsed;
     return {};
@@ -205,6 +216,7 @@ std::string network(const KeyFacts& key, const Words& words, Value& value) {
 std::string ip(const KeyFacts& key, const Words& words, Value& value) {
     if (!key.choices.empty() && words[0] == key.choices) return value = words[0], std::string{};
     const auto parsed = IpAddress::parse(words[0]);
+    if (!parsed && key.takes_hosts && is_host_name(words[0])) return value = words[0], std::string{};
     if (!parsed || parsed->v6 || (!key.choices.empty() && parsed->is_any())) return must_be(key, in_quotes(words[0]));
     value = *parsed;
     return {};

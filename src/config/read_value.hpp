@@ -22,6 +22,7 @@ std::string text(const KeyFacts& key, const Words& words, Value& value);
 std::string decimal(const KeyFacts& key, const Words& words, Value& value);
 std::string names(const KeyFacts& key, const Words& words, Value& value);
 std::string endpoint(const KeyFacts& key, const Words& words, Value& value);
+std::string host(const KeyFacts& key, const Words& words, Value& value);
 std::string networks(const KeyFacts& key, const Words& words, Value& value);
 std::string network(const KeyFacts& key, const Words& words, Value& value);
 std::string ip(const KeyFacts& key, const Words& words, Value& value);

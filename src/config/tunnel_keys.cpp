@@ -7,20 +7,37 @@ using namespace key_rows;
 using T = TunnelSettings;
 using W = WrapSettings;
 
-Value get_ip(const KeyFacts&, const TunnelSettings& tunnel) { return tunnel.ip ? Value{*tunnel.ip} : Value{std::string{"auto"}}; }
+Value get_ip(const KeyFacts& key, const TunnelSettings& tunnel) {
+    if (tunnel.ip) return *tunnel.ip;
+    return tunnel.ip_host.empty() ? std::string{key.choices} : tunnel.ip_host;
+}
 
-std::string put_ip(const KeyFacts&, Value value, TunnelSettings& tunnel) {
+std::string put_ip(const KeyFacts& key, Value value, TunnelSettings& tunnel) {
     const auto* address = std::get_if<IpAddress>(&value);
     tunnel.ip = address ? std::optional{*address} : std::nullopt;
+    const auto* text = std::get_if<std::string>(&value);
+    tunnel.ip_host = text && *text != key.choices ? *text : "";
     return {};
 }
 
-Value get_allow(const KeyFacts&, const TunnelSettings& tunnel) { return NetworkList{false, tunnel.allow}; }
+Value get_allow(const KeyFacts&, const TunnelSettings& tunnel) { return NetworkList{false, tunnel.allow, tunnel.allow_hosts}; }
 
 std::string put_allow(const KeyFacts&, Value value, TunnelSettings& tunnel) {
     auto& list = std::get<NetworkList>(value);
     if (list.any) list.networks = {Network{}};
     tunnel.allow = std::move(list.networks);
+    tunnel.allow_hosts = std::move(list.hosts);
+    return {};
+}
+
+Value get_from(const KeyFacts&, const WrapSettings& rule) {
+    return rule.from_host.empty() ? Value{rule.from} : Value{rule.from_host};
+}
+
+std::string put_from(const KeyFacts&, Value value, WrapSettings& rule) {
+    const auto* network = std::get_if<Network>(&value);
+    rule.from = network ? *network : Network{};
+    rule.from_host = network ? "" : std::get<std::string>(value);
     return {};
 }
 
@@ -50,15 +67,17 @@ constexpr Key<T> own_tunnel_rows[] = {
     Key<T>{{.name = "ip",
             .form = Form::ip,
             .help = "our address as others know it, or auto: the one the system uses towards them",
-            .choices = "auto"},
+            .choices = "auto",
+            .takes_hosts = true},
            get_ip,
            put_ip},
     choice<&T::deliver>("deliver", "frames|tunnel",
                         "what leaves: the frames inside, or the tunnel frame with our address as its source"),
     Key<T>{{.name = "allow",
             .form = Form::networks,
-            .help = "networks that may be sent to and may send (default: the networks of our interfaces, not loopback)",
-            .is_v4 = true},
+            .help = "networks and hosts that may be sent to and may send (default: the networks of our interfaces, not loopback)",
+            .is_v4 = true,
+            .takes_hosts = true},
            get_allow,
            put_allow},
     boolean<&T::relay>("relay", "peers of UDP links may reach programs on this computer, where `allow` lists it"),
@@ -67,11 +86,14 @@ constexpr Key<T> own_tunnel_rows[] = {
 constexpr auto tunnel_rows = own_tunnel_rows + rules_of<T, &T::rules>();
 
 constexpr Key<W> wrap_rows[] = {
-    row<&W::from>({.name = "from",
-                   .form = Form::network,
-                   .help = "what comes from this network is wrapped into a tunnel frame",
-                   .required = true,
-                   .is_v4 = true}),
+    Key<W>{{.name = "from",
+            .form = Form::network,
+            .help = "what comes from this network or host is wrapped into a tunnel frame",
+            .required = true,
+            .is_v4 = true,
+            .takes_hosts = true},
+           get_from,
+           put_from},
     text<&W::link>("link", 1, max_name, "the name of the link that gets it") | as("LINK") | needed,
     Key<W>{{.name = "as",
             .form = Form::choice,

@@ -51,10 +51,17 @@ std::uint32_t default_queue(std::size_t max_data) {
 
 bool collide(const BoundPort& one, const BoundPort& other) {
     const EndpointSpec &a = one.local, &b = other.local;
-    if (a.port == 0 || a.port != b.port) return false;
+    if (one.is_tcp != other.is_tcp || a.port == 0 || a.port != b.port) return false;
     if (!one.interface.empty() && !other.interface.empty() && one.interface != other.interface) return false;
     if (a.address.v6 != b.address.v6) return (a.address.v6 ? a : b).address.is_any();    // [::] receives IPv4 too
     return a == b || a.address.is_any() || b.address.is_any();
+}
+
+/// A connection to `peer` ends at `bound`, which is ours.
+bool leads_to(const HostSpec& peer, const BoundPort& bound) {
+    const IpAddress& local = bound.local.address;
+    if (!bound.is_tcp || peer.port == 0 || peer.port != bound.local.port) return false;
+    return peer.is_here() ? local.is_any() || local.is_loopback() : peer.host.empty() && peer.address == local;
 }
 
 /// Adds errors and warnings of one link to the draft.
@@ -176,6 +183,18 @@ private:
         if (bound_a && bound_b && collide(*bound_a, *bound_b))
             error(origin, bound_b->key,
                   "local port " + std::to_string(bound_b->local.port) + " is used by " + who(first) + " already");
+        own_port(first, second);
+        own_port(second, first);
+    }
+
+    // The link `to` listens where `from` connects to: frames would go round.
+    void own_port(std::size_t from, std::size_t to) {
+        const LinkKind& kind = *links_[from].kind;
+        const auto peer = kind.connects_to ? kind.connects_to(links_[from]) : std::nullopt;
+        const auto bound = bound_port_of(links_[to]);
+        if (peer && bound && leads_to(peer->peer, *bound))
+            error(draft_.links[from], peer->key,
+                  "'" + peer->peer.text() + "' is this gateway itself: " + who(to) + " listens there");
     }
 
     void groups() {
@@ -299,6 +318,9 @@ private:
                 !page.starts_with("http://") && !page.starts_with("https://") && page != "file://")
                 error(origin, "origins/" + std::to_string(i),
                       in_quotes(page) + " must begin with http:// or https://, as a browser says it, or be file://");
+        for (std::size_t i = 0; control.http && i < links_.size(); ++i)
+            if (const auto bound = bound_port_of(links_[i]); bound && collide(*bound, {*control.http, {}, {}, true}))
+                error(origin, "http", "local port " + std::to_string(control.http->port) + " is used by " + who(i) + " already");
         if (control.http && !control.http->address.is_loopback() && control.tls.key.empty())
             draft_.warnings.push_back({origin.key("http"),
                                        "note: without 'tls' who is in a network of this computer can read "

@@ -1,7 +1,7 @@
 // A value of the configuration: between JSON or text and the field of the settings.
 #pragma once
 #include <gateway/filter.hpp>
-#include <gateway/ip.hpp>
+#include <gateway/host_spec.hpp>
 
 #include <ano/time.hpp>
 
@@ -14,11 +14,13 @@ namespace anogate {
 
 struct NetworkList {
     bool any = false;    // every network; `networks` is empty then
-    std::vector<Network> networks;
+    std::vector<Network> networks{};
+    std::vector<std::string> hosts{};    // names, where the key takes them
 };
 
 /// std::monostate: not set. Enumerations are the text of their choice.
-using Value = std::variant<std::monostate, bool, std::uint64_t, ano::Duration, std::string, EndpointSpec, IpAddress, Network,
-                           NetworkList, ByteRange, std::vector<ByteRange>, std::vector<std::string>, std::vector<LimitRule>>;
+using Value =
+    std::variant<std::monostate, bool, std::uint64_t, ano::Duration, std::string, EndpointSpec, HostSpec, IpAddress, Network,
+                 NetworkList, ByteRange, std::vector<ByteRange>, std::vector<std::string>, std::vector<LimitRule>>;
 
 }    // namespace anogate

@@ -1,5 +1,6 @@
 #include <config/link_kind.hpp>
 #include <gateway/loop_guard.hpp>
+#include <link/resolver.hpp>
 #include <link/tunnel_link.hpp>
 #include <link/udp/udp_settings.hpp>
 
@@ -12,6 +13,18 @@ namespace {
 
 // Not in the list of kinds: it can't be configured as a link.
 constinit const LinkKind tunnel_kind{.name = "tunnel", .carries = Carries::datagrams, .listens = true};
+
+constexpr Duration hosts_slack = std::chrono::seconds{1};
+constexpr Duration without_address = std::chrono::seconds{5};    // until a name is asked for again: the network may come up
+
+HostAddresses hosts_in(const TunnelSettings& settings) {
+    HostAddresses hosts;
+    for (const std::string& host : settings.allow_hosts) hosts[host];
+    for (const WrapSettings& rule : settings.wrap)
+        if (!rule.from_host.empty()) hosts[rule.from_host];
+    if (!settings.ip_host.empty()) hosts[settings.ip_host];
+    return hosts;
+}
 
 }    // namespace
 
@@ -38,7 +51,9 @@ TunnelLink::TunnelLink(LinkId id, const Settings& settings, std::vector<Target> 
               settings.gateway.id,
               {[this](const IpAddress& there) { return our_address(there); },
                [this](std::uint16_t port) { return this->context().host.is_own_port(port); }}},
-      wrap_to_{std::move(wrap_to)} {}
+      wrap_to_{std::move(wrap_to)},
+      hosts_{hosts_in(*settings.tunnel)},
+      look_up_{context.alarms, [this] { look_up_hosts(); }, hosts_slack} {}
 
 void TunnelLink::carry(Channel& from, ano::FrameView frame) {
     const TimePoint now = context().host.now();
@@ -55,7 +70,42 @@ void TunnelLink::carry(Channel& from, ano::FrameView frame) {
     }
 }
 
-void TunnelLink::opened(const Endpoint& local) { tunnel_.set_port(local.port); }
+void TunnelLink::opened(const Endpoint& local) {
+    tunnel_.set_port(local.port);
+    if (!hosts_.empty()) look_up_hosts();
+}
+
+// A name keeps its addresses when the system has no answer.
+void TunnelLink::look_up_hosts() {
+    look_up_.set(context().host.now() + context().names.kept_for());
+    no_such_host_ = {};
+    for (const auto& [host, known] : hosts_)
+        context().names.resolve(host, context().host.now(), this, [this, &name = host](const auto& addresses, const auto& fault) {
+            if (!addresses.empty()) {
+                hosts_[name] = addresses;
+                last_way_.reset();
+                tunnel_.set_hosts(hosts_);
+            } else if (hosts_[name].empty()) {
+                no_such_host_ = {"no_such_host", name + ": " + fault, {{"host", name}}};
+                look_up_.set(context().host.now() + without_address);
+            }
+        });
+}
+
+void TunnelLink::stop_looking_up() {
+    look_up_.cancel();
+    context().names.cancel(this);
+}
+
+void TunnelLink::stop_reading() {
+    stop_looking_up();
+    UdpListenLink::stop_reading();
+}
+
+void TunnelLink::stop() {
+    stop_looking_up();
+    UdpListenLink::stop();
+}
 
 bool TunnelLink::allowed(const Endpoint& sender, TimePoint now) {
     refresh_networks(now);
@@ -111,7 +161,7 @@ void TunnelLink::refresh_networks(TimePoint now) {
 
 std::optional<IpAddress> TunnelLink::our_address(const IpAddress& there) {
     const TunnelSettings& settings = tunnel_.settings();
-    if (settings.ip) return settings.ip;
+    if (tunnel_.has_ip()) return tunnel_.ip();
     if (!settings.bind.is_any()) return settings.bind;
     if (!last_way_ || last_way_->there != there) last_way_ = {there, source_towards(there)};
     return last_way_->source;
@@ -120,7 +170,7 @@ std::optional<IpAddress> TunnelLink::our_address(const IpAddress& there) {
 LinkFacts TunnelLink::facts() const {
     LinkFacts facts = UdpListenLink::facts();
     const TunnelSettings& settings = tunnel_.settings();
-    const auto ip = settings.ip ? settings.ip : settings.bind.is_any() ? source_towards({}) : std::optional{settings.bind};
+    const auto ip = tunnel_.has_ip() ? tunnel_.ip() : settings.bind.is_any() ? source_towards({}) : std::optional{settings.bind};
     if (ip) facts.push_back({"ip", ip->text()});
     return facts;
 }

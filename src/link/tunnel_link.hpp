@@ -4,6 +4,7 @@
 #include <gateway/tunnel/tunnel.hpp>
 #include <gateway/tunnel/tunnel_port.hpp>
 #include <link/udp/udp_listen_link.hpp>
+#include <sys/alarm.hpp>
 
 #include <vector>
 
@@ -31,6 +32,10 @@ public:
 
     const TunnelCounters& counters() const noexcept { return tunnel_.counters(); }
     LinkFacts facts() const override;
+    /// A host that the settings name has no address.
+    LinkError trouble() const override { return no_such_host_.text.empty() ? UdpListenLink::trouble() : no_such_host_; }
+    void stop_reading() override;
+    void stop() override;
 
 private:
     void opened(const Endpoint& local) override;
@@ -43,6 +48,8 @@ private:
     void pass_on(Channel& channel, const Endpoint& sender, ano::FrameView frame);
     void wrap(std::size_t rule, Channel& channel, const Endpoint& sender, ano::FrameView frame);
     void refresh_networks(TimePoint now);
+    void look_up_hosts();
+    void stop_looking_up();
     std::optional<IpAddress> our_address(const IpAddress& there);
 
     struct Way {
@@ -57,6 +64,9 @@ private:
     bool took_ = false;              // a frame of this datagram was accepted
     OwnNetworks seen_networks_;      // its own, so that refresh_networks() notices each time that they are read
     std::optional<Way> last_way_;    // until refresh_networks() looks again
+    HostAddresses hosts_;            // each that the settings name; empty until its address is known
+    Alarm look_up_;
+    LinkError no_such_host_;
 };
 
 }    // namespace anogate

@@ -217,6 +217,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     changing_.reset();
     beat_.cancel();
     for (LinkState& s : links_) s.link->stop_reading();
+    names_.stop();
     turn();
     unread_since_ = beat_.loop().clocks();
     forwarder_.stop_asking();    // nobody reads an answer any more

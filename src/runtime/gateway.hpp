@@ -5,7 +5,7 @@
 #include <gateway/settings.hpp>
 #include <gpio/gpio.hpp>
 #include <link/link_context.hpp>
-#include <link/tcp/resolver.hpp>
+#include <link/resolver.hpp>
 #include <link/tunnel_link.hpp>
 #include <link/udp/datagram_batch.hpp>
 #include <link/udp/datagram_sender.hpp>

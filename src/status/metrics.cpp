@@ -78,6 +78,10 @@ void write_state(MetricsText& text, const MetricsSnapshot& s) {
     for (const auto& link : s.links) text.sample({{"link", link.name}}, link.since_s);
     text.family("anogate_link_channels", MetricType::gauge, "channels of the link, a listening one has one a peer");
     for (const auto& link : s.links) text.sample({{"link", link.name}}, std::uint64_t{link.channels.size()});
+    text.family("anogate_link_certificate_expires_seconds", MetricType::gauge,
+                "until the certificate of a TLS link expires, in whole days; negative: it has expired");
+    for (const auto& link : s.links)
+        if (link.certificate_days) text.sample({{"link", link.name}}, static_cast<double>(*link.certificate_days) * 86400);
     text.family("anogate_link_hint", MetricType::gauge, "1: what the hint of the status says, as hint_id");
     for (const auto& link : s.links)
         if (!link.hint_id.empty()) text.sample({{"link", link.name}, {"hint", link.hint_id}}, std::uint64_t{1});
@@ -170,6 +174,8 @@ MetricsSnapshot::Link snapshot_of(const Gateway& gateway, const LinkState& state
     link.up = state.up;
     link.since_s = in_seconds(now - state.since);
     link.hint_id = report.hint.id;
+    for (const auto& [name, value] : state.link->facts())
+        if (name == "certificate_days") link.certificate_days = std::get<std::int64_t>(value);
     link.traffic = {report.figures.received, report.figures.sent, report.waiting};
     for (const ChannelId id : gateway.forwarder().traffic(state.link->id()).channels) {
         const Channel& channel = gateway.channel(id);

@@ -33,8 +33,9 @@ struct MetricsSnapshot {
     struct Link {
         std::string name, kind, id;    // id: the port id, or empty
         bool up = false;
-        double since_s = 0;          // time since the last change of `up`
-        std::string_view hint_id;    // empty: none
+        double since_s = 0;                              // time since the last change of `up`
+        std::string_view hint_id;                        // empty: none
+        std::optional<std::int64_t> certificate_days;    // of a TLS link, until its certificate expires
         Traffic traffic;
         std::vector<Channel> channels;
     };

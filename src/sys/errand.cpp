@@ -74,9 +74,11 @@ void Errand::stop(ano::TimePoint by) noexcept {
     if (!shared) return;
     shared->is_stopped = true;
     shared->done = nullptr;
+    const ano::TimePoint now = ano::Clock::now();
+    if (by <= now) return;
     pollfd event{shared->event.get(), POLLIN, 0};
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(by - ano::Clock::now()).count();
-    ::poll(&event, 1, static_cast<int>(std::max<std::int64_t>(left, 0)));
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(by - now).count();
+    ::poll(&event, 1, static_cast<int>(left));
 }
 
 }    // namespace anogate

@@ -5,7 +5,7 @@
 
 #include <link/clocks.hpp>
 #include <link/link_context.hpp>
-#include <link/tcp/resolver.hpp>
+#include <link/resolver.hpp>
 #include <link/udp/datagram_batch.hpp>
 #include <link/udp/datagram_sender.hpp>
 #include <sys/alarm.hpp>
@@ -23,6 +23,8 @@ namespace support {
 
 class BareLinkHost final : public anogate::LinkHost {
 public:
+    explicit BareLinkHost(anogate::Duration names_kept_for = std::chrono::seconds{60}) : names_{io, names_kept_for} {}
+
     anogate::Channel* open_channel(anogate::Link& link, std::string peer) override {
         const anogate::ChannelId id{static_cast<std::uint8_t>(opened_++)};
         channels_.push_back(std::make_unique<anogate::Channel>(id, link.id(), std::move(peer), ano::FrameParser::Options{},
@@ -76,7 +78,7 @@ private:
     anogate::AlarmClock alarms_{io};
     anogate::DatagramBatch batch_;
     anogate::DatagramSender sender_;
-    anogate::Resolver names_{io};
+    anogate::Resolver names_;
     anogate::LoopWatch loop_;
     std::vector<std::unique_ptr<anogate::Channel>> channels_;
     std::size_t opened_ = 0;    // in all: no number is used twice, of 64

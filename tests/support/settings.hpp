@@ -37,7 +37,7 @@ inline anogate::LinkSettings udp_listen(const std::string& name, const std::stri
 }
 inline anogate::LinkSettings udp(const std::string& name, const std::string& peer) {
     auto s = link("udp", name);
-    s.as<anogate::UdpSettings>().peer = endpoint(peer);
+    s.as<anogate::UdpSettings>().peer = *anogate::HostSpec::parse(peer);
     return s;
 }
 inline anogate::LinkSettings pty(const std::string& name, const std::string& path) {

@@ -60,7 +60,9 @@ public:
         fd_ = std::move(*opened);
         local_ = anogate::local_endpoint(fd_.get());
     }
+    int fd() const { return fd_.get(); }
     std::uint16_t port() const { return local_.port; }
+    std::string address() const { return local_.text(); }
     /// A LINK text for a gateway that is to connect.
     std::string link(const std::string& name) const { return "tcp:" + local_.text() + ",name=" + name; }
     /// The next connection; false when none waits.

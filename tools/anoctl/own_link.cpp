@@ -10,7 +10,7 @@
 #include <link/clocks.hpp>
 #include <link/kinds.hpp>
 #include <link/link_context.hpp>
-#include <link/tcp/resolver.hpp>
+#include <link/resolver.hpp>
 #include <link/udp/datagram_batch.hpp>
 #include <link/udp/datagram_sender.hpp>
 #include <sys/alarm.hpp>

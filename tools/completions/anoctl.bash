@@ -72,6 +72,7 @@ _anoctl() {
         'ports --detect') _anoctl_ports; return ;;
         'setup --baud') :; return ;;
         'setup --into') _anoctl_files; return ;;
+        'setup --control') _anoctl_files; return ;;
         'status --control') _anoctl_files; return ;;
         'links --control') _anoctl_files; return ;;
         'routes --forget') _anoctl_addresses; return ;;
@@ -165,7 +166,7 @@ _anoctl() {
         'messages') options='--markdown --json --lua --config -h --help'; operands='_anoctl_messages' ;;
         'monitor') options='--id --from --to --link --direction --count --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
         'ports') options='--detect --json -h --help'; operands=':' ;;
-        'setup') options='--baud --into --yes -h --help'; operands='_anoctl_ports' ;;
+        'setup') options='--baud --into --control --yes -h --help'; operands='_anoctl_ports' ;;
         'status') options='--control --exit-code --json -h --help'; operands=':' ;;
         'links') options='--control --json -h --help'; operands='_anoctl_link_names' ;;
         'routes') options='--forget --control --json -h --help'; operands=':' ;;
@@ -190,7 +191,7 @@ _anoctl() {
         'convert') options='--id --message-encoding --force --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
         'replay') options='--commands --rate --json -h --help'; operands='_anoctl_files' ;;
         'plot-udp') options='--id --from --to --link --direction --control --encoding --config -h --help'; operands='_anoctl_links' ;;
-        'web') options='--open --make-certificate --into --control --json -h --help'; operands=':' ;;
+        'web') options='--open --qr --pair --view --make-certificate --into --control --json -h --help'; operands=':' ;;
         'certificate') options='--into -h --help'; operands=':' ;;
     esac
     if [[ $cur == -* ]]; then _anoctl_words "$options"; else eval "$operands"; fi

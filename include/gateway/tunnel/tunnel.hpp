@@ -10,6 +10,7 @@
 #include <ano/messages.hpp>
 #include <ano/room.hpp>
 #include <gateway/counters.hpp>
+#include <gateway/host_spec.hpp>
 #include <gateway/settings.hpp>
 #include <gateway/tunnel/tunnel_policy.hpp>
 
@@ -109,6 +110,12 @@ public:
     /// The networks of our interfaces as they are now, loopback included.
     void set_networks(std::vector<Network> networks) { policy_.set_networks(std::move(networks)); }
 
+    /// Where the hosts are that the settings name. One that is not in it stands for nobody.
+    void set_hosts(HostAddresses hosts);
+    /// Our address where the settings have one; its host name may have none now.
+    bool has_ip() const noexcept { return settings_.ip || !settings_.ip_host.empty(); }
+    std::optional<IpAddress> ip() const noexcept;
+
     /// Whether `frame`, which came by one of `links`, is a tunnel frame for us: then it is not forwarded, even when it is refused.
     bool takes(ano::FrameView frame) const noexcept;
 
@@ -151,6 +158,7 @@ public:
 private:
     bool is_own_port(std::uint16_t port) const;
     bool is_ours(const IpAddress& address) const noexcept;
+    bool is_from(const WrapSettings& rule, const IpAddress& sender) const noexcept;
     bool gather(std::span<const std::uint8_t> inner, const Passes& passes);
     bool refuse_wrap(std::uint64_t TunnelCounters::*cause) noexcept;
     void start_wrap() noexcept;
@@ -161,6 +169,7 @@ private:
     Environment environment_;
     std::uint16_t port_;
     TunnelPolicy policy_;
+    HostAddresses hosts_;
     TunnelWriter out_;
 
     TunnelWriter wrap_;

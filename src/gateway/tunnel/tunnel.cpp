@@ -169,13 +169,34 @@ bool Tunnel::in(ano::FrameView frame, const IpAddress& sender, const Take& take)
 
 bool Tunnel::is_own_port(std::uint16_t port) const { return port == port_ || environment_.is_own_port(port); }
 
-bool Tunnel::is_ours(const IpAddress& address) const noexcept {
-    return settings_.ip ? address == *settings_.ip : policy_.is_own(address);
+bool Tunnel::is_ours(const IpAddress& address) const noexcept { return has_ip() ? ip() == address : policy_.is_own(address); }
+
+void Tunnel::set_hosts(HostAddresses hosts) {
+    hosts_ = std::move(hosts);
+    std::vector<IpAddress> allowed;
+    for (const std::string& host : settings_.allow_hosts)
+        if (const auto found = hosts_.find(host); found != hosts_.end())
+            allowed.insert(allowed.end(), found->second.begin(), found->second.end());
+    policy_.set_hosts(std::move(allowed));
+}
+
+std::optional<IpAddress> Tunnel::ip() const noexcept {
+    if (settings_.ip) return settings_.ip;
+    const auto found = hosts_.find(settings_.ip_host);
+    if (found == hosts_.end()) return std::nullopt;
+    const auto v4 = std::find_if(found->second.begin(), found->second.end(), [](const IpAddress& one) { return !one.v6; });
+    return v4 == found->second.end() ? std::nullopt : std::optional{*v4};
+}
+
+bool Tunnel::is_from(const WrapSettings& rule, const IpAddress& sender) const noexcept {
+    if (rule.from_host.empty()) return rule.from.contains(sender);
+    const auto found = hosts_.find(rule.from_host);
+    return found != hosts_.end() && std::find(found->second.begin(), found->second.end(), sender) != found->second.end();
 }
 
 std::optional<std::size_t> Tunnel::wrap_rule(const IpAddress& sender) const noexcept {
     for (std::size_t i = 0; i < settings_.wrap.size(); ++i)
-        if (settings_.wrap[i].from.contains(sender)) return i;
+        if (is_from(settings_.wrap[i], sender)) return i;
     return std::nullopt;
 }
 

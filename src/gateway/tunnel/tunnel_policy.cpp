@@ -18,7 +18,8 @@ bool TunnelPolicy::allows(const IpAddress& address) const noexcept {
     if (multicast.contains(address)) return lists(address, multicast);
     if (is_broadcast(address, networks_) || is_own(address)) return lists(address, {address, 32});
     if (reserved.contains(address)) return false;
-    return contains(allow_.empty() ? networks_ : allow_, address);
+    return contains(lists_nothing_ ? networks_ : allow_, address) ||
+           std::find(hosts_.begin(), hosts_.end(), address) != hosts_.end();
 }
 
 bool TunnelPolicy::is_own(const IpAddress& address) const noexcept {

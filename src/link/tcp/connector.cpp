@@ -1,5 +1,5 @@
+#include <link/resolver.hpp>
 #include <link/tcp/connector.hpp>
-#include <link/tcp/resolver.hpp>
 #include <link/tcp/tcp_socket.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <sys/errors.hpp>
@@ -27,7 +27,7 @@ struct Connector::Try {
     Endpoint endpoint;
 };
 
-Connector::Connector(const LinkContext& context, HostPort to, ano::Duration dead_after, Connected connected, Failed failed)
+Connector::Connector(const LinkContext& context, HostSpec to, ano::Duration dead_after, Connected connected, Failed failed)
     : context_{context},
       to_{std::move(to)},
       dead_after_{dead_after},
@@ -42,11 +42,11 @@ Connector::~Connector() { stop(); }
 
 void Connector::start() {
     stop();
-    if (!to_.literal)
+    if (!to_.host.empty())
         return context_.names.resolve(to_.host, context_.host.now(), this,
                                       [this](const auto& addresses, const auto& fault) { resolved(addresses, fault); });
-    if (const auto now = endpoint_now(*to_.literal)) return resolved({now->address}, {});
-    fail(no_interface(to_.literal->interface));
+    if (const auto now = endpoint_now(to_)) return resolved({now->address}, {});
+    fail(no_interface(to_.interface));
 }
 
 void Connector::stop() noexcept {

@@ -1,8 +1,8 @@
 // Connects to a host by TCP: resolves its name, and tries its addresses one after the other.
 #pragma once
+#include <gateway/host_spec.hpp>
 #include <link/link_context.hpp>
 #include <link/link_error.hpp>
-#include <link/tcp/host_port.hpp>
 #include <sys/alarm.hpp>
 #include <sys/descriptor.hpp>
 
@@ -23,7 +23,7 @@ public:
 
     using Connected = std::function<void(UniqueFd fd, const Endpoint& peer)>;
     using Failed = std::function<void(LinkError why)>;
-    Connector(const LinkContext& context, HostPort to, ano::Duration dead_after, Connected connected, Failed failed);
+    Connector(const LinkContext& context, HostSpec to, ano::Duration dead_after, Connected connected, Failed failed);
     ~Connector();
     Connector(const Connector&) = delete;
     Connector& operator=(const Connector&) = delete;
@@ -40,7 +40,7 @@ private:
     void fail(LinkError why);
 
     LinkContext context_;
-    HostPort to_;
+    HostSpec to_;
     ano::Duration dead_after_;
     Connected connected_;
     Failed failed_;

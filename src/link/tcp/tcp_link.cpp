@@ -13,15 +13,14 @@
 namespace anogate {
 namespace {
 
-const std::string& tcp_peer(const LinkSettings& link) { return link.as<TcpSettings>().peer; }
+const HostSpec& tcp_peer(const LinkSettings& link) { return link.as<TcpSettings>().peer; }
 
 }    // namespace
 
 TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       TcpSession{context},
-      connector_{context, HostPort::parse(tcp_peer(this->settings())).value_or(HostPort{}),
-                 this->settings().as<TcpSettings>().dead_after,
+      connector_{context, tcp_peer(this->settings()), this->settings().as<TcpSettings>().dead_after,
                  [this](UniqueFd fd, const Endpoint& peer) { connected(std::move(fd), peer); },
                  [this](LinkError why) { reconnect_.lost(std::move(why)); }},
       reconnect_{context, *this,
@@ -36,8 +35,8 @@ TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
 
 void TcpLink::connected(UniqueFd fd, const Endpoint& peer) {
     if (tls_) {
-        const HostPort to = HostPort::parse(tcp_peer(settings())).value_or(HostPort{});
-        auto encrypted = tls_->connection(fd.get(), to.literal ? to.literal->address.text() : to.host);
+        const HostSpec& to = tcp_peer(settings());
+        auto encrypted = tls_->connection(fd.get(), to.host.empty() ? to.address.text() : to.host);
         if (!encrypted) return reconnect_.lost(std::move(encrypted.error()));
         encrypt_by(std::move(*encrypted));
     }
@@ -46,7 +45,7 @@ void TcpLink::connected(UniqueFd fd, const Endpoint& peer) {
 }
 
 void TcpLink::start() {
-    channel_ = context_.host.open_channel(*this, tcp_peer(settings()));
+    channel_ = context_.host.open_channel(*this, tcp_peer(settings()).text());
     reconnect_.start();
 }
 
@@ -58,7 +57,7 @@ void TcpLink::opened() {
 }
 
 void TcpLink::read_ended(int error) {
-    const std::string& peer = tcp_peer(settings());
+    const std::string peer = tcp_peer(settings()).text();
     if (const std::string fault = tls_fault(); !fault.empty()) return fail({"tls", "TLS with " + peer + ": " + fault, {}});
     if (error == 0 || error == ECONNRESET || error == EPIPE)
         return fail({"closed_by_peer", peer + " closed the connection", {{"peer", peer}}});
@@ -94,10 +93,10 @@ LinkError TcpLink::trouble() const { return tls_ ? expiry_trouble(tls_->days_lef
 std::size_t TcpLink::unsent() const { return is_open() ? unacknowledged(fd()) : 0; }
 
 LinkFacts TcpLink::facts() const {
-    LinkFacts facts{{"peer", tcp_peer(settings())}};
+    LinkFacts facts{{"peer", tcp_peer(settings()).text()}};
+    if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     if (!is_open()) return facts;
     facts.push_back({"address", connected_to_});
-    if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     facts.push_back({"unacknowledged_ms", std::int64_t{unacknowledged_for(fd()).count()}});
     return facts;
 }
@@ -108,33 +107,33 @@ using namespace key_rows;
 using Tcp = TcpSettings;
 
 constexpr Key<LinkSettings> tcp_keys[] = {
-    text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") |
-        needed,
+    host<own<Tcp>, &Tcp::peer>("address", "the HOST:PORT that listens; a name or an IP address") | needed,
     duration<own<Tcp>, &Tcp::dead_after>(
         "dead_after", second, day, "a connection is closed when the other end is silent or acknowledges nothing for so long"),
 };
 
 void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
     if (!faults.is_whole()) return;
-    const auto peer = HostPort::parse(tcp_peer(link));
-    if (!peer)
-        return faults.error("address",
-                            in_quotes(tcp_peer(link)) + " is not HOST:PORT, such as 192.168.4.1:8080 or fc.local:8080");
-    if (!peer->literal) return;
-    if (peer->literal->address.is_any())
-        faults.error("address", in_quotes(tcp_peer(link)) +
-                                    " is nobody's address; to wait for connections there, use tcp-listen:" + tcp_peer(link));
-    if (peer->literal->address.is_multicast()) faults.error("address", "TCP has no multicast: use udp:" + tcp_peer(link));
+    const HostSpec& peer = tcp_peer(link);
+    const std::string text = peer.text();
+    const IpAddress& address = peer.address;
+    if (peer.port == 0) faults.error("address", in_quotes(text) + " has port 0: a peer needs its port, 1 to 65535");
+    if (!peer.host.empty()) return;
+    if (address.is_any())
+        faults.error("address", in_quotes(text) + " is nobody's address; to wait for connections there, use tcp-listen:" + text);
+    if (address.is_multicast() || is_broadcast(address, {}))
+        faults.error("address", in_quotes(text) + " stands for many hosts: a TCP connection has one peer; use udp:" + text);
+    else if (address.v6 && address.is_link_local() && peer.interface.empty())
+        faults.error("address", in_quotes(text) + " is the same on every interface; say which: [" + address.text() +
+                                    "%eth0]:" + std::to_string(peer.port));
 }
 
-Reach reach_of_peer(const LinkSettings& link) {
-    const auto peer = HostPort::parse(tcp_peer(link));
-    return peer && peer->literal && peer->literal->address.is_loopback() ? Reach::here : Reach::network;
-}
+std::optional<PeerPort> port_of_peer(const LinkSettings& link) { return PeerPort{tcp_peer(link), "address"}; }
+
+Reach reach_of_peer(const LinkSettings& link) { return tcp_peer(link).is_here() ? Reach::here : Reach::network; }
 
 constexpr Key<LinkSettings> tls_keys[] = {
-    text<own<Tcp>, &Tcp::peer>("address", 1, 300, "the HOST:PORT that listens; a name or an IP address") | as("HOST:PORT") |
-        needed,
+    host<own<Tcp>, &Tcp::peer>("address", "the HOST:PORT that listens; a name or an IP address") | needed,
     duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day, dead_after_help),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) | as("FILE"),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::key>("key", 1, max_path, key_help) | as("FILE"),
@@ -147,7 +146,7 @@ void validate_tls(const LinkSettings& link, LinkFaults& faults) {
     validate_tcp(link, faults);
     check_pair(link.as<Tcp>().tls, faults);
     if (link.as<Tcp>().tls.verify == TlsVerify::none)
-        faults.warning("verify", "with verify=none anybody on the way can pretend to be " + tcp_peer(link));
+        faults.warning("verify", "with verify=none anybody on the way can pretend to be " + tcp_peer(link).text());
 }
 
 }    // namespace
@@ -165,7 +164,8 @@ constinit const LinkKind tcp_kind{
     .keys = tcp_keys,
     .settings = [] { return KindSettings{Tcp{}}; },
     .make = make_link_of<TcpLink>,
-    .usual_name = [](const LinkSettings& link) { return "tcp-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
+    .usual_name = [](const LinkSettings& link) { return "tcp-" + std::to_string(tcp_peer(link).port); },
+    .connects_to = port_of_peer,
     .reach = reach_of_peer,
     .validate = validate_tcp,
 };
@@ -184,7 +184,8 @@ constinit const LinkKind tls_kind{
     .keys = tls_keys,
     .settings = [] { return KindSettings{Tcp{}}; },
     .make = make_link_of<TcpLink>,
-    .usual_name = [](const LinkSettings& link) { return "tls-" + tcp_peer(link).substr(tcp_peer(link).rfind(':') + 1); },
+    .usual_name = [](const LinkSettings& link) { return "tls-" + std::to_string(tcp_peer(link).port); },
+    .connects_to = port_of_peer,
     .reach = reach_of_peer,
     .validate = validate_tls,
 };

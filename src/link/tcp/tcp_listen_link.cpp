@@ -345,11 +345,8 @@ Reach reach_of_tcp(const LinkSettings& link) {
     return listen.local.address.is_any() && (listen.allow_any || listen.allow.empty()) ? Reach::whole_networks : Reach::network;
 }
 
-std::optional<SharedByTwo> shared_tcp_port(const LinkSettings& a, const LinkSettings& b) {
-    const EndpointSpec &one = a.as<TcpListen>().local, &two = b.as<TcpListen>().local;
-    if (one.port == 0 || one.port != two.port) return std::nullopt;
-    if (one.address != two.address && !one.address.is_any() && !two.address.is_any()) return std::nullopt;
-    return SharedByTwo{"address", "TCP port " + std::to_string(one.port) + " is used by "};
+std::optional<BoundPort> port_of_tcp(const LinkSettings& link) {
+    return BoundPort{link.as<TcpListen>().local, {}, "address", true};
 }
 
 }    // namespace
@@ -368,9 +365,9 @@ constinit const LinkKind tcp_listen_kind{
     .settings = [] { return KindSettings{TcpListen{}}; },
     .make = make_link_of<TcpListenLink>,
     .usual_name = [](const LinkSettings& link) { return "tcp-listen-" + std::to_string(link.as<TcpListen>().local.port); },
+    .bound_port = port_of_tcp,
     .reach = reach_of_tcp,
     .validate = validate_tcp_listener,
-    .shared = shared_tcp_port,
 };
 
 extern const LinkKind tls_listen_kind;    // listed in kinds.cpp
@@ -388,9 +385,9 @@ constinit const LinkKind tls_listen_kind{
     .settings = [] { return KindSettings{TcpListen{}}; },
     .make = make_link_of<TcpListenLink>,
     .usual_name = [](const LinkSettings& link) { return "tls-listen-" + std::to_string(link.as<TcpListen>().local.port); },
+    .bound_port = port_of_tcp,
     .reach = reach_of_tcp,
     .validate = validate_tls_listener,
-    .shared = shared_tcp_port,
 };
 
 }    // namespace anogate

@@ -1,7 +1,7 @@
 // The settings of TCP links, encrypted or not.
 #pragma once
 #include <ano/time.hpp>
-#include <gateway/ip.hpp>
+#include <gateway/host_spec.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -23,7 +23,7 @@ struct LinkCertificates {
 };
 
 struct TcpSettings {
-    std::string peer;    // HostPort
+    HostSpec peer;
     ano::Duration dead_after = std::chrono::seconds{10};
     LinkCertificates tls;    // of a `tls` link
     bool operator==(const TcpSettings&) const = default;

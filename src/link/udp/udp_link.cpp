@@ -2,6 +2,7 @@
 #include <gateway/peers/listening_notice.hpp>
 #include <link/feed.hpp>
 #include <link/make_link.hpp>
+#include <link/resolver.hpp>
 #include <link/udp/datagram_batch.hpp>
 #include <link/udp/datagram_sender.hpp>
 #include <link/udp/udp_keys.hpp>
@@ -14,13 +15,22 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace anogate {
 namespace {
 
 constexpr Duration join_again = std::chrono::seconds{3};
 constexpr Duration join_slack = std::chrono::seconds{1};
+constexpr Duration look_up_slack = std::chrono::seconds{1};
 constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may recover without ever sending anything
+
+// Devices and bridges have IPv4, also where the name has IPv6 addresses too; but `bind` decides.
+IpAddress best_of(const std::vector<IpAddress>& addresses, const std::optional<EndpointSpec>& bind) {
+    const bool v6 = bind && bind->address.v6;
+    const auto found = std::find_if(addresses.begin(), addresses.end(), [v6](const IpAddress& one) { return one.v6 == v6; });
+    return found == addresses.end() ? addresses.front() : *found;
+}
 
 }    // namespace
 
@@ -28,7 +38,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
       descriptor_{context.io},
-      reconnect_{context, *this, [this] { return open(); }},
+      reconnect_{context, *this, [this] { return find_and_open(); }},
       expiry_{context.alarms,
               [this] {
                   if (channel_->parser.expire(context_.host.now())) deliver();
@@ -36,17 +46,52 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
               }},
       again_{context.alarms, [this] { flush(*channel_); }},
       rejoin_{context.alarms, [this] { keep_joined(); }, join_slack},
+      look_up_{context.alarms, [this] { look_up_again(); }, look_up_slack},
       interface_watch_{context, [this](LinkError why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush(*channel_); }} {}
 
 void UdpLink::start() {
     channel_ = context_.host.open_channel(*this, settings().as<UdpSettings>().peer.text());
+    stored_ = context_.host.take_stored(*this);    // now, since a name may take longer to be found than they are kept
     reconnect_.start();
 }
 
-Opened<void> UdpLink::open() {
+UdpLink::~UdpLink() { context_.names.cancel(this); }
+
+Opened<void> UdpLink::find_and_open() {
+    const HostSpec& peer = settings().as<UdpSettings>().peer;
+    if (peer.host.empty()) {
+        const auto endpoint = endpoint_now(peer);
+        return endpoint ? open(*endpoint) : NotOpened{no_interface(peer.interface)};
+    }
+    context_.names.resolve(peer.host, context_.host.now(), this, [this, &peer](const auto& addresses, const auto& fault) {
+        auto opened = addresses.empty()
+                          ? Opened<void>{NotOpened{LinkError{"no_such_host", peer.host + ": " + fault, {{"host", peer.host}}}}}
+                          : open({best_of(addresses, settings().as<UdpSettings>().bind), peer.port});
+        if (!opened) reconnect_.lost(std::move(opened.error()));
+    });
+    return {};
+}
+
+// A device may get another address, and nothing at the socket shows it.
+void UdpLink::look_up_again() {
+    const HostSpec& peer = settings().as<UdpSettings>().peer;
+    look_up_.set(context_.host.now() + context_.names.kept_for());
+    context_.names.resolve(peer.host, context_.host.now(), this, [this, &peer](const auto& addresses, const auto&) {
+        const IpAddress here = endpoint_of(to_.storage).address;
+        if (!addresses.empty() && std::find(addresses.begin(), addresses.end(), here) == addresses.end())
+            fail({"moved", peer.host + " has another address now", {{"host", peer.host}}});
+    });
+}
+
+void UdpLink::stop_looking_up() {
+    look_up_.cancel();
+    context_.names.cancel(this);
+}
+
+Opened<void> UdpLink::open(const Endpoint& peer) {
     arrival_.found_empty(context_.host.turn().clocks());
-    auto socket = open_to_peer();
+    auto socket = open_to(peer);
     if (!socket) return NotOpened{std::move(socket.error())};
     const TimePoint now = context_.host.now();
     reconnect_.came_up(now);
@@ -57,7 +102,8 @@ Opened<void> UdpLink::open() {
     descriptor_.open(std::move(*socket));
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(watched());
-    if (settings().as<UdpSettings>().peer.address.is_multicast()) rejoin_.set(now + join_again);
+    if (peer.address.is_multicast()) rejoin_.set(now + join_again);
+    if (!settings().as<UdpSettings>().peer.host.empty()) look_up_.set(now + context_.names.kept_for());
     context_.host.link_up(*this);
     return {};
 }
@@ -69,12 +115,8 @@ EndpointSpec UdpLink::watched() const {
     return udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer;
 }
 
-Opened<UniqueFd> UdpLink::open_to_peer() {
-    const EndpointSpec& written = settings().as<UdpSettings>().peer;
-    const auto to = endpoint_now(written);
-    if (!to) return NotOpened{no_interface(written.interface)};
-    const Endpoint& peer = *to;
-    const bool multicast = peer.address.is_multicast();
+Opened<UniqueFd> UdpLink::open_to(const Endpoint& peer) {
+    const bool multicast = is_multicast_ = peer.address.is_multicast();
     EndpointSpec local;
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
@@ -86,7 +128,7 @@ Opened<UniqueFd> UdpLink::open_to_peer() {
     to_ = SocketAddress::of(peer, local.address.v6);
     to_interface_ = peer.address.scope;
     connected_ = !multicast && !is_broadcast(peer.address, own_networks());
-    auto stored = context_.host.take_stored(*this);
+    auto stored = std::exchange(stored_, std::nullopt);
     const std::string& interface = settings().as<UdpSettings>().interface;
     UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), local, interface, connected_ ? std::optional{peer} : std::nullopt)
                            : UniqueFd{};
@@ -96,8 +138,8 @@ Opened<UniqueFd> UdpLink::open_to_peer() {
     if (multicast) {
         if (auto joined = join_group(socket->get()); !joined) return NotOpened{std::move(joined.error())};
     } else if (connected_ && !connected_to(socket->get()) && ::connect(socket->get(), to_.get(), to_.size) != 0) {
-        return NotOpened{
-            LinkError{"no_way", "no way to " + written.text() + " now: " + error_text(errno), {{"address", written.text()}}}};
+        const std::string written = settings().as<UdpSettings>().peer.text();
+        return NotOpened{LinkError{"no_way", "no way to " + written + " now: " + error_text(errno), {{"address", written}}}};
     }
     return socket;
 }
@@ -105,7 +147,7 @@ Opened<UniqueFd> UdpLink::open_to_peer() {
 // Joins by `interface`, or the interface with the address of `bind`, or the one of the kernel's route. It is no error if the socket
 // has joined already.
 Opened<void> UdpLink::join_group(int fd) const {
-    const EndpointSpec& peer = settings().as<UdpSettings>().peer;
+    const Endpoint peer = endpoint_of(to_.storage);
     const auto& bind = settings().as<UdpSettings>().bind;
     const std::string& name = settings().as<UdpSettings>().interface;
     unsigned interface = name.empty() ? to_interface_ : ::if_nametoindex(name.c_str());
@@ -148,6 +190,7 @@ void UdpLink::fail(LinkError why) {
     interface_watch_.stop();
     pacing_.stop();
     rejoin_.cancel();
+    stop_looking_up();
     expiry_.cancel();
     channel_->parser.finish();
     deliver();
@@ -158,6 +201,7 @@ void UdpLink::stop_reading() {
     descriptor_.stop_reading();
     reconnect_.stop();
     rejoin_.cancel();
+    stop_looking_up();
 }
 
 void UdpLink::stop() {
@@ -165,6 +209,7 @@ void UdpLink::stop() {
     expiry_.cancel();
     again_.cancel();
     rejoin_.cancel();
+    stop_looking_up();
     interface_watch_.stop();
     pacing_.stop();
     descriptor_.close();
@@ -255,6 +300,7 @@ LinkError UdpLink::trouble() const { return context_.host.now() - trouble_at_ < 
 LinkFacts UdpLink::facts() const {
     LinkFacts facts{{"peer", settings().as<UdpSettings>().peer.text()}};
     if (!descriptor_.is_open()) return facts;
+    if (!settings().as<UdpSettings>().peer.host.empty()) facts.push_back({"sends_to", endpoint_of(to_.storage).text()});
     facts.push_back({"address", local_.text()});
     facts.push_back({"port", std::int64_t{local_.port}});
     facts.push_back({"refused", static_cast<std::int64_t>(refused_)});
@@ -267,7 +313,8 @@ using namespace key_rows;
 using Udp = UdpSettings;
 
 constexpr Key<LinkSettings> udp_keys[] = {
-    endpoint<own<Udp>, &Udp::peer>("address", "the peer's IP:PORT") | needed,
+    host<own<Udp>, &Udp::peer>("address", "the peer's HOST:PORT; of a name with several addresses, an IPv4 one is taken") |
+        needed,
     endpoint<own<Udp>, &Udp::bind>("bind", "local IP:PORT to send from (default: the system chooses)") | local,
     text<own<Udp>, &Udp::interface>("interface", 1, max_interface, one_interface_help),
 };
@@ -278,7 +325,10 @@ void validate_udp(const LinkSettings& link, LinkFaults& faults) {
     const std::string peer = udp.peer.text();
     const IpAddress& address = udp.peer.address;
     if (udp.peer.port == 0) faults.error("address", "'" + peer + "' has port 0: a fixed peer needs its port, 1 to 65535");
-    else if (address.is_any())
+    check_interface(udp.interface, udp.peer, faults);
+    if (udp.bind) check_interface(udp.interface, *udp.bind, faults);
+    if (!udp.peer.host.empty()) return;
+    if (udp.peer.port != 0 && address.is_any())
         faults.error("address", "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
     if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() && udp.interface.empty() &&
         !(udp.bind && !udp.bind->interface.empty()))
@@ -286,8 +336,6 @@ void validate_udp(const LinkSettings& link, LinkFaults& faults) {
                                     "%eth0]:" + std::to_string(udp.peer.port));
     if (udp.bind && udp.bind->address.v6 != address.v6)
         faults.error("bind", "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");
-    check_interface(udp.interface, udp.peer, faults);
-    if (udp.bind) check_interface(udp.interface, *udp.bind, faults);
 }
 
 std::optional<BoundPort> port_of_udp(const LinkSettings& link) {
@@ -311,11 +359,11 @@ constinit const LinkKind udp_kind{
     .make = make_link_of<UdpLink>,
     .usual_name = [](const LinkSettings& link) { return "udp-" + std::to_string(link.as<Udp>().peer.port); },
     .bound_port = port_of_udp,
-    .reach = [](const LinkSettings& link) { return link.as<Udp>().peer.address.is_loopback() ? Reach::here : Reach::network; },
+    .reach = [](const LinkSettings& link) { return link.as<Udp>().peer.is_here() ? Reach::here : Reach::network; },
     .validate = validate_udp,
     .meant_by =
         [](std::string_view text) {
-            return EndpointSpec::parse(text) ? "'udp:" + std::string{text} + "' or 'udp-listen:...'" : std::string{};
+            return HostSpec::parse(text) ? "'udp:" + std::string{text} + "' or 'udp-listen:...'" : std::string{};
         },
 };
 

@@ -6,9 +6,12 @@
 #include <link/own_networks.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
+#include <link/stored_link.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <link/udp/udp_settings.hpp>
 #include <sys/descriptor.hpp>
+
+#include <optional>
 
 namespace anogate {
 
@@ -18,6 +21,7 @@ struct SendReport;
 class UdpLink final : public Link, public RawPort {
 public:
     UdpLink(LinkId id, LinkSettings settings, const LinkContext& context);
+    ~UdpLink() override;
 
     void start() override;
     void stop_reading() override;
@@ -25,9 +29,7 @@ public:
     void flush(Channel& channel) override;
     std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : 0; }
     /// None for a multicast group: the groups and the sending interface of a stored socket can't be read and would stay.
-    int storable_wire() const override {
-        return settings().as<UdpSettings>().peer.address.is_multicast() ? -1 : descriptor_.fd();
-    }
+    int storable_wire() const override { return is_multicast_ ? -1 : descriptor_.fd(); }
     LinkFacts facts() const override;
     LinkError trouble() const override;
     RawPort* raw_port() override { return this; }
@@ -36,9 +38,12 @@ public:
     bool write_raw(std::span<const std::uint8_t> bytes) override;
 
 private:
-    Opened<void> open();
+    Opened<void> find_and_open();
+    Opened<void> open(const Endpoint& peer);
+    void look_up_again();
+    void stop_looking_up();
     EndpointSpec watched() const;
-    Opened<UniqueFd> open_to_peer();
+    Opened<UniqueFd> open_to(const Endpoint& peer);
     Opened<void> join_group(int fd) const;
     void keep_joined();
     void fail(LinkError why);
@@ -56,10 +61,13 @@ private:
     Alarm expiry_;
     Alarm again_;    // after SendResult::no_memory
     Alarm rejoin_;
+    Alarm look_up_;    // of a peer with a name
     InterfaceWatch interface_watch_;
     Pacing pacing_;
     RawTap* tap_ = nullptr;
-    bool connected_ = false;    // false for broadcast and multicast
+    std::optional<StoredLink> stored_;    // of the gateway before, until the socket is open
+    bool connected_ = false;              // false for broadcast and multicast
+    bool is_multicast_ = false;
     SocketAddress to_;
     unsigned to_interface_ = 0;    // of the peer's address; 0: none
     Endpoint local_;

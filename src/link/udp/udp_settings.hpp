@@ -1,7 +1,7 @@
 // The settings of the two kinds of UDP links.
 #pragma once
 #include <ano/time.hpp>
-#include <gateway/ip.hpp>
+#include <gateway/host_spec.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -25,7 +25,7 @@ struct UdpListenSettings {
 };
 
 struct UdpSettings {
-    EndpointSpec peer;
+    HostSpec peer;
     std::optional<EndpointSpec> bind;
     std::string interface;    // as of UdpListenSettings
     bool operator==(const UdpSettings&) const = default;

@@ -70,6 +70,7 @@ export const errors: Record<string, string> = {
   port_in_use: "端口 {port} 被别的程序占用",
   no_port_permission: "没有监听端口 {port} 的权限",
   no_such_host: "主机名 {host} 解析不了，稍后再试",
+  moved: "{host} 的地址变了，正在连到新地址",
   certificate_expires: "证书还剩 {days} 天到期：请更换",
   closed_by_peer: "{peer} 关闭了连接",
   peer_silent: "{peer} 一直没有确认数据：线路断了",

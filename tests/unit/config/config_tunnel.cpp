@@ -37,6 +37,20 @@ TEST(Config, a_tunnel_is_read_as_it_is_written) {
     EXPECT_EQ(t, expected);
 }
 
+TEST(Config, a_tunnel_names_hosts) {
+    const std::string text = R"({"links": ["serial:/dev/fc"], "tunnel": {"links": ["fc"], "ip": "gw.example.org",
+        "allow": ["ground.local", "10.0.0.0/8"], "wrap": [{"from": "radio", "link": "fc"}]}})";
+    const TunnelSettings t = *settings_of(text).tunnel;
+    EXPECT_EQ(t.ip_host, "gw.example.org");
+    EXPECT_FALSE(t.ip);
+    EXPECT_EQ(t.allow, std::vector{*Network::parse("10.0.0.0/8")});
+    EXPECT_EQ(t.allow_hosts, std::vector<std::string>{"ground.local"});
+    EXPECT_EQ(t.wrap.at(0).from_host, "radio");
+    EXPECT_EQ(settings_of(print_config(settings_of(text))).tunnel, t) << "it is printed as it was read";
+    EXPECT_NE(faults_in(R"({"links": ["sim:fc"], "tunnel": {"links": ["fc"], "allow": ["192.168.0"]}})"), "")
+        << "digits and dots are a mistyped address";
+}
+
 // For links whose peers are in the network, and for others.
 TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_said) {
     const auto faults = [](const std::string& link, const std::string& allow, const std::string& more = {}) {
@@ -80,13 +94,16 @@ TEST(Config, a_check_knows_the_addresses_of_this_computer_too) {
 TEST(Config, faults_of_a_tunnel_name_their_place) {
     EXPECT_EQ(
         faults_in(R"({"links": ["serial:/dev/fc", "udp-listen:0.0.0.0:12333,name=g"], "tunnel": {"links": ["fd"], "bind": "::",
-        "ip": "0.0.0.0", "delivers": "x", "allow": ["::1/128"], "wrap": [{"from": "fc", "as": "ip", "link": "tunnel"}, 5]}})"),
-        "/tunnel/allow: 'allow' must be any, or networks such as 192.168.0.0/24, not '::1/128'\n"
+        "ip": "0.0.0.0", "delivers": "x", "allow": ["::1/128"], "wrap": [{"from": "192.168.0", "as": "ip", "link": "tunnel"}, 5]}})"),
+        "/tunnel/allow: 'allow' must be any, or networks such as 192.168.0.0/24 and host names such as ground.local, not "
+        "'::1/128'\n"
         "/tunnel/bind: 'bind' must be an IPv4 address such as 192.168.0.5, not '::'\n"
         "/tunnel/delivers: unknown key 'delivers' (did you mean 'deliver'?)\n"
-        "/tunnel/ip: 'ip' must be an IPv4 address such as 192.168.0.5 or auto, not '0.0.0.0'\n"
+        "/tunnel/ip: 'ip' must be an IPv4 address such as 192.168.0.5, a host name such as gateway.example.org or auto, not "
+        "'0.0.0.0'\n"
         "/tunnel/wrap/0/as: 'as' must be one of ip_tunnel, ip_tunnel_short, not 'ip'\n"
-        "/tunnel/wrap/0/from: 'from' must be an IPv4 network such as 192.168.0.0/24, not 'fc'\n"
+        "/tunnel/wrap/0/from: 'from' must be an IPv4 network such as 192.168.0.0/24, or a host name such as ground.local, not "
+        "'192.168.0'\n"
         "/tunnel/wrap/1: must be an object {...} of from, link, as, source, to, not 5\n"
         "/tunnel/links/0: there is no link 'fd' (did you mean 'fc'?); give one of fc, g\n"
         "/tunnel/wrap/0/link: there is no link 'tunnel'; give one of fc, g\n"

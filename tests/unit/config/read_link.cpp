@@ -352,23 +352,62 @@ TEST(LinkText, a_port_alone_lacks_its_address) {
     for (const char* port : {"12333", ":12333", "*:12333"})
         EXPECT_EQ(fault_of(std::string{"udp-listen:"} + port),
                   "'" + std::string{port} + "' has no IP address: write 0.0.0.0:12333 for every interface");
-    EXPECT_EQ(fault_of("udp:6670"), "'6670' has no IP address: write IP:6670");
+    EXPECT_EQ(fault_of("udp:6670"), "'6670' has no host name or IP address: write HOST:6670");
     EXPECT_EQ(fault_of("udp:10.0.0.1:6670,bind=6669"), "'6669' has no IP address: write 0.0.0.0:6669 for every interface");
-    EXPECT_EQ(fault_of("udp:65536").rfind("'address' must be an IP address and a port", 0), 0u);
+    EXPECT_EQ(fault_of("udp:65536").rfind("'address' must be a host name or IP address, and a port", 0), 0u);
 }
 
-TEST(LinkText, addresses_are_not_host_names) {
-    EXPECT_EQ(fault_of("udp:localhost:1"), "'localhost:1': host names are not looked up, give an IP address such as 127.0.0.1:1");
-    EXPECT_EQ(fault_of("udp:gw.example.org"),
+TEST(LinkText, the_addresses_of_this_computer_are_not_host_names) {
+    EXPECT_EQ(fault_of("udp-listen:localhost:1"),
+              "'localhost:1': host names are not looked up, give an IP address such as 127.0.0.1:1");
+    EXPECT_EQ(fault_of("tcp-listen:gw.example.org"),
               "'gw.example.org': host names are not looked up, give an IP address such as 127.0.0.1:PORT");
+}
+
+TEST(LinkText, a_udp_peer_is_a_host_and_a_port) {
+    EXPECT_EQ(faults_of({"udp:fc.local:6670,bind=[::]:5"}), "");
+    EXPECT_EQ(fault_of("udp:gw.example.org"), "'gw.example.org' has no port: write gw.example.org:PORT");
+    EXPECT_EQ(fault_of("udp:fc.local:0"), "'fc.local:0' has port 0: a fixed peer needs its port, 1 to 65535");
     EXPECT_EQ(fault_of("udp:1.2.3.4"), "'1.2.3.4' has no port: write 1.2.3.4:PORT");
     EXPECT_EQ(fault_of("udp:::1"), "'::1' has no port: write [::1]:PORT");
     EXPECT_EQ(fault_of("udp:1.2.3.4:70000"),
-              "'address' must be an IP address and a port such as 127.0.0.1:12333 or [::1]:12333, not '1.2.3.4:70000': a port is "
-              "at most 65535");
+              "'address' must be a host name or IP address, and a port, such as 192.168.4.1:8888 or flow.local:8888, not "
+              "'1.2.3.4:70000': a port is at most 65535");
     EXPECT_EQ(fault_of("udp:1.2.3.4:0"), "'1.2.3.4:0' has port 0: a fixed peer needs its port, 1 to 65535");
     EXPECT_EQ(fault_of("udp:0.0.0.0:5"), "'0.0.0.0:5' is nobody's address; to wait for peers there, use udp-listen:0.0.0.0:5");
     EXPECT_EQ(fault_of("udp:1.2.3.4:5,bind=[::]:5"), "'bind' [::]:5 and the peer 1.2.3.4:5 are not both IPv4 or both IPv6");
+}
+
+TEST(LinkText, a_tcp_peer_is_a_host_and_a_port) {
+    for (const char* good : {"tcp:192.168.4.1:23", "tcp:flow.local:8888,dead_after=5s,hello=on,rate=9000,group=g", "tcp:[::1]:23",
+                             "tcp:[fe80::1%wlan0]:23", "tcp:localhost:1"})
+        EXPECT_EQ(faults_of({good}).find("error"), std::string::npos) << good;
+    EXPECT_EQ(fault_of("tcp:192.168.4.1"), "'192.168.4.1' has no port: write 192.168.4.1:PORT");
+    EXPECT_EQ(fault_of("tcp:8888"), "'8888' has no host name or IP address: write HOST:8888");
+    EXPECT_EQ(fault_of("tcp:fe80::1"), "'fe80::1' has no port: write [fe80::1]:PORT");
+    EXPECT_EQ(fault_of("tcp:host:0"), "'host:0' has port 0: a peer needs its port, 1 to 65535");
+    EXPECT_EQ(fault_of("tcp:0.0.0.0:5"),
+              "'0.0.0.0:5' is nobody's address; to wait for connections there, use tcp-listen:0.0.0.0:5");
+    for (const char* many : {"224.0.0.1:5", "255.255.255.255:5"})
+        EXPECT_EQ(fault_of(std::string{"tcp:"} + many),
+                  "'" + std::string{many} + "' stands for many hosts: a TCP connection has one peer; use udp:" + many);
+    EXPECT_EQ(fault_of("tcp:[fe80::1]:5"), "'[fe80::1]:5' is the same on every interface; say which: [fe80::1%eth0]:5");
+}
+
+TEST(LinkText, a_tcp_port_is_no_udp_port_and_no_link_connects_to_its_own_gateway) {
+    EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5", "tcp-listen:0.0.0.0:5"}), "");
+    EXPECT_NE(faults_of({"tcp-listen:0.0.0.0:5", "tcp-listen:10.0.0.1:5,name=b"}), "");
+    EXPECT_NE(faults_of({"tcp-listen:0.0.0.0:5", "tls-listen:10.0.0.1:5,name=b,verify=none,certificate=/c,key=/k"})
+                  .find("local port 5 is used by"),
+              std::string::npos);
+    EXPECT_EQ(faults_of({"tcp-listen:0.0.0.0:5,name=port", "tcp:localhost:5,name=loop"}),
+              "LINK 'tcp:localhost:5,name=loop': 'localhost:5' is this gateway itself: 'port' (LINK "
+              "'tcp-listen:0.0.0.0:5,name=port') listens there\n");
+    for (const char* itself : {"tcp:127.0.0.1:5", "tcp:127.0.0.9:5", "tcp:[::1]:5"})
+        EXPECT_NE(faults_of({itself, "tcp-listen:0.0.0.0:5"}), "") << itself;
+    EXPECT_NE(faults_of({"tcp-listen:10.0.0.1:5", "tcp:10.0.0.1:5"}), "");
+    EXPECT_EQ(faults_of({"tcp-listen:10.0.0.1:5", "tcp:localhost:5"}), "");
+    EXPECT_EQ(faults_of({"tcp-listen:0.0.0.0:5", "tcp:localhost:6", "udp:127.0.0.1:5"}), "");
 }
 
 TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {

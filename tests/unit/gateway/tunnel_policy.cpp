@@ -19,6 +19,19 @@ anogate::TunnelPolicy policy(std::initializer_list<const char*> allow = {}) {
     return policy;
 }
 
+TEST(TunnelPolicy, a_name_allows_its_addresses_and_none_that_others_must_not_choose) {
+    anogate::TunnelSettings settings;
+    settings.allow_hosts = {"ground.local"};
+    anogate::TunnelPolicy policy{settings};
+    policy.set_networks({*Network::parse("127.0.0.1/8"), *Network::parse("192.168.0.5/24")});
+    EXPECT_FALSE(policy.allows(ip("192.168.0.7"))) << "not even our networks, before the name is found";
+    policy.set_hosts(
+        {ip("192.168.0.7"), ip("127.0.0.1"), ip("192.168.0.5"), ip("192.168.0.255"), ip("224.0.0.1"), ip("fd00::1")});
+    EXPECT_TRUE(policy.allows(ip("192.168.0.7")));
+    for (const char* other : {"192.168.0.8", "127.0.0.1", "192.168.0.5", "192.168.0.255", "224.0.0.1", "fd00::1"})
+        EXPECT_FALSE(policy.allows(ip(other))) << other;
+}
+
 TEST(TunnelPolicy, hosts_on_our_networks_are_allowed_when_nothing_is_listed) {
     EXPECT_TRUE(policy().allows(ip("192.168.0.1")));
     EXPECT_TRUE(policy().allows(ip("192.168.0.254")));

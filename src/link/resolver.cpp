@@ -1,4 +1,4 @@
-#include <link/tcp/resolver.hpp>
+#include <link/resolver.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <sys/errand.hpp>
 
@@ -42,20 +42,32 @@ struct Resolver::Query {
     std::vector<IpAddress> addresses{};    // the last answer
     ano::TimePoint asked_at = ano::TimePoint::min();
     std::vector<std::pair<const void*, Done>> waiting{};
+    std::vector<std::pair<const void*, Done>> told{};    // those that are called just now
+
+    // A call may cancel the others, or ask anew.
+    void tell(const std::vector<IpAddress>& found, const std::string& fault) {
+        told = std::exchange(waiting, {});
+        for (auto& one : told)
+            if (const Done call = std::exchange(one.second, nullptr)) call(found, fault);
+        told.clear();
+    }
 };
 
-Resolver::Resolver(asio::io_context& io) : io_{io} {}
+Resolver::Resolver(asio::io_context& io, ano::Duration kept_for) : io_{io}, kept_for_{kept_for} {}
 
-// One patience for all threads that still wait for an answer.
-Resolver::~Resolver() {
-    const ano::TimePoint by = ano::Clock::now() + Errand::patience_at_the_end;
-    for (auto& [host, query] : queries_) query->errand.stop(by);
+Resolver::~Resolver() { stop(); }
+
+void Resolver::stop() noexcept {
+    for (auto& [host, query] : queries_) {
+        query->waiting.clear();
+        query->errand.stop(ano::TimePoint::min());
+    }
 }
 
 void Resolver::resolve(const std::string& host, ano::TimePoint now, const void* asker, Done done) {
     auto& query = queries_[host];
     if (!query) query = std::make_unique<Query>(io_);
-    const bool is_known = !query->addresses.empty() && now - query->asked_at < kept_for;
+    const bool is_known = !query->addresses.empty() && now - query->asked_at < kept_for_;
     if (is_known) return done(query->addresses, {});
     query->waiting.emplace_back(asker, std::move(done));
     if (query->errand.is_running()) return;
@@ -66,14 +78,17 @@ void Resolver::resolve(const std::string& host, ano::TimePoint now, const void* 
         Query& mine = *queries_[host];
         mine.addresses = answer->addresses;
         const std::string fault = broken.empty() ? answer->fault : broken;
-        for (auto& [who, call] : std::exchange(mine.waiting, {})) call(answer->addresses, fault);
+        mine.tell(answer->addresses, fault);
     });
-    if (runs) return;
-    for (auto& [who, call] : std::exchange(query->waiting, {})) call({}, std::string{query->errand.why_not()});
+    if (!runs) query->tell({}, std::string{query->errand.why_not()});
 }
 
 void Resolver::cancel(const void* asker) noexcept {
-    for (auto& [host, query] : queries_) std::erase_if(query->waiting, [&](const auto& one) { return one.first == asker; });
+    for (auto& [host, query] : queries_) {
+        std::erase_if(query->waiting, [&](const auto& one) { return one.first == asker; });
+        for (auto& one : query->told)
+            if (one.first == asker) one.second = nullptr;
+    }
 }
 
 }    // namespace anogate

@@ -12,28 +12,32 @@
 
 namespace anogate {
 
-/// One for the whole program. Answers are kept for 60 s; a name is asked for once at a time, however many wait for it.
+/// One for the whole program. A name is asked for once at a time, however many wait for it.
 class Resolver {
 public:
-    static constexpr ano::Duration kept_for = std::chrono::seconds{60};
-
     /// Without addresses, `fault` says why: "Name or service not known".
     using Done = std::function<void(const std::vector<IpAddress>& addresses, const std::string& fault)>;
 
-    explicit Resolver(asio::io_context& io);
+    explicit Resolver(asio::io_context& io, ano::Duration kept_for = std::chrono::seconds{60});
     ~Resolver();
     Resolver(const Resolver&) = delete;
     Resolver& operator=(const Resolver&) = delete;
 
-    /// Calls `done` from the loop, or at once when the answer is known. `asker` is the caller: each waits for one name at a time.
+    /// How long an answer counts.
+    ano::Duration kept_for() const noexcept { return kept_for_; }
+    /// Calls `done` from the loop, or at once when the answer is known. `asker` is the caller.
     void resolve(const std::string& host, ano::TimePoint now, const void* asker, Done done);
-    /// `done` is not called any more.
+    /// Nothing is called any more of what `asker` asked.
     void cancel(const void* asker) noexcept;
+
+    /// Nothing is called any more. Threads that still wait for an answer are left behind: they may take a minute.
+    void stop() noexcept;
 
 private:
     struct Query;
 
     asio::io_context& io_;
+    ano::Duration kept_for_;
     std::map<std::string, std::unique_ptr<Query>> queries_;
 };
 

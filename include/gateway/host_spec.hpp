@@ -1,0 +1,36 @@
+// The configured address of a peer: an IP address, or a host name that is resolved when it is needed.
+#pragma once
+#include <gateway/ip.hpp>
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+
+/// Letters, digits, '-', '_' and dots, as DNS limits them. Digits and dots alone are none: that is a mistyped IP address.
+bool is_host_name(std::string_view text) noexcept;
+
+/// The addresses of names, as far as they are known.
+using HostAddresses = std::map<std::string, std::vector<IpAddress>, std::less<>>;
+
+/// With a `host`, `address` is empty and `port` counts.
+struct HostSpec : EndpointSpec {
+    std::string host{};
+
+    HostSpec() = default;
+    HostSpec(EndpointSpec endpoint) : EndpointSpec{std::move(endpoint)} {}
+
+    /// As EndpointSpec::parse(), or "flow.local:8888".
+    static std::optional<HostSpec> parse(std::string_view text);
+    std::string text() const;
+    /// Whether its packets stay on this computer, as far as the text tells.
+    bool is_here() const noexcept { return host.empty() ? address.is_loopback() : host == "localhost"; }
+    friend bool operator==(const HostSpec&, const HostSpec&) = default;
+};
+
+}    // namespace anogate

@@ -1,0 +1,45 @@
+#include <gateway/host_spec.hpp>
+
+#include <algorithm>
+#include <charconv>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t max_name = 253, max_label = 63;
+
+bool is_alphanumeric(char c) noexcept { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
+
+bool is_label(std::string_view label) noexcept {
+    return !label.empty() && label.size() <= max_label && label.front() != '-' && label.back() != '-' &&
+           std::all_of(label.begin(), label.end(), [](char c) { return is_alphanumeric(c) || c == '-' || c == '_'; });
+}
+
+}    // namespace
+
+bool is_host_name(std::string_view text) noexcept {
+    if (text.ends_with('.')) text.remove_suffix(1);
+    if (text.empty() || text.size() > max_name || text.find_first_not_of("0123456789.") == text.npos) return false;
+    for (std::size_t from = 0; from <= text.size();) {
+        const std::size_t dot = std::min(text.find('.', from), text.size());
+        if (!is_label(text.substr(from, dot - from))) return false;
+        from = dot + 1;
+    }
+    return true;
+}
+
+std::optional<HostSpec> HostSpec::parse(std::string_view text) {
+    if (auto endpoint = EndpointSpec::parse(text)) return HostSpec{*std::move(endpoint)};
+    const std::size_t colon = text.find(':');
+    if (colon == text.npos || !is_host_name(text.substr(0, colon))) return std::nullopt;
+    const std::string_view digits = text.substr(colon + 1);
+    HostSpec spec;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), spec.port);
+    if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+    spec.host = text.substr(0, colon);
+    return spec;
+}
+
+std::string HostSpec::text() const { return host.empty() ? EndpointSpec::text() : host + ":" + std::to_string(port); }
+
+}    // namespace anogate

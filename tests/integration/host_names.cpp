@@ -1,0 +1,152 @@
+// Peers that are known by a name: found, moved, unknown, slow to be found; in the tunnel too.
+#include <link/udp/udp_link.hpp>
+#include <support/link_host.hpp>
+#include <support/namespaces.hpp>
+#include <support/own_hosts.hpp>
+#include <support/process.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+
+namespace host_names_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+struct HostNames : testing::Test {
+    void SetUp() override {
+        ANOGATE_NEEDS_NAMESPACES();
+        hosts.emplace("127.0.0.1 localhost\n");
+    }
+    std::optional<OwnHosts> hosts;
+};
+
+TEST_F(HostNames, a_udp_peer_is_found_by_its_name) {
+    hosts->set("127.0.0.2 fc.test\n::1 fc.test\n");
+    UdpPeer fc{"127.0.0.2:0"};
+    RunningGateway daemon{
+        settings_of_texts({"udp:fc.test:" + std::to_string(fc.local().port) + ",name=fc", "udp-listen:127.0.0.1:0,name=ground"})};
+    ASSERT_TRUE(daemon.until_up("fc")) << daemon.link("fc");
+    EXPECT_EQ(daemon.link("fc").at("sends_to"), fc.local().text()) << "IPv4 where there are both";
+    UdpPeer ground;
+    ground.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return fc.heard() == vendor::who_are_you; }));
+    fc.send(fc.last_sender(), vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon.until([&] { return ground.heard() == vendor::i_am_an_mcu; }));
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST_F(HostNames, a_name_that_is_none_yet_is_said_and_asked_for_again) {
+    RunningGateway daemon{settings_of_texts({"udp:later.test:9,name=fc"})};
+    ASSERT_TRUE(daemon.until([&] { return daemon.link("fc").at("error_id") == "no_such_host"; }));
+    EXPECT_EQ(daemon.link("fc").at("error").get<std::string>().rfind("later.test: ", 0), 0u) << daemon.link("fc");
+    hosts->set("127.0.0.2 later.test\n");
+    EXPECT_TRUE(daemon.until_up("fc"));
+}
+
+TEST_F(HostNames, a_udp_peer_that_gets_another_address_is_followed) {
+    BareLinkHost host{50ms};
+    UdpPeer before{"127.0.0.2:0"}, after{"127.0.0.3:" + std::to_string(before.local().port)};
+    hosts->set("127.0.0.2 fc.test\n");
+    anogate::UdpLink link{anogate::LinkId{0}, udp("fc", "fc.test:" + std::to_string(before.local().port)), host.context()};
+    link.start();
+    const auto reaches = [&](UdpPeer& peer) {
+        return host.until([&] {
+            link.write_raw(vendor::who_are_you);
+            return !peer.frames().empty();
+        });
+    };
+    ASSERT_TRUE(reaches(before));
+    EXPECT_EQ(host.ups, 1);
+    hosts->set("");
+    host.io.run_for(3s);
+    EXPECT_EQ(host.ups, 1) << "a name server that is down moves nobody";
+    hosts->set("127.0.0.3 fc.test\n");
+    EXPECT_TRUE(reaches(after));
+    EXPECT_EQ(host.ups, 2);
+    link.stop();
+}
+
+TEST_F(HostNames, the_tunnel_knows_hosts_by_their_names_and_nobody_else) {
+    hosts->set("10.79.0.2 ground.test\n127.0.0.1 trap.test\n");
+    const Namespace here, there;
+    here.join(there, "cable", "10.79.0.1/24", "10.79.0.2/24");
+    there.ip("address add 10.79.0.3/24 dev cable");
+    anogate::Settings settings = settings_of_texts({"sim:fc,hz=50,name=fc"});
+    anogate::TunnelSettings& tunnel = settings.tunnel.emplace();
+    tunnel.links = {"fc"};
+    tunnel.allow_hosts = {"ground.test", "trap.test", "nobody.test"};
+    std::optional<RunningGateway> daemon;
+    {
+        const Inside inside{here};
+        daemon.emplace(settings);
+    }
+    const auto until = [&](const std::function<bool()>& holds) {
+        const Inside inside{here};
+        return daemon->until(holds);
+    };
+    ASSERT_TRUE(until([&] { return daemon->link("tunnel").at("error_id") == "no_such_host"; })) << daemon->link("tunnel");
+    EXPECT_EQ(daemon->link("tunnel").at("error").get<std::string>().rfind("nobody.test: ", 0), 0u);
+    const auto peer = [](const Namespace& space, const std::string& local) {
+        const Inside inside{space};
+        return std::make_unique<UdpPeer>(local);
+    };
+    const auto ground = peer(there, "10.79.0.2:0"), stranger = peer(there, "10.79.0.3:0"), local = peer(here, "127.0.0.1:0");
+    ground->send(endpoint("10.79.0.1:12333"), vendor::who_are_you);
+    EXPECT_TRUE(until([&] { return ground->frames().size() > 5; }));
+    stranger->send(endpoint("10.79.0.1:12333"), vendor::who_are_you);
+    local->send(endpoint("127.0.0.1:12333"), vendor::who_are_you);
+    EXPECT_TRUE(until([&] { return daemon->status().at("tunnel").at("tunnel_not_allowed") == 2; }))
+        << "a name opens neither the rest of the network nor this computer: " << daemon->status().at("tunnel");
+    const Inside inside{here};
+    daemon.reset();
+}
+
+// A name server that never answers: a lookup takes many seconds, in its thread.
+TEST(SlowNames, cost_the_loop_nothing_and_do_not_delay_the_end) {
+    ANOGATE_NEEDS_NAMESPACES();
+    const TempDir dir;
+    const Namespace space;
+    const Inside inside{space};
+    UdpPeer server{"127.0.0.9:53"};
+    dir.write("resolv.conf", "nameserver 127.0.0.9\noptions timeout:5 attempts:3\n");
+    dir.write("nsswitch.conf", "hosts: dns\n");
+    const auto with_that_server = [&] {
+        ::unshare(CLONE_NEWNS);
+        ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
+        ::mount((dir / "resolv.conf").c_str(), "/etc/resolv.conf", nullptr, MS_BIND, nullptr);
+        ::mount((dir / "nsswitch.conf").c_str(), "/etc/nsswitch.conf", nullptr, MS_BIND, nullptr);
+    };
+    Daemon daemon{ANOGATED,
+                  dir / "s",
+                  {"sim:fc,hz=100", "udp-listen:127.0.0.1:0,name=ground", "tcp:slow.example.org:9000,name=a",
+                   "tcp:slow.example.org:9001,name=b", "udp:slow.example.org:9002,name=c"},
+                  {},
+                  with_that_server};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    UdpPeer ground{"127.0.0.1:0"};
+    std::size_t frames = 0, queries = 0;
+    const auto hear = [&] {
+        ground.send(daemon.port("ground"), vendor::who_are_you);
+        frames += ground.frames().size();
+        Bytes query(512);
+        while (::recv(server.fd(), query.data(), query.size(), MSG_DONTWAIT) > 0) ++queries;
+    };
+    ASSERT_TRUE(wait_until([&] { return hear(), frames > 100 && queries > 0; }));
+    EXPECT_LE(queries, 4u) << "one lookup, of two kinds of addresses, for three links";
+    EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 0);
+    const auto start = ano::Clock::now();
+    daemon.signal(SIGTERM);
+    daemon.wait();
+    EXPECT_LT(ano::Clock::now() - start, 5s);
+}
+
+}    // namespace
+}    // namespace host_names_tests
