@@ -11,54 +11,79 @@
 
 namespace ano {
 
-/// Finds keys given twice and too deep nesting. The library's own callback would do, but looks through all elements of an array at the
-/// end of each: a short body of many small objects would take seconds.
+/// Builds the document, in about linear time: with the library's own parser, each key of an ordered object is compared with all before it,
+/// and its callback looks through all elements of an array at the end of each.
 template <class Document>
-class StrictWatch final : public nlohmann::json_sax<Document> {
+class StrictReader final : public nlohmann::json_sax<Document> {
 public:
-    explicit StrictWatch(std::vector<JsonFault>& faults) : faults_{faults} {}
+    /// Ends at the fault that makes `most`.
+    StrictReader(std::string_view text, std::size_t most, std::vector<JsonFault>& faults)
+        : text_{text}, most_{most}, faults_{faults} {}
 
-    bool null() override { return count(); }
-    bool boolean(bool) override { return count(); }
-    bool number_integer(typename Document::number_integer_t) override { return count(); }
-    bool number_unsigned(typename Document::number_unsigned_t) override { return count(); }
-    bool number_float(typename Document::number_float_t, const std::string&) override { return count(); }
-    bool string(std::string&) override { return count(); }
-    bool binary(typename Document::binary_t&) override { return count(); }
-    bool start_object(std::size_t) override { return enter(false); }
-    bool start_array(std::size_t) override { return enter(true); }
+    bool null() override { return add(nullptr); }
+    bool boolean(bool value) override { return add(value); }
+    bool number_integer(typename Document::number_integer_t value) override { return add(value); }
+    bool number_unsigned(typename Document::number_unsigned_t value) override { return add(value); }
+    bool number_float(typename Document::number_float_t value, const std::string&) override { return add(value); }
+    bool string(std::string& value) override { return add(std::move(value)); }
+    bool binary(typename Document::binary_t&) override { return false; }
+    bool start_object(std::size_t) override { return enter(Document::object()); }
+    bool start_array(std::size_t) override { return enter(Document::array()); }
     bool end_object() override { return leave(); }
     bool end_array() override { return leave(); }
     bool key(std::string& name) override {
         places_.back().key = name;
-        if (!places_.back().keys.insert(name).second) faults_.push_back({pointer(), in_quotes(name) + " is given twice"});
-        return true;
+        return places_.back().keys.insert(name).second || fault(in_quotes(name) + " is given twice");
     }
-    bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) override { return false; }
+    bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception& error) override {
+        faults_.push_back({"", syntax_fault(text_, error)});
+        return false;
+    }
 
-    bool too_deep() const { return too_deep_; }
+    Document root{};
 
 private:
     struct Place {
-        bool array;
-        std::size_t count = 0;    // of an array: elements begun so far
+        Document* at;    // stays while it is the last in its parent
         std::string key{};
         std::set<std::string> keys{};
     };
 
-    bool count() {
-        if (!places_.empty()) ++places_.back().count;
+    bool fault(std::string what) {
+        faults_.push_back({pointer(), std::move(what)});
+        return faults_.size() < most_;
+    }
+
+    Document* put(Document&& value) {
+        if (places_.empty()) return &(root = std::move(value));
+        Place& place = places_.back();
+        if (place.at->is_array()) {
+            place.at->push_back(std::move(value));
+            return &place.at->back();
+        }
+        auto& object = place.at->template get_ref<typename Document::object_t&>();
+        if constexpr (requires { typename Document::object_t::Container; }) {
+            typename Document::object_t::Container& members = object;
+            return &members.emplace_back(std::move(place.key), std::move(value)).second;
+        } else {
+            return &object.emplace(std::move(place.key), std::move(value)).first->second;
+        }
+    }
+
+    bool add(Document&& value) {
+        put(std::move(value));
         return true;
     }
 
-    bool enter(bool array) {
-        count();
+    bool enter(Document&& value) {
         if (places_.size() == max_json_depth) {
-            faults_.push_back({pointer(), "nested deeper than " + std::to_string(max_json_depth) + " levels"});
-            too_deep_ = true;
+            fault("nested deeper than " + std::to_string(max_json_depth) + " levels");
             return false;
         }
-        places_.push_back({array});
+        std::string name = places_.empty() ? std::string{} : places_.back().key;
+        Document* const at = put(std::move(value));
+        if (!places_.empty()) places_.back().key = std::move(name);    // for the pointer
+        places_.push_back({at});
         return true;
     }
 
@@ -69,37 +94,39 @@ private:
 
     std::string pointer() const {
         std::string text;
-        for (const Place& place : places_) text += place.array ? "/" + std::to_string(place.count - 1) : pointer_step(place.key);
+        for (const Place& place : places_)
+            text += place.at->is_array() ? "/" + std::to_string(place.at->size() - 1) : pointer_step(place.key);
         return text;
     }
 
+    std::string_view text_;
+    std::size_t most_;
     std::vector<JsonFault>& faults_;
     std::vector<Place> places_;
-    bool too_deep_ = false;
 };
 
 template <class Document>
-std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults) {
+std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults, std::size_t most) {
     if (const std::size_t nul = text.find('\0'); nul != text.npos) {    // the parser would stop there
         const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n') + 1;
         faults.push_back({"", "line " + std::to_string(line) + ": a byte 0, which no text has"});
         return std::nullopt;
     }
-    StrictWatch<Document> watch{faults};
-    Document::sax_parse(text, &watch, nlohmann::json::input_format_t::json, true, with_comments);
-    if (watch.too_deep()) return std::nullopt;
-    try {
-        return Document::parse(text, nullptr, true, with_comments);
-    } catch (const typename Document::exception& error) {
-        faults.push_back({"", syntax_fault(text, error)});
-    }
-    return std::nullopt;
+    StrictReader<Document> reader{text, most, faults};
+    const bool is_whole = Document::sax_parse(text, &reader, nlohmann::json::input_format_t::json, true, with_comments);
+    return is_whole ? std::optional{std::move(reader.root)} : std::nullopt;
+}
+
+template <class Document>
+std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults) {
+    constexpr std::size_t most = 20;
+    return strict_json<Document>(text, with_comments, faults, most);
 }
 
 template <class Document>
 std::optional<Document> strict_json(std::string_view text) {
     std::vector<JsonFault> faults;
-    auto document = strict_json<Document>(text, false, faults);
+    auto document = strict_json<Document>(text, false, faults, 1);
     return faults.empty() ? std::move(document) : std::nullopt;
 }
 
@@ -110,7 +137,7 @@ template std::optional<nlohmann::ordered_json> strict_json(std::string_view, boo
 
 std::variant<nlohmann::ordered_json, std::string> json_body(std::string_view text, std::string_view what) {
     std::vector<JsonFault> faults;
-    auto document = strict_json<nlohmann::ordered_json>(text, false, faults);
+    auto document = strict_json<nlohmann::ordered_json>(text, false, faults, 1);
     if (document && faults.empty()) return *std::move(document);
     const JsonFault& first = faults.front();
     return first.pointer.empty() ? std::string{what} + " is no JSON: " + first.what : first.pointer + ": " + first.what;

@@ -15,8 +15,8 @@ namespace ano {
 /// Of arrays and objects in each other.
 inline constexpr std::size_t max_json_depth = 32;
 
-/// `Document`: nlohmann::json or nlohmann::ordered_json. std::nullopt when it is not JSON, with why in `faults`; of a key given twice the last
-/// value is returned and the fault added, so that the rest can be checked as well.
+/// `Document`: nlohmann::json or nlohmann::ordered_json. std::nullopt when it is not JSON, with why in `faults`; of a key given twice the
+/// fault is added, so that the rest can be checked as well. Reading ends with the twentieth fault.
 template <class Document>
 std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults);
 

@@ -49,6 +49,8 @@ const char* word_of(const Json& body, const char* key, const char* first, const 
 }    // namespace
 
 http::Response login(http::Admission& admission, SignInCodes& codes, const http::Request& request, ano::TimePoint now) {
+    constexpr std::size_t longest = 4096;    // a token or a code, from anybody
+    if (request.body.size() > longest) return http::error(413, "the body is longer than 4096 bytes");
     const auto parsed = ano::json_body(request.body);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return http::error(400, *wrong);
     const auto& body = std::get<Json>(parsed);
