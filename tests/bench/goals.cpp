@@ -17,15 +17,27 @@ struct Goals {
 };
 
 constexpr Goals all[]{
-    {"parser", bench::measure_parser},   {"messages", bench::measure_messages},
-    {"udp", bench::measure_udp},         {"packed", bench::measure_packed},
-    {"pty", bench::measure_pty},         {"broadcast", bench::measure_broadcast},
-    {"latency", bench::measure_latency}, {"ports", bench::measure_ports},
-    {"line", bench::measure_line},       {"idle", bench::measure_idle},
-    {"calls", bench::measure_calls},     {"watchers", bench::measure_watchers},
-    {"page", bench::measure_page},       {"recording", bench::measure_recording},
-    {"replay", bench::measure_replay},   {"simulated", bench::measure_simulated},
-    {"devices", bench::measure_devices}, {"tables", bench::measure_tables},
+    {"parser", bench::measure_parser},
+    {"messages", bench::measure_messages},
+    {"udp", bench::measure_udp},
+    {"packed", bench::measure_packed},
+    {"pty", bench::measure_pty},
+    {"broadcast", bench::measure_broadcast},
+    {"latency", bench::measure_latency},
+    {"ports", bench::measure_ports},
+    {"line", bench::measure_line},
+    {"idle", bench::measure_idle},
+    {"calls", bench::measure_calls},
+    {"watchers", bench::measure_watchers},
+    {"page", bench::measure_page},
+    {"recording", bench::measure_recording},
+    {"replay", bench::measure_replay},
+    {"simulated", bench::measure_simulated},
+    {"devices", bench::measure_devices},
+    {"tables", bench::measure_tables},
+    {"tcp", bench::measure_tcp},
+    {"tcp-urgent", bench::measure_tcp_urgent},
+    {"dead-peers", bench::measure_dead_peers},
 };
 
 int usage(const char* program) {

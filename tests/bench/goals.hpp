@@ -25,6 +25,9 @@ void measure_page(Run& run);
 void measure_recording(Run& run);
 void measure_replay(Run& run);
 void measure_tables(Run& run);
+void measure_tcp(Run& run);
+void measure_tcp_urgent(Run& run);
+void measure_dead_peers(Run& run);
 void measure_simulated(Run& run);
 void measure_devices(Run& run);
 

@@ -1,0 +1,211 @@
+// TCP links: the cost of a frame, how long an urgent one waits on a slow line, and what peers cost that are not there.
+#include "forwarder.hpp"
+#include "goals.hpp"
+
+#include <ano/parser.hpp>
+#include <support/namespaces.hpp>
+#include <support/tcp_peer.hpp>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace bench {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+
+/// Offers frames to a TCP port as fast as they go, until it is destroyed.
+class TcpFlood {
+public:
+    explicit TcpFlood(std::uint16_t port) : peer_{port} {
+        thread_ = std::thread{[this] {
+            std::vector<std::uint8_t> many;
+            for (std::uint64_t n = 0; n < 512; ++n)
+                for (const std::uint8_t byte : frame(0x30, target, n)) many.push_back(byte);
+            for (std::size_t at = 0; !stop_;) {
+                const ssize_t taken = ::send(peer_.fd(), many.data() + at, many.size() - at, MSG_NOSIGNAL);
+                if (taken > 0) at = (at + static_cast<std::size_t>(taken)) % many.size();
+                else ::usleep(200);
+            }
+        }};
+    }
+    ~TcpFlood() {
+        stop_ = true;
+        thread_.join();
+    }
+
+private:
+    support::TcpPeer peer_;
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+/// The least that a router costs which sends each message of a TCP connection as a datagram, as mavlink-router does: reads, checks each
+/// frame, sends it. It has no table of routes and no second endpoint.
+Forwarder bare_router_from_tcp() {
+    Forwarder forwarder{1};
+    support::TcpListener in;
+    Socket out;
+    out.connect(forwarder.takers[0]->port());
+    std::uint64_t* const frames = forwarder.loop_frames = shared_word();
+    forwarder.loop = std::make_unique<support::Child>([&] {
+        stay_on_second_processor();
+        support::TcpPeer peer;
+        ano::FrameParser parser{{}};
+        for (;;) {
+            if (!peer || peer.is_closed()) {
+                while (!in.accept(peer)) ::usleep(200);
+                parser.finish();
+            }
+            pollfd ready{peer.fd(), POLLIN, 0};
+            ::poll(&ready, 1, 100);
+            const auto room = parser.prepare();
+            const ssize_t n = ::recv(peer.fd(), room.data(), room.size(), MSG_DONTWAIT);
+            if (n <= 0) continue;
+            parser.commit(static_cast<std::size_t>(n), {});
+            while (const auto one = parser.next()) {
+                if (::send(out.fd(), one->bytes().data(), one->bytes().size(), 0) > 0) ++*frames;
+            }
+        }
+        return 0;
+    });
+    forwarder.port = in.port();
+    return forwarder;
+}
+
+double frames_a_cpu_second(const Forwarder& forwarder) {
+    std::this_thread::sleep_for(50ms);
+    const std::uint64_t frames_before = forwarder.frames();
+    const double cpu_before = cpu_seconds(forwarder.pid());
+    std::this_thread::sleep_for(300ms);
+    const double cpu = cpu_seconds(forwarder.pid()) - cpu_before;
+    return static_cast<double>(forwarder.frames() - frames_before) / cpu;
+}
+
+// A line of 2 Mbit/s between two namespaces, with cubic at its end.
+struct SlowWire {
+    support::Namespace here, there;
+    SlowWire() {
+        here.join(there, "w0", "10.9.0.1/24", "10.9.0.2/24");
+        const support::Inside inside{here};
+        must(std::system("tc qdisc add dev w0 root tbf rate 2mbit burst 4kb latency 400ms") == 0, "tc");
+        std::ofstream{"/proc/sys/net/ipv4/tcp_congestion_control"} << "cubic";
+    }
+};
+
+constexpr int rounds = 5;
+constexpr int urgent_a_round = 60;
+
+/// Milliseconds from sending an urgent frame to its arrival, each 50 ms, behind telemetry of twice the rate of the line.
+std::vector<double> ages_of_urgent(const Socket& host, support::TcpPeer& device, ano::FrameParser& parser) {
+    std::map<std::uint64_t, steady_clock::time_point> sent;
+    std::vector<double> ages;
+    const auto read = [&] {
+        for (;;) {
+            const auto room = parser.prepare();
+            const ssize_t n = ::recv(device.fd(), room.data(), room.size(), MSG_DONTWAIT);
+            if (n <= 0) return;
+            parser.commit(static_cast<std::size_t>(n), {});
+            while (const auto frame = parser.next()) {
+                if (frame->id() != 0xC0) continue;
+                std::uint64_t number = 0;
+                std::memcpy(&number, frame->data().data(), sizeof number);
+                if (const auto found = sent.find(number); found != sent.end())
+                    ages.push_back(std::chrono::duration<double, std::milli>(steady_clock::now() - found->second).count());
+            }
+        }
+    };
+    auto next = steady_clock::now();
+    for (std::uint64_t turn = 0; turn < 50 * urgent_a_round; ++turn) {
+        std::vector<std::uint8_t> bulk(500);
+        std::vector<std::uint8_t> flood(bulk.size() + ano::overhead);
+        ano::encode(flood, 0x30, target, 0xF1, bulk);
+        host.send(flood);
+        if (turn % 50 == 0) {
+            sent[turn] = steady_clock::now();
+            host.send(frame(0xFE, target, turn, 0xC0));
+        }
+        while (steady_clock::now() < next) read();
+        next += 1ms;
+    }
+    const auto until = steady_clock::now() + 1s;
+    while (ages.size() < urgent_a_round && steady_clock::now() < until) read();
+    return ages;
+}
+
+}    // namespace
+
+void measure_tcp(Run& run) {
+    Forwarder ours{1};
+    std::vector<std::string> links = ours.links_out("");
+    links.push_back("tcp-listen:127.0.0.1:0,name=in");
+    ours.gateway = std::make_unique<GatewayProcess>(run.anogated, links);
+    const Forwarder beside = bare_router_from_tcp();
+    std::vector<int> taken_at = ours.taken_at();
+    for (const int fd : beside.taken_at()) taken_at.push_back(fd);
+    const Sink sink{taken_at};
+    std::vector<double> our_rates, their_rates;
+    for (int i = 0; i < 8; ++i) {
+        {
+            const TcpFlood flood{ours.gateway->port("in")};
+            our_rates.push_back(frames_a_cpu_second(ours));
+        }
+        const TcpFlood flood{beside.port};
+        their_rates.push_back(frames_a_cpu_second(beside));
+    }
+    run.table.compare("TCP to UDP, packed: frames a CPU second, beside a bare loop that sends a datagram a frame", our_rates,
+                      their_rates, at_least(5));
+}
+
+void measure_tcp_urgent(Run& run) {
+    const std::string what = "TCP at 2 Mbit/s, cubic: age of an urgent frame behind a flood, 99th percentile, ms";
+    if (const std::string why = support::no_namespaces(); !why.empty()) return run.table.skip(what, why);
+    const SlowWire wire;
+    const support::Inside inside{wire.here};
+    const GatewayProcess gateway{
+        run.anogated, {"tcp-listen:10.9.0.1:9000,name=bridge", "udp-listen:127.0.0.1:0,name=in", "--route", "0x42=bridge"}};
+    support::TcpPeer device;
+    {
+        const support::Inside far{wire.there};
+        device = support::TcpPeer{"10.9.0.1:9000"};
+    }
+    must(static_cast<bool>(device), "connect");
+    Socket host;
+    host.connect(gateway.port("in"));
+    ano::FrameParser parser{{}};
+    std::vector<double> late, middle;
+    for (int round = 0; round < rounds; ++round) {
+        const std::vector<double> ages = ages_of_urgent(host, device, parser);
+        must(ages.size() + 2 >= urgent_a_round, "urgent frames were lost");
+        late.push_back(quantile(ages, 0.99));
+        middle.push_back(quantile(ages));
+    }
+    run.table.measure(what, late, at_most(60));
+    run.table.measure("… median", middle, no_goal);
+}
+
+// Half of them refuse, and half do not answer at all.
+void measure_dead_peers(Run& run) {
+    const std::string what = "Ten TCP peers that are not there: % of a core";
+    if (const std::string why = support::no_namespaces(); !why.empty()) return run.table.skip(what, why);
+    const support::Namespace here, there;
+    here.join(there, "w0", "10.9.0.1/24", "10.9.0.2/24");
+    const support::Inside inside{here};
+    std::vector<std::string> links;
+    for (int i = 0; i < 5; ++i) {
+        links.push_back("tcp:127.0.0.1:" + std::to_string(100 + i) + ",name=refuses-" + std::to_string(i));
+        links.push_back("tcp:10.9.0.9:" + std::to_string(100 + i) + ",name=silent-" + std::to_string(i));
+    }
+    const GatewayProcess gateway{run.anogated, links};
+    std::this_thread::sleep_for(5s);
+    run.table.measure(what, percent_of_a_core(gateway.pid()), at_most(0.5));
+}
+
+}    // namespace bench
