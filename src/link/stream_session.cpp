@@ -37,6 +37,7 @@ void StreamSession::continue_opening() {
     case Opening::done: break;
     case Opening::wants_to_read: return descriptor_.read_with([this] { read(); });
     case Opening::wants_to_write: descriptor_.stop_reading(); return descriptor_.when_writable([this] { continue_opening(); });
+    case Opening::waits: return descriptor_.stop_reading();
     case Opening::failed: return failed(errno);
     }
     is_opening_ = false;

@@ -48,7 +48,8 @@ public:
 protected:
     /// Work before frames can be exchanged, such as connecting or a handshake. Called by open(), and again when the descriptor can be
     /// read or written, as the result asks. `failed`: see errno.
-    enum class Opening { done, wants_to_read, wants_to_write, failed };
+    /// `waits`: for a call of continue_opening().
+    enum class Opening { done, wants_to_read, wants_to_write, waits, failed };
     virtual Opening go_on_opening() { return Opening::done; }
     /// The opening is done. Nothing is read before resume_reading(), unless the opening itself had to read.
     virtual void opened() = 0;
@@ -69,6 +70,7 @@ protected:
         if (is_open() && !is_opening_) read();
     }
     bool is_opening() const noexcept { return is_open() && is_opening_; }
+    void continue_opening();
     /// Data that can be read now counts as possibly as old as the last standstill, even if it is read later.
     void check_what_waits() { arrival_.unstamped(context_.host.turn()); }
     Pacing& pacing() noexcept { return pacing_; }
@@ -78,7 +80,6 @@ protected:
     LinkContext context_;
 
 private:
-    void continue_opening();
     void begin_input();
     void read();
     void deliver();

@@ -107,9 +107,9 @@ struct Stunnel : testing::Test {
     void exchange(RunningGateway& daemon, TcpPeer& far) const {
         UdpPeer host;
         host.send(daemon.port("ground"), vendor::who_are_you);
-        EXPECT_TRUE(daemon.until([&] { return far.heard() == vendor::who_are_you; }));
+        EXPECT_TRUE(daemon.until([&] { return has(far.heard(), vendor::who_are_you); }));
         far.send(vendor::i_am_an_mcu);
-        EXPECT_TRUE(daemon.until([&] { return host.heard() == vendor::i_am_an_mcu; }));
+        EXPECT_TRUE(daemon.until([&] { return has(host.heard(), vendor::i_am_an_mcu); }));
     }
     const std::string ground = "udp-listen:127.0.0.1:0,name=ground";
     TempDir dir;

@@ -97,6 +97,8 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
 TcpListenLink::~TcpListenLink() = default;
 
 Opened<void> TcpListenLink::open() {
+    if (tls_)
+        if (auto read = tls_->refresh(); !read) return NotOpened{std::move(read.error())};
     auto socket = listen_tcp(settings().as<TcpListenSettings>().local);
     if (!socket) return NotOpened{std::move(socket.error())};
     reconnect_.came_up(context_.host.now());
@@ -150,7 +152,7 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
         return;
     }
     set_tcp_options(fd.get(), tcp.dead_after);
-    std::unique_ptr<TlsConnection> encrypted;
+    std::shared_ptr<TlsConnection> encrypted;
     if (tls_) {
         auto made = tls_->connection(fd.get(), {});
         if (!made) {

@@ -2,11 +2,13 @@
 #include <link/tcp/tcp_socket.hpp>
 
 #include <cerrno>
+#include <utility>
 
 namespace anogate {
 
 TcpSession::TcpSession(const LinkContext& context)
     : StreamSession{context},
+      step_{context.io},
       handshake_ends_{context.alarms,
                       [this] {
                           if (!is_opening()) return;
@@ -15,7 +17,11 @@ TcpSession::TcpSession(const LinkContext& context)
                       }},
       read_on_{context.alarms, [this] { read_again(); }} {}
 
-void TcpSession::encrypt_by(std::unique_ptr<TlsConnection> tls) {
+TcpSession::~TcpSession() { step_.stop(ano::TimePoint::min()); }
+
+void TcpSession::encrypt_by(std::shared_ptr<TlsConnection> tls) {
+    step_.stop(ano::TimePoint::min());
+    handshake_.reset();
     tls_ = std::move(tls);
     is_late_ = false;
     handshake_ends_.cancel();
@@ -29,14 +35,27 @@ std::string TcpSession::tls_fault() const {
 StreamSession::Opening TcpSession::go_on_opening() {
     if (!tls_) return Opening::done;
     if (!handshake_ends_.is_set()) handshake_ends_.set(context_.host.now() + handshake_patience);
-    switch (tls_->go_on()) {
+    if (!handshake_ && begin_step()) return Opening::waits;
+    if (!handshake_) handshake_ = tls_->go_on();
+    switch (*std::exchange(handshake_, std::nullopt)) {
     case TlsConnection::Handshake::wants_to_read: return Opening::wants_to_read;
     case TlsConnection::Handshake::wants_to_write: return Opening::wants_to_write;
     case TlsConnection::Handshake::done: handshake_ends_.cancel(); return Opening::done;
     case TlsConnection::Handshake::failed: break;
     }
     handshake_ends_.cancel();
+    errno = ECONNABORTED;
     return Opening::failed;
+}
+
+bool TcpSession::begin_step() {
+    const auto result = std::make_shared<TlsConnection::Handshake>(TlsConnection::Handshake::failed);
+    return step_.run([tls = tls_, result] { *result = tls->go_on(); },
+                     [this, result](const std::string&) {
+                         if (!is_opening()) return;
+                         handshake_ = *result;
+                         continue_opening();
+                     });
 }
 
 ssize_t TcpSession::read_some(std::span<std::uint8_t> room) {

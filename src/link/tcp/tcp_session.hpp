@@ -2,8 +2,10 @@
 #pragma once
 #include <link/stream_session.hpp>
 #include <link/tcp/tls_context.hpp>
+#include <sys/errand.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace anogate {
@@ -13,9 +15,10 @@ public:
     static constexpr Duration handshake_patience = std::chrono::seconds{10};
 
     explicit TcpSession(const LinkContext& context);
+    ~TcpSession() override;
 
     /// To be called before each open(): how it is encrypted; nullptr: it is not.
-    void encrypt_by(std::unique_ptr<TlsConnection> tls);
+    void encrypt_by(std::shared_ptr<TlsConnection> tls);
     /// Why the handshake failed, or the other end ended it all; empty: neither.
     std::string tls_fault() const;
 
@@ -27,8 +30,12 @@ protected:
     ssize_t write_some(std::span<const iovec> pieces) override;
 
 private:
-    std::unique_ptr<TlsConnection> tls_;
-    bool is_late_ = false;    // the handshake took too long
+    bool begin_step();
+
+    std::shared_ptr<TlsConnection> tls_;                   // with the thread that works at its handshake
+    Errand step_;                                          // of the handshake: milliseconds of computing
+    std::optional<TlsConnection::Handshake> handshake_;    // what the last step came to
+    bool is_late_ = false;                                 // the handshake took too long
     Alarm handshake_ends_, read_on_;
 };
 

@@ -1,10 +1,12 @@
 #include <link/tcp/tls_context.hpp>
 #include <sys/errors.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -75,6 +77,7 @@ std::string use_files(SSL_CTX* context, const LinkCertificates& files) {
 }    // namespace
 
 struct TlsConnection::Parts {
+    UniqueFd socket{};    // of its own: a handshake in a thread may outlast the connection
     std::unique_ptr<SSL, void (*)(SSL*)> ssl{nullptr, ::SSL_free};
     std::vector<std::uint8_t> taken{};    // given to OpenSSL, and not on the wire yet: it must get the same bytes again
     std::string fault{};
@@ -196,12 +199,14 @@ Opened<void> TlsContext::refresh() {
     return {};
 }
 
-Opened<std::unique_ptr<TlsConnection>> TlsContext::connection(int fd, const std::string& host) {
+Opened<std::shared_ptr<TlsConnection>> TlsContext::connection(int fd, const std::string& host) {
     if (auto read = refresh(); !read) return NotOpened{std::move(read.error())};
     auto parts = std::make_unique<TlsConnection::Parts>();
+    parts->socket = UniqueFd{::fcntl(fd, F_DUPFD_CLOEXEC, 0)};
+    if (!parts->socket) return NotOpened{LinkError{error_text(errno)}};
     parts->ssl.reset(::SSL_new(loaded_->context.get()));
     SSL* const ssl = parts->ssl.get();
-    if (!ssl || ::SSL_set_fd(ssl, fd) != 1) return NotOpened{LinkError{"tls", openssl_fault(), {}}};
+    if (!ssl || ::SSL_set_fd(ssl, parts->socket.get()) != 1) return NotOpened{LinkError{"tls", openssl_fault(), {}}};
     if (side_ == Side::listens) {
         ::SSL_set_accept_state(ssl);
     } else {
@@ -215,7 +220,7 @@ Opened<std::unique_ptr<TlsConnection>> TlsContext::connection(int fd, const std:
         }
         ::ERR_clear_error();
     }
-    return std::make_unique<TlsConnection>(std::move(parts));
+    return std::make_shared<TlsConnection>(std::move(parts));
 }
 
 std::optional<std::int64_t> TlsContext::days_left() const {

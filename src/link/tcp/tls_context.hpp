@@ -14,7 +14,7 @@
 
 namespace anogate {
 
-/// One end of an encrypted connection over a non-blocking socket, which the caller owns.
+/// One end of an encrypted connection over a non-blocking socket. For one thread at a time.
 class TlsConnection {
 public:
     struct Parts;
@@ -48,13 +48,14 @@ public:
     TlsContext& operator=(const TlsContext&) = delete;
 
     /// For a connected socket. `host`: the name or address that the other end's certificate must have; empty: any.
-    Opened<std::unique_ptr<TlsConnection>> connection(int fd, const std::string& host);
+    Opened<std::shared_ptr<TlsConnection>> connection(int fd, const std::string& host);
+    /// Reads the files when they have changed.
+    Opened<void> refresh();
     /// Full days until our certificate expires, below zero when it has; std::nullopt: there is none.
     std::optional<std::int64_t> days_left() const;
 
 private:
     struct Loaded;
-    Opened<void> refresh();
 
     LinkCertificates files_;
     Side side_;
