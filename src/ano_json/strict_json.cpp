@@ -11,14 +11,23 @@
 
 namespace ano {
 
+namespace {
+
+struct Limits {
+    std::size_t faults;    // reading ends with the last of them
+    std::size_t values = SIZE_MAX;
+};
+
+}    // namespace
+
 /// Builds the document, in about linear time: with the library's own parser, each key of an ordered object is compared with all before it,
 /// and its callback looks through all elements of an array at the end of each.
 template <class Document>
 class StrictReader final : public nlohmann::json_sax<Document> {
 public:
-    /// Ends at the fault that makes `most`.
-    StrictReader(std::string_view text, std::size_t most, std::vector<JsonFault>& faults)
-        : text_{text}, most_{most}, faults_{faults} {}
+    /// Ends at the fault that makes `most_faults`.
+    StrictReader(std::string_view text, const Limits& limits, std::vector<JsonFault>& faults)
+        : text_{text}, limits_{limits}, faults_{faults} {}
 
     bool null() override { return add(nullptr); }
     bool boolean(bool value) override { return add(value); }
@@ -51,7 +60,7 @@ private:
 
     bool fault(std::string what) {
         faults_.push_back({pointer(), std::move(what)});
-        return faults_.size() < most_;
+        return faults_.size() < limits_.faults;
     }
 
     Document* put(Document&& value) {
@@ -71,11 +80,18 @@ private:
     }
 
     bool add(Document&& value) {
+        if (++values_ > limits_.values) return too_many();
         put(std::move(value));
         return true;
     }
 
+    bool too_many() {
+        faults_.push_back({"", "more than " + std::to_string(limits_.values) + " values"});
+        return false;
+    }
+
     bool enter(Document&& value) {
+        if (++values_ > limits_.values) return too_many();
         if (places_.size() == max_json_depth) {
             fault("nested deeper than " + std::to_string(max_json_depth) + " levels");
             return false;
@@ -100,33 +116,34 @@ private:
     }
 
     std::string_view text_;
-    std::size_t most_;
+    Limits limits_;
     std::vector<JsonFault>& faults_;
+    std::size_t values_ = 0;
     std::vector<Place> places_;
 };
 
 template <class Document>
-std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults, std::size_t most) {
+std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults,
+                                    const Limits& limits) {
     if (const std::size_t nul = text.find('\0'); nul != text.npos) {    // the parser would stop there
         const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n') + 1;
         faults.push_back({"", "line " + std::to_string(line) + ": a byte 0, which no text has"});
         return std::nullopt;
     }
-    StrictReader<Document> reader{text, most, faults};
+    StrictReader<Document> reader{text, limits, faults};
     const bool is_whole = Document::sax_parse(text, &reader, nlohmann::json::input_format_t::json, true, with_comments);
     return is_whole ? std::optional{std::move(reader.root)} : std::nullopt;
 }
 
 template <class Document>
 std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults) {
-    constexpr std::size_t most = 20;
-    return strict_json<Document>(text, with_comments, faults, most);
+    return strict_json<Document>(text, with_comments, faults, Limits{.faults = 20});
 }
 
 template <class Document>
 std::optional<Document> strict_json(std::string_view text) {
     std::vector<JsonFault> faults;
-    auto document = strict_json<Document>(text, false, faults, 1);
+    auto document = strict_json<Document>(text, false, faults, Limits{.faults = 1});
     return faults.empty() ? std::move(document) : std::nullopt;
 }
 
@@ -135,9 +152,10 @@ template std::optional<nlohmann::ordered_json> strict_json(std::string_view);
 template std::optional<nlohmann::json> strict_json(std::string_view, bool, std::vector<JsonFault>&);
 template std::optional<nlohmann::ordered_json> strict_json(std::string_view, bool, std::vector<JsonFault>&);
 
-std::variant<nlohmann::ordered_json, std::string> json_body(std::string_view text, std::string_view what) {
+std::variant<nlohmann::ordered_json, std::string> json_body(std::string_view text, std::string_view what,
+                                                            std::size_t most_values) {
     std::vector<JsonFault> faults;
-    auto document = strict_json<nlohmann::ordered_json>(text, false, faults, 1);
+    auto document = strict_json<nlohmann::ordered_json>(text, false, faults, Limits{.faults = 1, .values = most_values});
     if (document && faults.empty()) return *std::move(document);
     const JsonFault& first = faults.front();
     return first.pointer.empty() ? std::string{what} + " is no JSON: " + first.what : first.pointer + ": " + first.what;

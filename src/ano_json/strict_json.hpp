@@ -4,6 +4,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,7 +26,9 @@ std::optional<Document> strict_json(std::string_view text, bool with_comments, s
 template <class Document>
 std::optional<Document> strict_json(std::string_view text);
 
-/// The body of a request, without comments; or what is wrong, in a clause about `what`.
-std::variant<nlohmann::ordered_json, std::string> json_body(std::string_view text, std::string_view what = "the body");
+/// The body of a request, without comments; or what is wrong, in a clause about `what`. `most_values`: in the whole document, for those
+/// who may send without the right to change anything.
+std::variant<nlohmann::ordered_json, std::string> json_body(std::string_view text, std::string_view what = "the body",
+                                                            std::size_t most_values = SIZE_MAX);
 
 }    // namespace ano

@@ -132,7 +132,8 @@ void append_number(std::string& bytes, Number number) {
 }    // namespace
 
 Said read(std::string_view text) {
-    const auto parsed = ano::json_body(text, "the message");
+    constexpr std::size_t most_values = 4096;    // of 1000 subscriptions
+    const auto parsed = ano::json_body(text, "the message", most_values);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return Wrong{*wrong};
     const Json json = std::get<nlohmann::ordered_json>(parsed);
     if (!json.is_object() || !json.contains("op") || !json["op"].is_string()) return Wrong{"a message is an object with an 'op'"};

@@ -69,6 +69,9 @@ TEST(StrictJson, of_many_keys_and_many_faults_takes_linear_time) {
     text = "{\"" + std::string(100'000, '~') + "\": {\"a\": 0";
     for (int i = 0; i < 100'000; ++i) text += ", \"a\": 0";
     EXPECT_EQ(faults_of(text + "}}").size(), 20u);
+    EXPECT_EQ(std::get<std::string>(ano::json_body("[[1], [2, {\"a\": 3}]]", "the message", 5)),
+              "the message is no JSON: more than 5 values");
+    EXPECT_TRUE(std::holds_alternative<nlohmann::ordered_json>(ano::json_body("[[1], [2]]", "the message", 5)));
     const auto body = ano::json_body(text + "}}");
     ASSERT_TRUE(std::holds_alternative<std::string>(body));
 }
