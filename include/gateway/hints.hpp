@@ -48,10 +48,11 @@ struct LinkHints {
 struct LinkFigures {
     LinkHints words;
     bool up = false;
-    bool is_over = false;          // a recording that is at its end
-    bool listens = false;          // has a channel for each peer, and waits for peers
-    bool waits_to_hear = false;    // sends no hello, but could be configured to
-    bool for_hosts = false;        // of hosts alone, by what was heard or by a route: the other end may only listen
+    bool is_over = false;            // a recording that is at its end
+    bool listens = false;            // has a channel for each peer, and waits for peers
+    bool has_connections = false;    // its peers connect; otherwise they are known by their frames
+    bool waits_to_hear = false;      // sends no hello, but could be configured to
+    bool for_hosts = false;          // of hosts alone, by what was heard or by a route: the other end may only listen
     std::size_t channels = 0;
     ReceiveCounters received;    // of all channels, and what belongs to no channel
     SendCounters sent;

@@ -103,7 +103,8 @@ bool may_have(const LinkKind& kind, const KeyFacts& common) {
     if (kind.replays && is_for_takers(common.name)) return false;
     const bool is_stream = kind.carries == Carries::bytes || kind.carries == Carries::datagrams;
     if (common.kinds == paced) return kind.may_be_paced;
-    if (common.kinds == one_by_one) return kind.may_be_paced && is_stream && !kind.listens;
+    const bool shares_a_socket = kind.listens && kind.carries == Carries::datagrams;    // all its peers
+    if (common.kinds == one_by_one) return kind.may_be_paced && is_stream && !shares_a_socket;
     if (common.kinds == streams) return is_stream;
     return common.kinds != datagrams || kind.carries == Carries::datagrams;
 }

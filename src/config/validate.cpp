@@ -318,9 +318,14 @@ private:
                 !page.starts_with("http://") && !page.starts_with("https://") && page != "file://")
                 error(origin, "origins/" + std::to_string(i),
                       in_quotes(page) + " must begin with http:// or https://, as a browser says it, or be file://");
-        for (std::size_t i = 0; control.http && i < links_.size(); ++i)
+        for (std::size_t i = 0; control.http && i < links_.size(); ++i) {
+            const LinkKind& kind = *links_[i].kind;
+            const auto peer = kind.connects_to ? kind.connects_to(links_[i]) : std::nullopt;
+            if (peer && leads_to(peer->peer, {*control.http, {}, {}, true}))
+                error(draft_.links[i], peer->key, "'" + peer->peer.text() + "' is this gateway itself: its page is there");
             if (const auto bound = bound_port_of(links_[i]); bound && collide(*bound, {*control.http, {}, {}, true}))
                 error(origin, "http", "local port " + std::to_string(control.http->port) + " is used by " + who(i) + " already");
+        }
         if (control.http && !control.http->address.is_loopback() && control.tls.key.empty())
             draft_.warnings.push_back({origin.key("http"),
                                        "note: without 'tls' who is in a network of this computer can read "

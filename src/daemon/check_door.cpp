@@ -1,7 +1,10 @@
+#include <config/link_kind.hpp>
 #include <control/control_door.hpp>
 #include <daemon/check_door.hpp>
 #include <http/doors/token_file.hpp>
 #include <http/tls.hpp>
+#include <link/tcp/tcp_keys.hpp>
+#include <link/tcp/tls_context.hpp>
 #include <sys/files/state_folder.hpp>
 
 #include <cerrno>
@@ -30,6 +33,21 @@ void warn_of_tls(Draft& draft, bool service) {
         draft.warnings.push_back({draft.control.key("tls"), "warning: " + key + ": " + advice});
 }
 
+void warn_of_link(Draft& draft, std::size_t at, bool service) {
+    const LinkSettings& link = draft.settings.links[at];
+    if (!link.kind->encrypts) return;
+    LinkCertificates files = link.kind->listens ? link.as<TcpListenSettings>().tls : link.as<TcpSettings>().tls;
+    for (std::string* file : {&files.certificate, &files.key, &files.ca}) {
+        if (file->empty()) continue;
+        *file = seen_by(service, *file);
+        if (service && is_hidden(*file)) return;
+    }
+    TlsContext tls{files, TlsContext::Side::connects};
+    const auto read = tls.refresh();
+    const std::string fault = read ? tls_trouble(tls).text : read.error().text;
+    if (!fault.empty()) draft.warnings.push_back({draft.links[at].key("certificate"), "warning: " + fault});
+}
+
 void warn_of_tokens(Draft& draft, bool service) {
     const ControlSettings& control = draft.settings.control;
     if (control.token_file.empty() && (service || !network_needs_token(control.http->address.text(), ::geteuid()))) return;
@@ -44,6 +62,7 @@ void warn_of_tokens(Draft& draft, bool service) {
 }    // namespace
 
 void warn_of_door(Draft& draft, bool is_for_service) {
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) warn_of_link(draft, i, is_for_service);
     if (!draft.settings.control.http) return;
     warn_of_tls(draft, is_for_service);
     warn_of_tokens(draft, is_for_service);

@@ -1,4 +1,4 @@
-// Checks the files that the TCP access to the control interface needs.
+// Checks the files that the TCP access to the control interface and encrypted links need.
 #pragma once
 #include <config/config.hpp>
 

@@ -11,6 +11,8 @@
 namespace anogate {
 namespace {
 
+constexpr int max_lookups = 8;    // threads at a time
+
 struct Answer {
     std::vector<IpAddress> addresses{};
     std::string fault{};
@@ -71,6 +73,9 @@ void Resolver::resolve(const std::string& host, ano::TimePoint now, const void* 
     if (is_known) return done(query->addresses, {});
     query->waiting.emplace_back(asker, std::move(done));
     if (query->errand.is_running()) return;
+    const auto is_running = [](const auto& one) { return one.second->errand.is_running(); };
+    if (std::count_if(queries_.begin(), queries_.end(), is_running) >= max_lookups)
+        return query->tell({}, "the name servers do not answer: too many names are asked for already");
     query->asked_at = now;
     const auto answer = std::make_shared<Answer>();
     const auto work = [host, answer] { *answer = ask_system(host); };

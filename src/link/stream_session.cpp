@@ -146,18 +146,31 @@ bool StreamSession::write_raw_first() {
     return true;
 }
 
+// False: not all is written, or the wire is gone.
+bool StreamSession::write_held() {
+    const ssize_t n = write_some({});
+    if (n < 0 && errno != EAGAIN && errno != EINTR) {
+        failed(errno);
+        return false;
+    }
+    if (!holds_bytes()) return true;
+    channel_->outbox.set_congested();
+    descriptor_.when_writable([this] { write(); });
+    return false;
+}
+
 void StreamSession::write() {
-    if (is_opening_ || (!raw_.empty() && !write_raw_first())) return;
+    if (is_opening_ || (holds_bytes() && !write_held()) || (!raw_.empty() && !write_raw_first())) return;
     std::array<std::span<const std::uint8_t>, frames_per_write> frames;
     std::array<iovec, frames_per_write> pieces;
     Outbox& outbox = channel_->outbox;
     while (is_open() && !outbox.empty()) {
         const TimePoint now = context_.host.now();
         const std::size_t budget = pacing_.budget(outbox, now);
-        if (budget == 0) return;
+        if (budget == 0) break;
         const std::size_t count = outbox.gather(frames, now, budget);
         for (std::size_t i = 0; i < count; ++i) pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
-        if (count == 0) return;
+        if (count == 0) break;
         const ssize_t n = write_some(std::span{pieces}.first(count));
         if (n > 0) {
             if (tap_) [[unlikely]]
@@ -175,6 +188,7 @@ void StreamSession::write() {
             return failed(errno);
         }
     }
+    if (is_open() && holds_bytes()) write_held();
 }
 
 }    // namespace anogate

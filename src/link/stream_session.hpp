@@ -35,7 +35,7 @@ public:
     int fd() const noexcept { return descriptor_.fd(); }
     /// Sends the frames in the outbox: as many as can be written now, and the rest later.
     void write();
-    void close() noexcept;
+    virtual void close() noexcept;
 
     void pause_reading() { descriptor_.stop_reading(); }
     void resume_reading();
@@ -56,6 +56,8 @@ protected:
     /// As read() and writev(): return the number of bytes, 0 at the end of input, or -1 and errno.
     virtual ssize_t read_some(std::span<std::uint8_t> room);
     virtual ssize_t write_some(std::span<const iovec> pieces);
+    /// write_some() has taken bytes that the system has not: it is called again, also with nothing, when more can be written.
+    virtual bool holds_bytes() const { return false; }
     /// Bytes in the driver that are not on the wire yet; 0 where asking is expensive.
     virtual std::size_t held_by_driver() const { return 0; }
     /// A good frame came.
@@ -83,6 +85,7 @@ private:
     void begin_input();
     void read();
     void deliver();
+    bool write_held();
     bool write_raw_first();
     void tell_sent(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes);
 

@@ -153,6 +153,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     };
     f.is_over = state.link->is_over();
     f.listens = state.link->settings().kind->listens;
+    f.has_connections = f.listens && state.link->settings().kind->carries == Carries::bytes;
     f.channels = traffic.channels.size();
     f.waits_to_hear = !f.listens && hello_interval(state.link->settings()) == Duration{};
     f.for_hosts = (leads_hosts_to(gateway.settings(), state.link->name()) || has_heard_host(gateway, state.link->id())) &&

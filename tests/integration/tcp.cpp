@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -119,6 +120,18 @@ TEST_F(Tcp, a_peer_that_refuses_and_a_name_that_is_none_are_named_and_tried_agai
     TcpPeer fc;
     EXPECT_TRUE(accepts(*bridge, fc));
     EXPECT_TRUE(daemon->until_up("fc"));
+}
+
+// The kernel joins a socket to itself when the port that it gives to who connects is the one that is wanted.
+TEST_F(Tcp, a_link_does_not_connect_to_itself) {
+    ANOGATE_NEEDS_NAMESPACES();
+    const Namespace space;
+    const Inside inside{space};
+    std::ofstream{"/proc/sys/net/ipv4/ip_local_port_range"} << "40000 40001";
+    start({"tcp:127.0.0.1:40000,name=itself", "tcp:127.0.0.1:40001,name=too"});
+    daemon->run_for(2s);
+    EXPECT_EQ(daemon->link("itself").at("error_id"), "refused") << daemon->link("itself");
+    EXPECT_EQ(daemon->link("too").at("error_id"), "refused") << daemon->link("too");
 }
 
 TEST_F(Tcp, a_name_is_resolved_and_every_address_of_it_is_tried) {

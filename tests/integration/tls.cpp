@@ -1,6 +1,7 @@
 // Encrypted links: who is accepted, certificates that change, handshakes that never end, programs of others.
 #include <http/client/certificate.hpp>
 #include <link/tcp/tls_context.hpp>
+#include <support/namespaces.hpp>
 #include <support/process.hpp>
 #include <support/running_gateway.hpp>
 #include <support/tcp_peer.hpp>
@@ -155,6 +156,67 @@ TEST_F(Tls, junk_instead_of_a_handshake_ends_that_connection_alone) {
     const auto before = air->count("t", "frames_in");
     EXPECT_TRUE(air->until([&] { return air->count("t", "frames_in") > before; }));
     EXPECT_EQ(ground->count("l", "frames_in"), 0u);
+}
+
+// 48 KiB of it were sent, and the rest with the next frame, if one came.
+TEST_F(Tls, the_end_of_a_frame_that_a_slow_wire_does_not_take_at_once_arrives) {
+    ANOGATE_NEEDS_NAMESPACES();
+    make("gateway", "ca", {{"localhost"}, {"10.78.0.1"}});
+    const Namespace here, there;
+    here.join(there, "w0", "10.78.0.1/24", "10.78.0.2/24");
+    UdpPeer host, station;
+    {
+        const Inside inside{here};
+        ASSERT_EQ(run("tc qdisc add dev w0 root tbf rate 1mbit burst 4kb latency 400ms"), 0);
+        ground.emplace(loop, std::vector<std::string>{"tls-listen:10.78.0.1:0,name=l,max_data=60000" + pair("gateway") + ca(),
+                                                      "udp-listen:127.0.0.1:0,name=u,max_data=60000"});
+        ASSERT_TRUE(ground->until_up("l"));
+        host = UdpPeer{};
+    }
+    {
+        const Inside inside{there};
+        air.emplace(loop, std::vector<std::string>{"tls:10.78.0.1:" + std::to_string(ground->port("l")) +
+                                                       ",name=t,max_data=60000" + pair("vehicle") + ca(),
+                                                   "udp-listen:127.0.0.1:0,name=u,max_data=60000"});
+        ASSERT_TRUE(air->until_up("t")) << air->link("t");
+        station = UdpPeer{};
+    }
+    station.send(air->port("u"), vendor::who_are_you);
+    ASSERT_TRUE(air->until([&] { return ground->count("l", "frames_in") > 0; }));
+    const Bytes image = frame(0xDC, 0xFE, 0xF1, Bytes(60000));
+    host.send(ground->port("u"), image);
+    EXPECT_TRUE(air->until([&] { return air->count("t", "frames_in") == 1; })) << air->link("t");
+}
+
+TEST_F(Tls, a_server_that_says_nothing_does_not_delay_the_end) {
+    TcpListener silent;
+    Daemon daemon{ANOGATED, dir / "s", {"tls:127.0.0.1:" + std::to_string(silent.port()) + ",name=t,verify=none"}};
+    ASSERT_TRUE(daemon.until_answers());
+    TcpPeer accepted;
+    ASSERT_TRUE(wait_until([&] { return silent.accept(accepted) && !accepted.heard().empty(); }) ||
+                wait_until([&] { return !accepted.heard().empty(); }));
+    const auto start = ano::Clock::now();
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(), 0);
+    EXPECT_LT(ano::Clock::now() - start, 3s);
+}
+
+TEST_F(Tls, files_that_can_not_be_used_any_more_are_told_and_the_ones_before_go_on) {
+    listen(ca());
+    std::filesystem::permissions(dir / "gateway-key.pem", std::filesystem::perms{0644});
+    air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
+    ASSERT_TRUE(air->until_up("t")) << air->link("t");
+    const std::string error = ground->link("l").at("error");
+    EXPECT_NE(error.find("chmod o="), std::string::npos) << error;
+    EXPECT_NE(error.find("are used until a restart"), std::string::npos) << error;
+}
+
+TEST_F(Tls, a_port_is_down_while_its_certificate_can_not_be_used) {
+    ground.emplace(loop, std::vector<std::string>{"tls-listen:127.0.0.1:0,name=l" + pair("later") + ca()});
+    EXPECT_TRUE(ground->until([&] { return ground->link("l").at("error_id") == "tls"; })) << ground->link("l");
+    EXPECT_FALSE(ground->up("l"));
+    make("later", "ca", {{"localhost"}, {}});
+    EXPECT_TRUE(ground->until_up("l"));
 }
 
 TEST_F(Tls, the_client_of_openssl_connects) {

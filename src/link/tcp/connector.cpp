@@ -85,7 +85,9 @@ void Connector::try_next() {
 
 // The descriptor can't be taken out of its own callback: the connection goes on with a copy.
 void Connector::has_ended(Try& attempt) {
-    const int error = connect_error(attempt.descriptor.fd());
+    int error = connect_error(attempt.descriptor.fd());
+    // Where nothing listens at a port that the kernel gives to who connects, it may join a socket to itself.
+    if (error == 0 && local_endpoint(attempt.descriptor.fd()) == attempt.endpoint) error = ECONNREFUSED;
     UniqueFd fd{error == 0 ? ::fcntl(attempt.descriptor.fd(), F_DUPFD_CLOEXEC, 0) : -1};
     const int why = error == 0 ? errno : error;
     if (fd) {

@@ -10,7 +10,9 @@ void check_pair(const LinkCertificates& files, LinkFaults& faults) {
     else faults.error("certificate", "'key' needs its 'certificate'");
 }
 
-LinkError expiry_trouble(std::optional<std::int64_t> days_left) {
+LinkError tls_trouble(const TlsContext& tls) {
+    if (!tls.fault().empty()) return {"tls", tls.fault() + "; the certificates of before are used until a restart", {}};
+    const auto days_left = tls.days_left();
     constexpr std::int64_t soon = 14;
     if (!days_left || *days_left > soon) return {};
     const std::string days = std::to_string(*days_left);

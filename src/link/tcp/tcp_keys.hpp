@@ -3,12 +3,13 @@
 #include <config/link_kind.hpp>
 #include <link/link_error.hpp>
 #include <link/tcp/tcp_settings.hpp>
+#include <link/tcp/tls_context.hpp>
 
-#include <cstdint>
-#include <optional>
 #include <string_view>
 
 namespace anogate {
+
+inline constexpr Duration files_looked_at = std::chrono::seconds{60};    // for new certificates
 
 inline constexpr std::string_view dead_after_help =
     "a connection is closed when the other end is silent or acknowledges nothing for so long";
@@ -19,7 +20,7 @@ inline constexpr std::string_view ca_help =
 
 /// An error if there is a certificate without a key, or a key without a certificate.
 void check_pair(const LinkCertificates& files, LinkFaults& faults);
-/// The error of a certificate that expires within 14 days; empty: it does not.
-LinkError expiry_trouble(std::optional<std::int64_t> days_left);
+/// The error of files that can't be used any more, or of a certificate that expires within 14 days; empty: neither.
+LinkError tls_trouble(const TlsContext& tls);
 
 }    // namespace anogate

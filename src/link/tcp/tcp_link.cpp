@@ -28,7 +28,8 @@ TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                      connector_.start();
                      return {};
                  },
-                 Backoff::network} {
+                 Backoff::network},
+      look_at_files_{context.alarms, [this] { look_at_files(); }, std::chrono::seconds{5}} {
     if (this->settings().kind->encrypts)
         tls_ = std::make_unique<TlsContext>(this->settings().as<TcpSettings>().tls, TlsContext::Side::connects);
 }
@@ -44,8 +45,15 @@ void TcpLink::connected(UniqueFd fd, const Endpoint& peer) {
     open(std::move(fd), *channel_);
 }
 
+// The status and metrics tell of new certificates although the connection stays.
+void TcpLink::look_at_files() {
+    (void)tls_->refresh();    // see tls_trouble()
+    look_at_files_.set(context_.host.now() + files_looked_at);
+}
+
 void TcpLink::start() {
     channel_ = context_.host.open_channel(*this, tcp_peer(settings()).text());
+    if (tls_) look_at_files();
     reconnect_.start();
 }
 
@@ -78,26 +86,28 @@ void TcpLink::fail(LinkError why) {
 
 void TcpLink::stop_reading() {
     pause_reading();
+    look_at_files_.cancel();
     connector_.stop();
     reconnect_.stop();
 }
 
 void TcpLink::stop() {
+    look_at_files_.cancel();
     connector_.stop();
     reconnect_.stop();
     close();
 }
 
-LinkError TcpLink::trouble() const { return tls_ ? expiry_trouble(tls_->days_left()) : LinkError{}; }
+LinkError TcpLink::trouble() const { return tls_ ? tls_trouble(*tls_) : LinkError{}; }
 
-std::size_t TcpLink::unsent() const { return is_open() ? unacknowledged(fd()) : 0; }
+std::size_t TcpLink::unsent() const { return not_acknowledged(); }
 
 LinkFacts TcpLink::facts() const {
     LinkFacts facts{{"peer", tcp_peer(settings()).text()}};
     if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     if (!is_open()) return facts;
     facts.push_back({"address", connected_to_});
-    facts.push_back({"unacknowledged_ms", std::int64_t{unacknowledged_for(fd()).count()}});
+    facts.push_back({"unacknowledged_ms", std::int64_t{not_acknowledged_for().count()}});
     return facts;
 }
 

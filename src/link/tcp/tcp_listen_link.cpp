@@ -19,7 +19,9 @@ namespace anogate {
 namespace {
 
 constexpr int accepts_per_turn = 16;
-constexpr int max_handshakes = 16;    // at a time
+constexpr int max_handshakes = 16;                               // at a time
+constexpr int max_handshakes_per_address = 4;                    // so that one that never ends them keeps nobody out
+constexpr Duration refusals_shown = std::chrono::minutes{10};    // what happened once is no trouble for good
 constexpr Duration accept_pause = std::chrono::seconds{1};
 constexpr Duration one_exchange = std::chrono::seconds{1};    // so long a device may be silent within a conversation
 
@@ -47,6 +49,8 @@ public:
     TimePoint heard_at() const { return heard_at_; }
     bool is_opened() const { return is_opened_; }
     using StreamSession::channel;
+    using TcpSession::not_acknowledged;
+    using TcpSession::not_acknowledged_for;
 
     const ChannelId id;
     const IpAddress address;
@@ -56,13 +60,13 @@ private:
     void opened() override {
         is_opened_ = true;
         link_.accept_on();
-        pacing().start(link_.settings().rate, link_.settings().latency);
+        pacing().start(link_.settings().rate, link_.settings().latency, link_.settings().gap);
         resume_reading();
         link_.context_.host.link_up(link_);    // for the new channel
     }
     void take(ano::FrameView frame) override {
         heard_at_ = context_.host.now();
-        if (!heard_[frame.source()]) link_.heard_first(*this, frame.source());
+        if (!heard_[frame.source()] || has_rival_) has_rival_ = link_.has_rival(*this, frame.source());
         heard_.set(frame.source());
         StreamSession::take(frame);
     }
@@ -70,6 +74,7 @@ private:
     void failed(int) override {
         if (!is_opened_ && !tls_fault().empty()) {
             ++link_.handshakes_failed_;
+            link_.failed_at_ = link_.context_.host.now();
             link_.last_fault_ = tls_fault();
         }
         link_.end(*this);
@@ -77,6 +82,7 @@ private:
 
     bool is_trusted_;
     bool is_opened_ = false;
+    bool has_rival_ = false;    // another connection of the same device, which is not silent yet
     TcpListenLink& link_;
     std::bitset<256> heard_;    // the senders of its frames
     TimePoint heard_at_{};
@@ -89,7 +95,8 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       reconnect_{context, *this, [this] { return open(); }},
       places_{tcp_places(this->settings().as<TcpListenSettings>())},
       sweep_{context.alarms, [this] { ended_.clear(); }},
-      accept_again_{context.alarms, [this] { accept_on(); }} {
+      accept_again_{context.alarms, [this] { accept_on(); }},
+      look_at_files_{context.alarms, [this] { look_at_files(); }, std::chrono::seconds{5}} {
     if (this->settings().kind->encrypts)
         tls_ = std::make_unique<TlsContext>(this->settings().as<TcpListenSettings>().tls, TlsContext::Side::listens);
 }
@@ -105,8 +112,15 @@ Opened<void> TcpListenLink::open() {
     local_ = local_endpoint(socket->get());
     listener_.open(std::move(*socket));
     listener_.read_with([this] { accept(); });
+    if (tls_) look_at_files_.set(context_.host.now() + files_looked_at);
     context_.host.link_up(*this);
     return {};
+}
+
+// The status and metrics tell of new certificates although nobody connects.
+void TcpListenLink::look_at_files() {
+    (void)tls_->refresh();    // see tls_trouble()
+    look_at_files_.set(context_.host.now() + files_looked_at);
 }
 
 // Without a descriptor for it the next connection would be reported again and again.
@@ -131,6 +145,11 @@ bool TcpListenLink::handshakes_are_many() const {
     return tls_ && std::count_if(connections_.begin(), connections_.end(), is_shaking_hands) >= max_handshakes;
 }
 
+bool TcpListenLink::handshakes_are_many_of(const IpAddress& address) const {
+    const auto is_one = [&](const auto& one) { return !one->is_opened() && one->address == address; };
+    return tls_ && std::count_if(connections_.begin(), connections_.end(), is_one) >= max_handshakes_per_address;
+}
+
 void TcpListenLink::accept_on() {
     if (listener_.is_open() && !is_ending_ && !accept_again_.is_set()) listener_.read_with([this] { accept(); });
 }
@@ -142,21 +161,16 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
         ++outsiders_;
         return;
     }
-    if (!make_place(peer.address, now)) {
-        ++no_place_;
-        return;
-    }
+    if (handshakes_are_many_of(peer.address) || !make_place(peer.address, now)) return refuse_place(now);
     Channel* const channel = context_.host.open_channel(*this, peer.text());
-    if (!channel) {
-        ++no_place_;
-        return;
-    }
+    if (!channel) return refuse_place(now);
     set_tcp_options(fd.get(), tcp.dead_after);
     std::shared_ptr<TlsConnection> encrypted;
     if (tls_) {
         auto made = tls_->connection(fd.get(), {});
         if (!made) {
             ++handshakes_failed_;
+            failed_at_ = now;
             last_fault_ = made.error().text;
             return context_.host.close_channel(*channel);
         }
@@ -175,6 +189,11 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
     ++no_memory_;
 }
 
+void TcpListenLink::refuse_place(TimePoint now) {
+    ++no_place_;
+    no_place_at_ = now;
+}
+
 bool TcpListenLink::make_place(const IpAddress& address, TimePoint now) {
     const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
     std::vector<ConnectionPlaces::Connection> all;
@@ -191,16 +210,19 @@ bool TcpListenLink::is_allowed(const IpAddress& address, TimePoint now) {
     return tcp.allow.empty() && networks_.contain(address, now);
 }
 
-// A device that restarts connects anew, while its old connection seems to stand: it leads nowhere. Hosts share their addresses.
-void TcpListenLink::heard_first(const Connection& from, std::uint8_t source) {
-    if (ano::address::is_host(source)) return;
+// A device that restarts connects anew, while its old connection seems to stand: it leads nowhere, and ends once it has been silent for a
+// while. Hosts share their addresses. True: there is one that is not silent.
+bool TcpListenLink::has_rival(const Connection& from, std::uint8_t source) {
+    if (ano::address::is_host(source)) return false;
+    bool has = false;
     const TimePoint now = context_.host.now();
     for (std::size_t i = connections_.size(); i-- > 0;) {
         Connection& other = *connections_[i];
-        if (&other != &from && other.address == from.address && other.since <= from.since && other.has_heard(source) &&
-            now - other.heard_at() >= one_exchange)
-            end(other);
+        if (&other == &from || other.address != from.address || other.since > from.since || !other.has_heard(source)) continue;
+        if (now - other.heard_at() >= one_exchange) end(other);
+        else has = true;
     }
+    return has;
 }
 
 void TcpListenLink::end(Connection& connection) {
@@ -230,6 +252,7 @@ void TcpListenLink::flush(Channel& channel) {
 
 void TcpListenLink::stop_reading() {
     is_ending_ = true;
+    look_at_files_.cancel();
     listener_.stop_reading();
     accept_again_.cancel();
     reconnect_.stop();
@@ -239,6 +262,7 @@ void TcpListenLink::stop_reading() {
 void TcpListenLink::stop() {
     reconnect_.stop();
     accept_again_.cancel();
+    look_at_files_.cancel();
     sweep_.cancel();
     listener_.close();
     connections_.clear();
@@ -247,7 +271,7 @@ void TcpListenLink::stop() {
 
 std::size_t TcpListenLink::unsent() const {
     std::size_t bytes = 0;
-    for (const auto& one : connections_) bytes += unacknowledged(one->fd());
+    for (const auto& one : connections_) bytes += one->not_acknowledged();
     return bytes;
 }
 
@@ -256,21 +280,22 @@ LinkFacts TcpListenLink::facts() const {
     LinkFacts facts{{"address", listener_.is_open() ? local_.text() : written.text()},
                     {"port", std::int64_t{listener_.is_open() ? local_.port : written.port}}};
     std::chrono::milliseconds oldest{};
-    for (const auto& one : connections_) oldest = std::max(oldest, unacknowledged_for(one->fd()));
+    for (const auto& one : connections_) oldest = std::max(oldest, one->not_acknowledged_for());
     if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     if (listener_.is_open()) facts.push_back({"unacknowledged_ms", std::int64_t{oldest.count()}});
     return facts;
 }
 
 LinkError TcpListenLink::trouble() const {
-    if (const std::string count = std::to_string(no_place_); no_place_ > 0)
+    const auto is_recent = [now = context_.host.now()](TimePoint at) { return now - at < refusals_shown; };
+    if (LinkError files = tls_ ? tls_trouble(*tls_) : LinkError{}; !files.text.empty()) return files;
+    if (const std::string count = std::to_string(no_place_); no_place_ > 0 && is_recent(no_place_at_))
         return {"no_place", count + " connections were refused: all places are taken", {{"count", count}}};
     if (const std::string count = std::to_string(no_memory_); no_memory_ > 0)
         return {"no_memory",
                 count + " connections were refused: there was too little memory, or no file descriptor",
                 {{"count", count}}};
-    if (LinkError expiry = tls_ ? expiry_trouble(tls_->days_left()) : LinkError{}; !expiry.text.empty()) return expiry;
-    if (handshakes_failed_ > 0)
+    if (handshakes_failed_ > 0 && is_recent(failed_at_))
         return {"tls", std::to_string(handshakes_failed_) + " connections were refused, the last: " + last_fault_, {}};
     if (outsiders_ == 0 || !connections_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};

@@ -32,13 +32,16 @@ private:
     class Connection;
 
     Opened<void> open();
+    void look_at_files();
     void accept();
     bool handshakes_are_many() const;
+    bool handshakes_are_many_of(const IpAddress& address) const;
+    void refuse_place(TimePoint now);
     void accept_on();
     void admit(UniqueFd fd, const Endpoint& peer);
     bool make_place(const IpAddress& address, TimePoint now);
     bool is_allowed(const IpAddress& address, TimePoint now);
-    void heard_first(const Connection& from, std::uint8_t source);
+    bool has_rival(const Connection& from, std::uint8_t source);
     void end(Connection& connection);
     void end(ChannelId channel);
 
@@ -53,8 +56,10 @@ private:
     Alarm sweep_;
     Alarm accept_again_;                 // while there is no descriptor or memory for another connection
     std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
+    Alarm look_at_files_;
     bool is_ending_ = false;
     std::string last_fault_;    // of a handshake that failed
+    TimePoint no_place_at_{}, failed_at_{};
     std::uint64_t no_place_ = 0, no_memory_ = 0, outsiders_ = 0, handshakes_failed_ = 0;
 };
 

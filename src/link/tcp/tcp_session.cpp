@@ -27,6 +27,14 @@ void TcpSession::encrypt_by(std::shared_ptr<TlsConnection> tls) {
     handshake_ends_.cancel();
 }
 
+void TcpSession::close() noexcept {
+    handshake_ends_.cancel();
+    read_on_.cancel();
+    step_.stop(ano::TimePoint::min());
+    outstanding_ = 0;
+    StreamSession::close();
+}
+
 std::string TcpSession::tls_fault() const {
     if (!tls_) return {};
     return is_late_ ? "the handshake was not finished within 10 s" : tls_->fault();
@@ -48,6 +56,19 @@ StreamSession::Opening TcpSession::go_on_opening() {
     return Opening::failed;
 }
 
+std::size_t TcpSession::not_acknowledged() const {
+    if (!is_open()) return 0;
+    return unacknowledged(fd()) + (tls_ && !is_opening() ? tls_->unsent() : 0);
+}
+
+std::chrono::milliseconds TcpSession::not_acknowledged_for() const {
+    const std::size_t now_outstanding = not_acknowledged();
+    const TimePoint now = context_.host.now();
+    if (now_outstanding < outstanding_ || outstanding_ == 0) outstanding_since_ = now;
+    outstanding_ = now_outstanding;
+    return std::chrono::duration_cast<std::chrono::milliseconds>(outstanding_ == 0 ? Duration{} : now - outstanding_since_);
+}
+
 bool TcpSession::begin_step() {
     const auto result = std::make_shared<TlsConnection::Handshake>(TlsConnection::Handshake::failed);
     return step_.run([tls = tls_, result] { *result = tls->go_on(); },
@@ -66,8 +87,9 @@ ssize_t TcpSession::read_some(std::span<std::uint8_t> room) {
 }
 
 ssize_t TcpSession::write_some(std::span<const iovec> pieces) {
+    not_acknowledged_for();
     std::size_t bytes = not_sent(fd());
-    if (bytes >= max_not_sent) {
+    if (bytes >= max_not_sent && !pieces.empty()) {
         errno = EAGAIN;
         return -1;
     }

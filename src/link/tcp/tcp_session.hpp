@@ -4,6 +4,7 @@
 #include <link/tcp/tls_context.hpp>
 #include <sys/errand.hpp>
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@ public:
 
     /// To be called before each open(): how it is encrypted; nullptr: it is not.
     void encrypt_by(std::shared_ptr<TlsConnection> tls);
+    void close() noexcept override;
     /// Why the handshake failed, or the other end ended it all; empty: neither.
     std::string tls_fault() const;
 
@@ -28,6 +30,12 @@ protected:
     /// Keeps what the kernel has not sent below about 2 KiB, so that urgent frames pass in our queue. The socket option for that
     /// (TCP_NOTSENT_LOWAT) delays only the event that it can be written: a write beyond it is still taken.
     ssize_t write_some(std::span<const iovec> pieces) override;
+    bool holds_bytes() const override { return tls_ && tls_->unsent() > 0; }
+    /// Bytes that the other end has not acknowledged.
+    std::size_t not_acknowledged() const;
+    /// For how long data waits of which nothing was acknowledged meanwhile; zero: none waits. Answers to the probes of a closed window
+    /// acknowledge nothing.
+    std::chrono::milliseconds not_acknowledged_for() const;
 
 private:
     bool begin_step();
@@ -37,6 +45,8 @@ private:
     std::optional<TlsConnection::Handshake> handshake_;    // what the last step came to
     bool is_late_ = false;                                 // the handshake took too long
     Alarm handshake_ends_, read_on_;
+    mutable std::size_t outstanding_ = 0;    // bytes, as last seen
+    mutable TimePoint outstanding_since_{};
 };
 
 }    // namespace anogate

@@ -92,11 +92,4 @@ std::size_t not_sent(int fd) noexcept { return queued(fd, SIOCOUTQNSD); }
 
 std::size_t unacknowledged(int fd) noexcept { return queued(fd, SIOCOUTQ); }
 
-std::chrono::milliseconds unacknowledged_for(int fd) noexcept {
-    tcp_info info{};
-    socklen_t size = sizeof info;
-    if (unacknowledged(fd) == 0 || ::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
-    return std::chrono::milliseconds{std::min(info.tcpi_last_ack_recv, info.tcpi_last_data_sent)};
-}
-
 }    // namespace anogate

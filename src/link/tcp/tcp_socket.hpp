@@ -36,7 +36,5 @@ Accepted accept_tcp(int listener) noexcept;
 std::size_t not_sent(int fd) noexcept;
 /// Bytes that were given to the kernel, and the other end has not acknowledged.
 std::size_t unacknowledged(int fd) noexcept;
-/// For how long nothing was acknowledged of them; zero: nothing is outstanding.
-std::chrono::milliseconds unacknowledged_for(int fd) noexcept;
 
 }    // namespace anogate

@@ -20,6 +20,7 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t most_per_write = 16 * 1024;
+constexpr int records_per_read = 32;
 
 using Context = std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)>;
 
@@ -81,13 +82,15 @@ struct TlsConnection::Parts {
     std::unique_ptr<SSL, void (*)(SSL*)> ssl{nullptr, ::SSL_free};
     std::vector<std::uint8_t> taken{};    // given to OpenSSL, and not on the wire yet: it must get the same bytes again
     std::string fault{};
+    bool has_more = false;    // read() has left off before the socket had no more
 };
 
 TlsConnection::TlsConnection(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
 TlsConnection::~TlsConnection() = default;
 
 const std::string& TlsConnection::fault() const noexcept { return parts_->fault; }
-bool TlsConnection::has_more() const noexcept { return ::SSL_pending(parts_->ssl.get()) > 0; }
+bool TlsConnection::has_more() const noexcept { return parts_->has_more || ::SSL_pending(parts_->ssl.get()) > 0; }
+std::size_t TlsConnection::unsent() const noexcept { return parts_->taken.size(); }
 
 TlsConnection::Handshake TlsConnection::go_on() {
     ::ERR_clear_error();
@@ -114,17 +117,19 @@ TlsConnection::Handshake TlsConnection::go_on() {
     return Handshake::failed;
 }
 
-// Records are read until the room is full, since the socket does not report what OpenSSL has read of it.
+// Not more than some records, as each may be of one byte.
 ssize_t TlsConnection::read(std::span<std::uint8_t> room) {
     ::ERR_clear_error();
     std::size_t size = 0;
-    while (size < room.size()) {
+    parts_->has_more = true;
+    for (int records = 0; size < room.size() && records < records_per_read; ++records) {
         std::size_t more = 0;
         const int result = ::SSL_read_ex(parts_->ssl.get(), room.data() + size, room.size() - size, &more);
         size += more;
         if (result == 1) continue;
         const int error = errno;
         const int what = ::SSL_get_error(parts_->ssl.get(), result);
+        parts_->has_more = false;
         if (what == SSL_ERROR_SSL)
             parts_->fault = openssl_fault();    // an alert of the other end: it does not accept our certificate
         ::ERR_clear_error();
@@ -176,7 +181,10 @@ TlsContext::~TlsContext() = default;
 // While a pair of files is being replaced, the one before goes on.
 Opened<void> TlsContext::refresh() {
     const Times times = times_of(files_);
-    if (loaded_ && are_equal(loaded_->times, times)) return {};
+    if (loaded_ && are_equal(loaded_->times, times)) {
+        fault_.clear();
+        return {};
+    }
     const auto fresh = std::make_shared<Loaded>();
     fresh->times = times;
     fresh->context.reset(::SSL_CTX_new(side_ == Side::listens ? ::TLS_server_method() : ::TLS_client_method()));
@@ -191,6 +199,7 @@ Opened<void> TlsContext::refresh() {
     ::ERR_clear_error();
     std::string fault = fault_of_files(files_);
     if (fault.empty()) fault = use_files(context, files_);
+    fault_ = fault;
     if (!fault.empty() && loaded_) return {};
     if (!fault.empty()) return NotOpened{LinkError{"tls", fault, {}}};
     const std::array<unsigned char, 8> id{'a', 'n', 'o', 'g', 'a', 't', 'e', 0};

@@ -31,7 +31,9 @@ public:
     /// As read() and writev(). What write() has taken may still wait here; the next call sends it first.
     ssize_t read(std::span<std::uint8_t> room);
     ssize_t write(std::span<const iovec> pieces);
-    /// Bytes that were received and decrypted wait to be read: the socket does not report them.
+    /// Of what write() has taken: bytes that wait here.
+    std::size_t unsent() const noexcept;
+    /// More may be there although the socket reports nothing.
     bool has_more() const noexcept;
 
 private:
@@ -49,8 +51,10 @@ public:
 
     /// For a connected socket. `host`: the name or address that the other end's certificate must have; empty: any.
     Opened<std::shared_ptr<TlsConnection>> connection(int fd, const std::string& host);
-    /// Reads the files when they have changed.
+    /// Reads the files when they have changed. Those that can't be used now don't replace the ones before: see fault().
     Opened<void> refresh();
+    /// Why the files can't be used as they are now; empty: they can.
+    const std::string& fault() const noexcept { return fault_; }
     /// Full days until our certificate expires, below zero when it has; std::nullopt: there is none.
     std::optional<std::int64_t> days_left() const;
 
@@ -60,6 +64,7 @@ private:
     LinkCertificates files_;
     Side side_;
     std::shared_ptr<const Loaded> loaded_;
+    std::string fault_;
 };
 
 }    // namespace anogate

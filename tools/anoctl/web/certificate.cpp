@@ -8,6 +8,7 @@
 #include <ano_json/text.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <ostream>
@@ -29,13 +30,13 @@ struct CertificateCommand {
         const std::string whose = name.empty() ? computer.name : name;
         const bool is_file_name = !whose.empty() && whose.front() != '.' && whose.find('/') == std::string::npos;
         if (!is_file_name) throw UsageError{ano::in_quotes(whose) + " is not the name of a computer"};
-        const fs::path folder = fs::absolute(into.value_or(certificate_folder()));
+        const fs::path folder = fs::absolute(into.value_or(certificate_folder())).lexically_normal();
         if (!fs::is_directory(folder)) throw Failure{"there is no folder " + folder.string() + "; give another one by --into"};
 
         const CertificateFiles authority{folder / "ca.pem", folder / "ca-key.pem"};
         const CertificateFiles made{folder / (whose + ".pem"), folder / (whose + "-key.pem")};
         const bool is_new = !fs::exists(authority.certificate);
-        if (is_new) must(make_authority("anogate", authority));
+        if (is_new) must(make_authority(name_of_authority(computer.name), authority));
         must(make_signed_certificate(whose == computer.name ? names_for(computer) : names_of_another(whose), made, authority));
         give_to_service(made.key);
         tell(authority, made, is_new, streams.out);
@@ -43,6 +44,11 @@ struct CertificateCommand {
     }
 
 private:
+    /// Another one each time: a certificate of another authority is told by its name, not only by a signature that does not fit.
+    static std::string name_of_authority(const std::string& computer) {
+        const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+        return "anogate " + computer.substr(0, 40) + ' ' + std::to_string(now.time_since_epoch().count());
+    }
     static void must(const anogate::Expected<void>& done) {
         if (!done) throw Failure{done.error()};
     }
