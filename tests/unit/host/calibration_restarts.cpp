@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
 
 namespace ano::host::calibration_restarts_tests {
 namespace {
@@ -415,6 +417,107 @@ TEST(CalibrationRestarts, at_any_time_never_leave_a_wrong_calibration) {
                 }
             }
     EXPECT_GT(good, 20 * undone) << good << ' ' << undone;
+}
+
+// Whose old calibration is right: then each new one that is made of corrected samples is worse.
+const std::array<CalibrationBench::Sensor, 5> sensors{{{{}, {1 / 1.05, 1, 1}},
+                                                       {{}, {1 / 1.02, 1, 1}},
+                                                       {{1, -1, 2}, {1 / 1.01, 1 / 0.99, 1}},
+                                                       {{12, -9, 15}, {1 / 1.01, 1 / 0.99, 1}},
+                                                       {{25, -18, 40}, {1.02, 0.985, 1.01}}}};
+
+void has_right_values(CalibrationBench& bench, const std::string& what) {
+    const auto old = bench.flash;
+    bench.run();
+    ASSERT_TRUE(bench.task.end()) << what;
+    if (bench.task.end()->ending == Ending::done) {
+        ASSERT_LT(bench.worst_face(), 2) << what;
+    } else {
+        ASSERT_EQ(bench.flash, old) << what << ": " << bench.task.end()->what;
+    }
+}
+
+TEST(CalibrationRestarts, a_clear_that_is_acknowledged_and_ignored_never_leaves_wrong_values) {
+    for (const auto& sensor : sensors) {
+        CalibrationBench bench;
+        bench.make_right(sensor);
+        bench.ignores_the_clear = true;
+        has_right_values(bench, "ignored");
+        ASSERT_TRUE(bench.task.end());
+        EXPECT_EQ(bench.task.end()->ending, Ending::failed);
+    }
+}
+
+TEST(CalibrationRestarts, a_clear_that_only_the_parameters_show_never_leaves_wrong_values) {
+    for (const auto& sensor : sensors) {
+        CalibrationBench bench;
+        bench.make_right(sensor);
+        bench.uses_the_clear = false;
+        has_right_values(bench, "only in the parameters");
+    }
+}
+
+TEST(CalibrationRestarts, a_calibration_that_is_partly_right_is_not_made_worse_by_an_ignored_clear) {
+    CalibrationBench bench;
+    bench.sensor = {{}, {1 / 1.05, 1, 1}};
+    bench.flash = {0, 15, 0, 1.05f, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    bench.load_flash();
+    const double before = bench.worst_face();
+    bench.ignores_the_clear = true;
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_EQ(bench.task.end()->ending, Ending::failed);
+    EXPECT_EQ(bench.worst_face(), before);
+}
+
+TEST(CalibrationRestarts, one_behind_each_clear_never_leaves_wrong_values) {
+    for (const auto& sensor : sensors)
+        for (const bool shows : {true, false}) {
+            CalibrationBench bench;
+            bench.make_right(sensor);
+            bench.shows_the_clear = shows;
+            std::ptrdiff_t seen = 0;
+            bench.each_step = [&] {
+                if (std::exchange(seen, clears(bench)) != clears(bench)) bench.restart(0s);
+            };
+            has_right_values(bench, shows ? "shown" : "not shown");
+        }
+}
+
+TEST(CalibrationRestarts, a_short_one_of_a_device_that_does_not_show_the_clear_never_leaves_wrong_values) {
+    int good = 0, undone = 0;
+    for (const auto& sensor : sensors)
+        for (Duration at = 300ms; at < 15s; at += support::sanitized ? 1500ms : 500ms) {
+            CalibrationBench bench;
+            bench.make_right(sensor);
+            bench.flash[0] += 5;    // it is to be calibrated
+            bench.load_flash();
+            bench.shows_the_clear = false;
+            const TimePoint when = bench.now + at;
+            bool is_done = false;
+            bench.each_step = [&] {
+                if (bench.now >= when && !std::exchange(is_done, true)) bench.restart(200ms);
+            };
+            has_right_values(bench, std::to_string(at / 1ms) + " ms");
+            (bench.task.end()->ending == Ending::done ? good : undone) += 1;
+        }
+    EXPECT_GT(good, 0);
+    EXPECT_GT(undone, 0);
+}
+
+// It stores thousandths: an old calibration that is right stays.
+TEST(CalibrationRestarts, values_that_are_rounded_to_worse_ones_are_not_stored) {
+    for (const std::int32_t mul : {100, 1000}) {
+        CalibrationBench bench;
+        bench.sensor = {{3, -2, 1}, {1 / 1.02, 1 / 0.98, 1}};
+        bench.flash = {3, -2, 1, 1.02f, 0.98f, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+        bench.make_scaled(mul);
+        bench.load_flash();
+        const double before = bench.worst_face();
+        bench.run();
+        ASSERT_TRUE(bench.task.end());
+        EXPECT_LE(bench.worst_face(), before + 0.1) << mul << ' ' << bench.task.end()->what;
+    }
 }
 
 }    // namespace
