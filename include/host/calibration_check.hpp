@@ -34,6 +34,8 @@ public:
     double promised() const noexcept { return promised_; }
     /// cm/s², without the noise of the samples.
     static constexpr double limit(double promised) noexcept { return times_promised * promised + resolution; }
+    /// cm/s², by which two residuals over all faces may differ by rounding.
+    static constexpr double margin = resolution / 2;
 
 private:
     Face face_;
@@ -60,6 +62,8 @@ public:
     double promised() const noexcept { return promised_; }
     /// As a share of the field.
     static constexpr double limit(double promised) noexcept { return times_promised * promised + tolerance; }
+    /// As a share of the field, by which two residuals over the sphere may differ by noise.
+    static constexpr double margin = tolerance / 4;
 
 private:
     double strength_;

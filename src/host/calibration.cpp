@@ -485,8 +485,9 @@ void Calibration::prove(const Samples& samples, TimePoint now) {
     const double with_new = samples.residual(Found{}), best = samples.fit(Found{}).after;
     const double with_old = samples.residual(calibration_of<Found>(old_), calibration_of<Found>(new_));
     proof_ = with_new;
-    const bool is_best = best < Samples::max_residual && with_new <= CheckOf<Found>::limit(best);
-    if (is_best && !(with_new >= with_old)) return check_parameters(now);
+    using Check = CheckOf<Found>;
+    const bool is_best = best < Samples::max_residual && with_new <= Check::times_promised * best + Check::margin;
+    if (is_best && !(with_new > with_old + Check::margin)) return check_parameters(now);
     restore({Ending::failed,
              "not verified: with the new values it is off by " + error_text(with_new, sensor_) + " on all sides, " +
                  (is_best ? "with the old ones by " + error_text(with_old, sensor_)
