@@ -66,11 +66,14 @@ std::string why_too_coarse(const Samples& samples, const Fit<Found>& fit, const 
     const double after = samples.residual(stored);
     if (!(after <= CheckOf<Found>::limit(fit.after) && after < Samples::max_residual))
         return "the device can store the new values too coarsely only";
+    const auto words = [&](const char* what, double would_be, double is) {
+        return "as the device stores the new values, " + std::string{what} + " would be " + error_text(would_be, sensor) +
+               ", and is " + error_text(is, sensor);
+    };
+    if (after >= fit.before) return words("the residual", after, fit.before);
     const double most = worst_of(samples, stored), most_before = worst_of(samples, old);
     const bool is_rounded = stored.values() != fit.calibration->values();
-    if (!(after >= fit.before) && !(is_rounded && most > most_before)) return {};
-    return "the device stores the new values rounded, and is off by up to " + error_text(most, sensor) + " with them, by up to " +
-           error_text(most_before, sensor) + " with the old ones";
+    return is_rounded && most > most_before ? words("the largest error", most, most_before) : std::string{};
 }
 
 }    // namespace
@@ -390,8 +393,7 @@ Progress Calibration::progress() const noexcept {
 }
 
 void Calibration::fit(TimePoint now) {
-    if (sensor_ == Sensor::accelerometer)
-        return use(faces_, faces_.fit(calibration_of<AccelerometerCalibration>(old_)), now);
+    if (sensor_ == Sensor::accelerometer) return use(faces_, faces_.fit(calibration_of<AccelerometerCalibration>(old_)), now);
     use(sphere_, sphere_.fit(calibration_of<CompassCalibration>(old_)), now);
 }
 
@@ -412,8 +414,7 @@ void Calibration::use(const Samples& samples, const Fit<Found>& fit, TimePoint n
     new_ = named(fit.calibration->values());
     const auto stored = calibration_of<Found>(new_);
     residuals_->second = samples.residual(stored);
-    if (const std::string why = why_too_coarse(samples, fit, calibration_of<Found>(old_), stored, sensor_);
-        !why.empty())
+    if (const std::string why = why_too_coarse(samples, fit, calibration_of<Found>(old_), stored, sensor_); !why.empty())
         return restore({Ending::failed, "rejected: " + why, {}}, now);
     make_check(stored);
     if (keeps_new_) return enter(Step::keep_new, now);

@@ -175,9 +175,10 @@ std::string drop_note(const WorkPlace& place, const std::string& name, Unit unit
     const std::string text = *place.notes.find(name);
     const bool is_alike = unit == Unit::alike;
     place.notes.drop(name, is_alike ? "removed: it may be of another unit" : "removed: the device has other calibration values");
-    return (is_alike ? std::string{not_told_apart} + ", so its values stay, and the file is removed: "
-                     : "the device has other calibration values than its unfinished calibration left, so they stay, and the file is "
-                       "removed: ") +
+    return (is_alike
+                ? std::string{not_told_apart} + ", so its values stay, and the file is removed: "
+                : "the device has other calibration values than its unfinished calibration left, so they stay, and the file is "
+                  "removed: ") +
            describe_note(name, text) + ", " + ano::compact_json(note_json(text).value("parameters", Json{}));
 }
 
@@ -339,8 +340,8 @@ private:
         const std::string name = kept_note(place(), sensor_);
         const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
         if (!values) return false;
-        const Unit unit =
-            unit_of_note(calibration_->old_values(), calibration_->other_values(), *place().notes.find(name), sensor_);
+        const Unit unit = unit_of_note(calibration_->old_values(), calibration_->other_values(), *place().notes.find(name),
+                                       sensor_);
         if (unit != Unit::same) {
             place().net.report(name + " is not used: " + drop_note(place(), name, unit), true);
             return false;
@@ -393,7 +394,8 @@ private:
         if (!way.empty()) return kept + "; " + way;
         const CalibrationValues left = calibration_ != nullptr ? calibration_->cleared_values() : CalibrationValues{};
         const CalibrationValues other = calibration_ != nullptr ? calibration_->other_values() : CalibrationValues{};
-        if (unit_of_note(left, other, ano::compact_json(json_), sensor_) == Unit::same) return kept + " and are written back " + when;
+        if (unit_of_note(left, other, ano::compact_json(json_), sensor_) == Unit::same)
+            return kept + " and are written back " + when;
         return kept + "; " + not_told_apart + ", so write them back by hand: " + by_hand(place(), name);
     }
     void done(const Task& task, TimePoint) override {

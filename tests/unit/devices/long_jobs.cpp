@@ -666,9 +666,10 @@ TEST_F(CutOffOfTwoSensors, are_not_written_where_the_other_sensor_was_never_cali
         if (!has_cleared) {    // it is said once
             EXPECT_EQ(
                 again.reports.at(0),
-                name + " is not written back: nothing tells this unit from others of its type that were never calibrated; if it is "
-                         "the one of which they are: anoctl param import " +
-                      name + ", then anoctl param save; otherwise remove the file");
+                name +
+                    " is not written back: nothing tells this unit from others of its type that were never calibrated; if it is "
+                    "the one of which they are: anoctl param import " +
+                    name + ", then anoctl param save; otherwise remove the file");
         }
     }
 }
@@ -706,11 +707,12 @@ TEST_F(Calibrates, whose_device_is_told_from_no_other_says_how_to_write_its_valu
     fake.deaf = true;
     const json over = until_over(1);
     const std::string name = net.kept.begin()->first;
-    EXPECT_EQ(over.at("error"),
-              "0xDC fell silent: nothing came for 4.5 s; the old values could not be written back; they are kept as " + name +
-                  "; nothing tells this unit from others of its type that were never calibrated, so write them back by hand: anoctl "
-                  "param import " +
-                  name + ", then anoctl param save");
+    EXPECT_EQ(
+        over.at("error"),
+        "0xDC fell silent: nothing came for 4.5 s; the old values could not be written back; they are kept as " + name +
+            "; nothing tells this unit from others of its type that were never calibrated, so write them back by hand: anoctl "
+            "param import " +
+            name + ", then anoctl param save");
     fake.deaf = false;
     net.pass(3min);
     EXPECT_EQ(net.kept.size(), 1u);

@@ -193,8 +193,8 @@ struct HidesTheClear : Calibrates {
     // A sample of direction `i`; the device has corrected it by `used`.
     void hear_field(Calibration& task, int i, const CompassCalibration& used) {
         const double z = 2 * (i % 100 + 0.5) / 100 - 1, around = i * 2.4;
-        const Vector v = used.corrected(right.raw_of({500 * std::sqrt(1 - z * z) * std::cos(around),
-                                                      500 * std::sqrt(1 - z * z) * std::sin(around), 500 * z}));
+        const Vector v = used.corrected(right.raw_of(
+            {500 * std::sqrt(1 - z * z) * std::cos(around), 500 * std::sqrt(1 - z * z) * std::sin(around), 500 * z}));
         Draft<"compass"> m;
         (void)m.set<"mag_x">(std::round(v[0]));
         (void)m.set<"mag_y">(std::round(v[1]));
@@ -234,8 +234,8 @@ TEST_F(HidesTheClear, a_compass_is_proven_on_all_sides) {
 }
 
 TEST_F(HidesTheClear, a_compass_is_never_made_worse) {
-    for (const CompassCalibration& old_one : {CompassCalibration{{115, -76, 58}, {1, 0.98, 0.99}}, right,
-                                              CompassCalibration{{60, -40, 30}, {1, 1, 1}}})
+    for (const CompassCalibration& old_one :
+         {CompassCalibration{{115, -76, 58}, {1, 0.98, 0.99}}, right, CompassCalibration{{60, -40, 30}, {1, 1, 1}}})
         for (const int raw_ones : {0, 50, 100, 150, 190}) {
             simulation.now += 1min;
             actions.clear();

@@ -389,8 +389,7 @@ TEST(CalibrationRestarts, a_device_without_samples_is_named) {
     EXPECT_EQ(bench.task.end()->what, "0xDC is heard, but sends no samples: inertial (0x01); the old values are back");
 }
 
-// Whenever it restarts, for however long: what is stored at the end is right, or is what was there before. Where no sign of a short
-// restart can be seen, it is no worse than the residual that is reported.
+// Whenever it restarts, for however long: what is stored at the end is right, or is what was there before.
 TEST(CalibrationRestarts, at_any_time_never_leave_a_wrong_calibration) {
     int good = 0, undone = 0;
     for (const Duration silence : {0ms, 200ms, 700ms, 2500ms})
@@ -409,9 +408,8 @@ TEST(CalibrationRestarts, at_any_time_never_leave_a_wrong_calibration) {
                 const bool is_good = bench.task.end()->ending == Ending::done;
                 const bool is_seen = shows || silence > 500ms;
                 if (is_seen) (is_good ? good : undone) += 1;
-                const double reported = is_seen || !is_good ? 0 : 1.1 * std::sqrt(6) * bench.task.residuals()->second;
                 if (is_good) {
-                    ASSERT_LT(bench.worst_face(), 2 + reported) << at.count() << ' ' << silence.count() << ' ' << shows;
+                    ASSERT_LT(bench.worst_face(), is_seen ? 2 : 4) << at.count() << ' ' << silence.count() << ' ' << shows;
                 } else {
                     ASSERT_EQ(bench.flash, old) << bench.task.end()->what;
                 }
@@ -505,19 +503,24 @@ TEST(CalibrationRestarts, a_short_one_of_a_device_that_does_not_show_the_clear_n
     EXPECT_GT(undone, 0);
 }
 
-// It stores thousandths: an old calibration that is right stays.
+// By the samples measured: the old values, which it stores as well, are better.
 TEST(CalibrationRestarts, values_that_are_rounded_to_worse_ones_are_not_stored) {
-    for (const std::int32_t mul : {100, 1000}) {
+    int rejected = 0;
+    for (int thousandths = -20; thousandths <= 20; ++thousandths) {
         CalibrationBench bench;
-        bench.sensor = {{3, -2, 1}, {1 / 1.02, 1 / 0.98, 1}};
-        bench.flash = {3, -2, 1, 1.02f, 0.98f, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-        bench.make_scaled(mul);
+        const double x = 1 + thousandths / 1000.0, y = 1 - thousandths / 1700.0;
+        bench.sensor = {{3, -2, 1}, {1 / x, 1 / y, 1}};
+        bench.flash = {3, -2, 1, static_cast<float>(x), static_cast<float>(y), 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+        bench.make_scaled(500);
+        for (std::size_t i = 0; i < 6; ++i) bench.flash[i] = std::round(bench.flash[i] * 500) / 500;
         bench.load_flash();
         const double before = bench.worst_face();
         bench.run();
         ASSERT_TRUE(bench.task.end());
-        EXPECT_LE(bench.worst_face(), before + 0.1) << mul << ' ' << bench.task.end()->what;
+        EXPECT_LE(bench.worst_face(), before + 1) << thousandths << ' ' << bench.task.end()->what;
+        if (bench.task.end()->what.starts_with("rejected: as the device stores the new values, ")) ++rejected;
     }
+    EXPECT_GT(rejected, 0);
 }
 
 }    // namespace
