@@ -249,7 +249,12 @@ TEST_F(HidesTheClear, a_compass_is_never_made_worse) {
         }
 }
 
-TEST_F(Calibrates, a_compass_that_dies_at_the_first_value_is_told_within_five_seconds) {
+// The slower the line, the later a question is given up.
+struct CalibratesSlowly : Calibrates, testing::WithParamInterface<int> {};
+INSTANTIATE_TEST_SUITE_P(Delays, CalibratesSlowly, testing::Values(1, 10, 20, 30, 40, 60, 100, 200));
+
+TEST_P(CalibratesSlowly, a_compass_that_dies_at_the_first_value_is_told_within_five_seconds) {
+    simulation.there.delay = simulation.back.delay = std::chrono::milliseconds{GetParam()};
     make(Sensor::compass);
     Calibration task{device, Sensor::compass, &cache};
     begin(task);
@@ -264,8 +269,12 @@ TEST_F(Calibrates, a_compass_that_dies_at_the_first_value_is_told_within_five_se
     ASSERT_EQ(task.step(), Calibration::Step::confirm);
     fake.deaf = true;
     const TimePoint died = simulation.now;
+    simulation.each_step = [&](TimePoint now) {
+        if (const auto at = task.due(); at && now >= *at) task.look(now);
+    };
     while (!task.end() && simulation.now < died + 10s) {
-        simulation.pass(20ms);
+        simulation.run(task, 20ms);
+        simulation.now = std::min(task.due().value_or(simulation.now), simulation.now + 20ms);
         task.look(simulation.now);
     }
     ASSERT_TRUE(task.end());
