@@ -504,15 +504,16 @@ TEST(CalibrationRestarts, a_short_one_of_a_device_that_does_not_show_the_clear_n
 }
 
 TEST(CalibrationRestarts, rounded_values_are_no_worse_than_the_old_ones) {
-    for (const std::int32_t mul : {200, 1000})
+    for (const double mul : {200.0, 1000.0})
         for (int i = -20; i <= 20; ++i) {
             CalibrationBench bench;
             const double x = 1 + i / 997.0, y = 1 - i / 1700.0, z = 1 + i / 3100.0;
             bench.sensor = {{3 + i / 40.0, -2, 1}, {1 / x, 1 / y, 1 / z}};
             bench.flash = {3, -2, 1.4f, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), 1, 0, 0, 0, 1, 0,
                            0, 0,  1};
-            for (std::size_t k = 0; k < 6; ++k) bench.flash[k] = static_cast<float>(std::round(bench.flash[k] * mul) / mul);
-            bench.make_scaled(mul);
+            for (std::size_t k = 0; k < 6; ++k)
+                bench.flash[k] = static_cast<float>(std::round(double{bench.flash[k]} * double{mul}) / double{mul});
+            bench.make_scaled(static_cast<std::int32_t>(mul));
             bench.load_flash();
             const double before = bench.worst_face();
             bench.run();
