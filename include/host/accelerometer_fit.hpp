@@ -18,6 +18,8 @@ struct AccelerometerCalibration {
     std::array<Vector, 3> error{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};    // rows
 
     Vector corrected(const Vector& raw) const noexcept;
+    /// Not finite where nothing can be computed back.
+    Vector raw_of(const Vector& corrected) const noexcept;
     /// In the order of its parameters (protocol text, section 4): CAL_AOFF_, CAL_ASEN_, CAL_AEM1_ to CAL_AEM3_, each X Y Z.
     std::array<float, 15> values() const noexcept;
     static AccelerometerCalibration of(const std::array<float, 15>& values) noexcept;
@@ -69,8 +71,10 @@ public:
 
     /// Computed from one half of the samples and checked with the other half: rejected when the residual is not below that of `old`.
     Fit<AccelerometerCalibration> fit(const AccelerometerCalibration& old) const;
-    /// cm/s², of one half of the samples; see fit().
-    double residual(const AccelerometerCalibration& calibration) const noexcept;
+    /// cm/s², of one half of the samples; see fit(). `device`: by which the device has corrected them.
+    double residual(const AccelerometerCalibration& calibration, const AccelerometerCalibration& device = {}) const noexcept;
+    /// cm/s², the error on the face that is off most.
+    double worst(const AccelerometerCalibration& calibration) const noexcept;
 
 private:
     struct Sample {

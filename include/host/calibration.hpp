@@ -30,6 +30,8 @@ using CalibrationValues = std::vector<std::pair<std::string, AnyValue>>;
 
 /// The names of the parameters that a calibration of `sensor` writes: 15 or 6.
 std::vector<std::string> calibration_names(Sensor sensor);
+/// Those that correct nothing.
+CalibrationValues neutral_calibration(Sensor sensor);
 constexpr Sensor other_than(Sensor sensor) noexcept {
     return sensor == Sensor::accelerometer ? Sensor::compass : Sensor::accelerometer;
 }
@@ -65,14 +67,20 @@ private:
 /// A device that restarts uses its old calibration again. So each sign of a restart (RestartWatch) since it acknowledged the clear, or CAL_
 /// parameters that are not those of after the clear when the device was turned to all sides, discards all samples: it is cleared again. So
 /// do samples that need no correction although the old values are not such: they were corrected already. If it is the same after the next
-/// clear, the old values were wrong.
+/// clear, the old values were wrong, or the device ignores the clear.
+///
+/// Its CAL_ parameters show that it is cleared when they correct nothing. Of a device that does not show that, each sample may have been
+/// corrected: so the new values are proven on all sides (Step::prove), where they must be better than the old ones and hardly leave anything
+/// to correct.
 class Calibration final : public Task {
 public:
-    enum class Step : std::uint8_t { read, keep, clear, turn, confirm, keep_new, write, verify, restore, over };
+    enum class Step : std::uint8_t { read, keep, clear, turn, confirm, keep_new, write, verify, prove, restore, over };
     static constexpr Duration time_to_turn = std::chrono::minutes{10};
     static constexpr Duration time_to_verify = std::chrono::minutes{1};
     /// A device from which nothing came for so long, or no samples though other frames did, ends the task.
     static constexpr Duration silent_after = std::chrono::milliseconds{4500};
+    /// Of a device that may be silent by then, when the old values are written back.
+    static constexpr Duration time_to_answer = std::chrono::milliseconds{400};
     static constexpr unsigned max_restarts = 5;    // of the device; one more ends the task
     /// So many in a row right behind the clear are no restarts of themselves: the task ends and says so.
     static constexpr unsigned max_silences = 3;
@@ -111,6 +119,7 @@ public:
     const CalibrationValues& new_values() const noexcept { return new_; }
     /// True when nothing was changed, or the old values are written back.
     bool has_old_values() const noexcept;
+    /// In Step::prove those since the new values are in use.
     const SixFaces& faces() const noexcept { return faces_; }
     const CompassSphere& sphere() const noexcept { return sphere_; }
     /// Of the old values and of the new ones, see SixFaces::fit() and CompassSphere::fit(); std::nullopt before they are computed.
@@ -124,7 +133,8 @@ public:
     }
     /// Whether it has to be turned for that, see faces_that_prove().
     bool is_further_face() const noexcept { return !verified_faces_.empty(); }
-    /// The largest error that Step::verify has measured on a face that passed, or that it measured last: cm/s², or a share of the field.
+    /// The largest error that Step::verify has measured on a face that passed, or that it measured last, or the residual of Step::prove: cm/s²,
+    /// or a share of the field.
     std::optional<double> verified() const noexcept;
 
 private:
@@ -142,6 +152,10 @@ private:
     void take_field(const Vector& field, TimePoint now);
     bool is_gone_on(TimePoint now);
     void verify(TimePoint now);
+    void measured(TimePoint now);
+    template <class Found, class Samples>
+    void prove(const Samples& samples, TimePoint now);
+    void check_parameters(TimePoint now);
     void kept_new_values(TimePoint now);
     void not_verified(TimePoint now);
     std::optional<TimePoint> samples_missing_at() const noexcept;
@@ -156,7 +170,7 @@ private:
     bool order_is_right() const;
     std::optional<CalibrationValues> values_read() const { return calibration_in(*reading_, sensor_); }
     CalibrationValues named(std::span<const float> values) const;
-    template <std::size_t N, class Samples, class Found>
+    template <class Samples, class Found>
     void use(const Samples& samples, const Fit<Found>& fit, TimePoint now);
     void make_check(const AccelerometerCalibration& stored);
     void make_check(const CompassCalibration& stored);
@@ -176,6 +190,8 @@ private:
     bool keeps_new_ = false;
     bool is_proven_ = false;        // what it sends is as promised; its parameters are read once more
     bool was_corrected_ = false;    // the samples needed no correction, once
+    bool needs_proof_ = false;      // on all sides
+    std::optional<double> proof_;
     unsigned restarts_ = 0;
     unsigned silences_ = 0;    // of those, in a row right behind the clear
     std::string last_restart_;

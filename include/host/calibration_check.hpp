@@ -10,9 +10,10 @@
 namespace ano::host {
 
 /// The faces that show how a device uses its calibration, in the order in which it has to lie on them. `last`, on which it lies already,
-/// shows its offsets and the sensitivity of one axis. Another one follows only if a device that divides by the sensitivity, or leaves out
-/// the error matrix, is not off there, but elsewhere.
-std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, const SixFaces& faces, Face last);
+/// shows its offsets and the sensitivity of one axis. Another one follows only if a device is not off there, but elsewhere, that divides by
+/// the sensitivity, leaves out the error matrix, or had corrected `faces` by its `old` calibration.
+std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, const AccelerometerCalibration& old,
+                                   const SixFaces& faces, Face last);
 
 /// On one face. Samples are judged in groups, so that those from before the device used its calibration, or while it was moved, do no
 /// harm: the first good group is enough.
@@ -33,6 +34,8 @@ public:
     double promised() const noexcept { return promised_; }
     /// cm/s², without the noise of the samples.
     static constexpr double limit(double promised) noexcept { return times_promised * promised + resolution; }
+    /// cm/s², by which two residuals over all faces may differ by rounding.
+    static constexpr double margin = resolution / 2;
 
 private:
     Face face_;
@@ -59,6 +62,8 @@ public:
     double promised() const noexcept { return promised_; }
     /// As a share of the field.
     static constexpr double limit(double promised) noexcept { return times_promised * promised + tolerance; }
+    /// As a share of the field, by which two residuals over the sphere may differ by noise.
+    static constexpr double margin = tolerance / 4;
 
 private:
     double strength_;

@@ -15,6 +15,8 @@ struct CompassCalibration {
     Vector sensitivity{1, 1, 1};
 
     Vector corrected(const Vector& raw) const noexcept;
+    /// Not finite where nothing can be computed back.
+    Vector raw_of(const Vector& corrected) const noexcept;
     /// In the order of its parameters (protocol text, section 4): CAL_MOFF_, CAL_MSEN_, each X Y Z.
     std::array<float, 6> values() const noexcept;
     static CompassCalibration of(const std::array<float, 6>& values) noexcept;
@@ -44,8 +46,8 @@ public:
     /// The mean strength of the field in these samples, corrected by `calibration`.
     double strength(const CompassCalibration& calibration) const noexcept;
     static std::size_t cell_of(const Vector& from_centre) noexcept;
-    /// As a share of the field, of one half of the samples; see fit().
-    double residual(const CompassCalibration& calibration) const noexcept;
+    /// As a share of the field, of one half of the samples; see fit(). `device`: by which the device has corrected them.
+    double residual(const CompassCalibration& calibration, const CompassCalibration& device = {}) const noexcept;
 
 private:
     void cover_again();

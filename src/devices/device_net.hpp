@@ -90,6 +90,8 @@ public:
     virtual std::string date_text() { return {}; }
     /// Logs what was done to a device without a client that asked for it, or could not be done.
     virtual void report(const std::string& /*text*/, bool /*is_warning*/) {}
+    /// Where keep() stores what is under `name`, for people.
+    virtual std::string kept_path(const std::string& name) { return name; }
     /// How the user writes back what keep() stored under `name`, as a clause; empty: the next run of this program does it.
     virtual std::string way_to_write_back(const std::string& /*name*/) { return {}; }
     // NOLINTBEGIN(performance-unnecessary-value-param): who does it later moves them

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ano::host {
 namespace {
@@ -36,6 +37,15 @@ Vector AccelerometerCalibration::corrected(const Vector& raw) const noexcept {
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) result[i] += error[i][j] * sensitivity[j] * (raw[j] - offset[j]);
     return result;
+}
+
+Vector AccelerometerCalibration::raw_of(const Vector& corrected) const noexcept {
+    LeastSquares<3> squares;
+    for (std::size_t i = 0; i < 3; ++i)
+        squares.add({error[i][0] * sensitivity[0], error[i][1] * sensitivity[1], error[i][2] * sensitivity[2]}, corrected[i]);
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    const Vector raw = squares.solution().value_or(Vector{none, none, none});
+    return {raw[0] + offset[0], raw[1] + offset[1], raw[2] + offset[2]};
 }
 
 std::array<float, 15> AccelerometerCalibration::values() const noexcept {
@@ -157,10 +167,19 @@ std::optional<AccelerometerCalibration> SixFaces::solve() const noexcept {
     return result;
 }
 
-double SixFaces::residual(const AccelerometerCalibration& calibration) const noexcept {
+double SixFaces::worst(const AccelerometerCalibration& calibration) const noexcept {
+    double worst = 0;
+    for (std::size_t i = 0; i < face_names.size(); ++i) {
+        const auto face = static_cast<Face>(i);
+        worst = std::max(worst, error_on(face, calibration.corrected(mean(face))));
+    }
+    return worst;
+}
+
+double SixFaces::residual(const AccelerometerCalibration& calibration, const AccelerometerCalibration& device) const noexcept {
     double squares = 0;
     for (std::size_t face = 0; face < 6; ++face) {
-        const Vector corrected = calibration.corrected(gathered_[face].mean(1));
+        const Vector corrected = calibration.corrected(device.raw_of(gathered_[face].mean(1)));
         for (std::size_t i = 0; i < 3; ++i) {
             const double off = corrected[i] - gravity * direction(face)[i];
             squares += off * off;

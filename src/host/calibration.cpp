@@ -40,6 +40,42 @@ std::string error_text(double error, Sensor sensor) {
     return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + (sensor == Sensor::accelerometer ? " cm/s²" : " %");
 }
 
+// Also before it was ever calibrated.
+bool shows_the_clear(const CalibrationValues& cleared, Sensor sensor) {
+    const auto is_zero = [](const auto& one) { return same_bytes(one.second, 0.0, Type::f32); };
+    return are_same(cleared, neutral_calibration(sensor)) || std::all_of(cleared.begin(), cleared.end(), is_zero);
+}
+
+template <class Found>
+Found calibration_of(const CalibrationValues& values) {
+    decltype(Found{}.values()) all{};
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<float>(std::get<double>(values[i].second));
+    return Found::of(all);
+}
+
+double worst_of(const SixFaces& faces, const AccelerometerCalibration& calibration) { return faces.worst(calibration); }
+double worst_of(const CompassSphere& sphere, const CompassCalibration& calibration) { return sphere.residual(calibration); }
+
+template <class Found>
+using CheckOf = std::conditional_t<std::is_same_v<Found, AccelerometerCalibration>, AccelerometerCheck, CompassCheck>;
+
+// An older device has its values rounded. Then the new ones must still be better than the old ones, on the same samples: in all, and where
+// they are off most. Empty: they are.
+template <class Samples, class Found>
+std::string why_too_coarse(const Samples& samples, const Fit<Found>& fit, const Found& old, const Found& stored, Sensor sensor) {
+    const double after = samples.residual(stored);
+    if (!(after <= CheckOf<Found>::limit(fit.after) && after < Samples::max_residual))
+        return "the device can store the new values too coarsely only";
+    const auto words = [&](const char* what, double would_be, double is) {
+        return "as the device stores the new values, " + std::string{what} + " would be " + error_text(would_be, sensor) +
+               ", and is " + error_text(is, sensor);
+    };
+    if (after >= fit.before) return words("the residual", after, fit.before);
+    const double most = worst_of(samples, stored), most_before = worst_of(samples, old);
+    const bool is_rounded = stored.values() != fit.calibration->values();
+    return is_rounded && most > most_before ? words("the largest error", most, most_before) : std::string{};
+}
+
 }    // namespace
 
 std::vector<std::string> calibration_names(Sensor sensor) {
@@ -50,6 +86,16 @@ std::vector<std::string> calibration_names(Sensor sensor) {
     for (const std::string_view group : groups)
         for (const char axis : {'X', 'Y', 'Z'}) names.push_back("CAL_" + std::string{group} + '_' + axis);
     return names;
+}
+
+CalibrationValues neutral_calibration(Sensor sensor) {
+    const auto names = calibration_names(sensor);
+    const auto accelerometer = AccelerometerCalibration{}.values();
+    const auto compass = CompassCalibration{}.values();
+    CalibrationValues values;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        values.emplace_back(names[i], double{sensor == Sensor::accelerometer ? accelerometer[i] : compass[i]});
+    return values;
 }
 
 CalibrationWrite::CalibrationWrite(Device& device, DescriptionCache* cache, Sensor sensor, CalibrationValues values)
@@ -229,9 +275,10 @@ void Calibration::restarted(std::string sign, TimePoint now) {
 
 void Calibration::hear(FrameView frame, TimePoint now) {
     const bool is_cleared = step_ == Step::clear && watch_;
-    const bool measures = is_cleared || step_ == Step::turn || step_ == Step::confirm || step_ == Step::verify;
+    const bool is_corrected = step_ == Step::verify || step_ == Step::prove;
+    const bool measures = is_cleared || step_ == Step::turn || step_ == Step::confirm || is_corrected;
     if (!measures || end() || !may_be_of(frame.source(), device().address())) return;
-    if (step_ != Step::verify && is_restarted(now)) return;
+    if (!is_corrected && is_restarted(now)) return;
     if (is_cleared && reading_->end()) read_values(&Calibration::read_cleared, now);
     if (sensor_ == Sensor::accelerometer) {
         if (const auto m = as<"inertial">(frame))
@@ -257,7 +304,7 @@ void Calibration::take_inertial(const Vector& acceleration, const Vector& rotati
     }
     if (is_gone_on(now)) return;
     faces_.take(acceleration, rotation);
-    if (faces_.is_complete()) confirm(now);
+    if (faces_.is_complete()) measured(now);
 }
 
 void Calibration::take_field(const Vector& field, TimePoint now) {
@@ -268,11 +315,18 @@ void Calibration::take_field(const Vector& field, TimePoint now) {
     }
     if (is_gone_on(now)) return;
     sphere_.take(field);
-    if (sphere_.is_complete()) confirm(now);
+    if (sphere_.is_complete()) measured(now);
+}
+
+void Calibration::measured(TimePoint now) {
+    if (step_ != Step::prove) return confirm(now);
+    if (sensor_ == Sensor::accelerometer) prove<AccelerometerCalibration>(faces_, now);
+    else prove<CompassCalibration>(sphere_, now);
 }
 
 // Whether a sample is of no use: after a gap, or when all are gathered.
 bool Calibration::is_gone_on(TimePoint now) {
+    if (step_ == Step::prove) return is_proven_;
     watch_->sampled(now);
     return is_restarted(now) || step_ != Step::turn;
 }
@@ -292,7 +346,8 @@ void Calibration::confirmed(TimePoint now) {
 }
 
 TimePoint Calibration::silent_at() const noexcept {
-    return std::max(device().heard_at().value_or(step_since_), step_since_) + silent_after;
+    const Duration least = step_ == Step::restore ? time_to_answer : silent_after;
+    return std::max(device().heard_at().value_or(step_since_) + silent_after, step_since_ + least);
 }
 
 // std::nullopt: in this step it may send none.
@@ -306,6 +361,7 @@ std::optional<TimePoint> Calibration::due() const noexcept {
     TimePoint first = silent_at();
     if (step_ == Step::turn) first = std::min({first, step_since_ + time_to_turn, *samples_missing_at()});
     if (step_ == Step::verify) first = std::min(first, step_since_ + time_to_verify);
+    if (step_ == Step::prove) first = std::min(first, step_since_ + time_to_turn);
     return first;
 }
 
@@ -336,37 +392,30 @@ Progress Calibration::progress() const noexcept {
     return {sphere_.map().count(), CompassSphere::cells};
 }
 
-namespace {
-
-template <std::size_t N>
-std::array<float, N> floats_of(const CalibrationValues& values) {
-    std::array<float, N> all{};
-    for (std::size_t i = 0; i < N; ++i) all[i] = static_cast<float>(std::get<double>(values[i].second));
-    return all;
-}
-
-}    // namespace
-
 void Calibration::fit(TimePoint now) {
-    if (sensor_ == Sensor::accelerometer)
-        return use<15>(faces_, faces_.fit(AccelerometerCalibration::of(floats_of<15>(old_))), now);
-    use<6>(sphere_, sphere_.fit(CompassCalibration::of(floats_of<6>(old_))), now);
+    if (sensor_ == Sensor::accelerometer) return use(faces_, faces_.fit(calibration_of<AccelerometerCalibration>(old_)), now);
+    use(sphere_, sphere_.fit(calibration_of<CompassCalibration>(old_)), now);
 }
 
-// The residual is that of the values as the device can store them: an older one has them rounded.
-template <std::size_t N, class Samples, class Found>
+template <class Samples, class Found>
 void Calibration::use(const Samples& samples, const Fit<Found>& fit, TimePoint now) {
-    using Check = std::conditional_t<std::is_same_v<Found, AccelerometerCalibration>, AccelerometerCheck, CompassCheck>;
-    const double limit = Check::limit(fit.after);
+    const double limit = CheckOf<Found>::limit(fit.after);
     const bool is_corrected = fit.calibration && samples.residual(Found{}) <= limit && fit.before > limit;
     if (is_corrected && !std::exchange(was_corrected_, true)) return restarted("its samples were corrected already", now);
+    needs_proof_ = is_corrected || !shows_the_clear(cleared_, sensor_);
     residuals_ = std::pair{fit.before, fit.after};
     if (!fit.calibration) return restore({Ending::failed, "rejected: " + fit.wrong, {}}, now);
+    if (is_corrected && !shows_the_clear(cleared_, sensor_))
+        return restore({Ending::failed,
+                        hex_of(device().address()) + " acknowledges the clear and ignores it: its calibration values are not "
+                                                     "cleared, and its samples were corrected already, twice",
+                        {}},
+                       now);
     new_ = named(fit.calibration->values());
-    const Found stored = Found::of(floats_of<N>(new_));
-    const double after = residuals_->second = samples.residual(stored);
-    if (!(after <= limit && after < Samples::max_residual) || after >= fit.before)
-        return restore({Ending::failed, "rejected: the device can store the new values too coarsely only", {}}, now);
+    const auto stored = calibration_of<Found>(new_);
+    residuals_->second = samples.residual(stored);
+    if (const std::string why = why_too_coarse(samples, fit, calibration_of<Found>(old_), stored, sensor_); !why.empty())
+        return restore({Ending::failed, "rejected: " + why, {}}, now);
     make_check(stored);
     if (keeps_new_) return enter(Step::keep_new, now);
     write(now);
@@ -384,10 +433,12 @@ void Calibration::write(TimePoint now) {
 // First on the face that was completed last.
 void Calibration::make_check(const AccelerometerCalibration& stored) {
     further_checks_.clear();
-    for (const Face face : faces_that_prove(stored, faces_, faces_.face().value_or(Face::z_plus)))
+    const auto old = calibration_of<AccelerometerCalibration>(old_);
+    for (const Face face : faces_that_prove(stored, old, faces_, faces_.face().value_or(Face::z_plus)))
         further_checks_.emplace_back(face, error_on(face, stored.corrected(faces_.mean(face))));
     accelerometer_check_ = further_checks_.front();
     further_checks_.erase(further_checks_.begin());
+    if (needs_proof_) further_checks_.clear();    // all faces follow
 }
 
 void Calibration::make_check(const CompassCalibration& stored) {
@@ -409,6 +460,7 @@ void Calibration::written(TimePoint now) {
 }
 
 std::optional<double> Calibration::verified() const noexcept {
+    if (proof_) return proof_;
     if (!accelerometer_check_) return compass_check_ ? compass_check_->error() : std::nullopt;
     auto worst = accelerometer_check_->error();
     for (const AccelerometerCheck& check : verified_faces_) worst = std::max(worst, check.error());
@@ -418,8 +470,10 @@ std::optional<double> Calibration::verified() const noexcept {
 void Calibration::verify(TimePoint now) {
     if (!(accelerometer_check_ ? accelerometer_check_->is_passed() : compass_check_->is_passed())) return;
     if (further_checks_.empty()) {
-        is_proven_ = true;
-        return read_values(&Calibration::kept_new_values, now);
+        if (!needs_proof_) return check_parameters(now);
+        faces_ = {};
+        sphere_ = {};
+        return enter(Step::prove, now);
     }
     verified_faces_.push_back(*accelerometer_check_);
     accelerometer_check_ = further_checks_.front();
@@ -427,9 +481,30 @@ void Calibration::verify(TimePoint now) {
     enter(Step::verify, now);
 }
 
+template <class Found, class Samples>
+void Calibration::prove(const Samples& samples, TimePoint now) {
+    const double with_new = samples.residual(Found{}), best = samples.fit(Found{}).after;
+    const double with_old = samples.residual(calibration_of<Found>(old_), calibration_of<Found>(new_));
+    proof_ = with_new;
+    using Check = CheckOf<Found>;
+    const bool is_best = best < Samples::max_residual && with_new <= Check::times_promised * best + Check::margin;
+    if (is_best && !(with_new > with_old + Check::margin)) return check_parameters(now);
+    restore({Ending::failed,
+             "not verified: with the new values it is off by " + error_text(with_new, sensor_) + " on all sides, " +
+                 (is_best ? "with the old ones by " + error_text(with_old, sensor_)
+                          : "where " + error_text(best, sensor_) + " can be reached: some of its samples were not raw"),
+             {}},
+            now);
+}
+
+void Calibration::check_parameters(TimePoint now) {
+    is_proven_ = true;
+    read_values(&Calibration::kept_new_values, now);
+}
+
 // A device that restarts before it has stored them uses its old values again, which need not show where it was measured.
 void Calibration::kept_new_values(TimePoint now) {
-    if (end() || step_ != Step::verify) return;
+    if (end() || !is_proven_ || step_ == Step::restore) return;
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
     if (first_unlike(new_, *reading_) == nullptr) return finish({}, now);
     restore({Ending::failed, hex_of(device().address()) + " has not kept the new values: it has probably restarted", {}}, now);

@@ -7,27 +7,34 @@
 namespace ano::host {
 namespace {
 
-// How a device might use a calibration otherwise than AccelerometerCalibration::corrected().
-std::array<AccelerometerCalibration, 2> misuses(const AccelerometerCalibration& right) noexcept {
-    std::array<AccelerometerCalibration, 2> wrong{right, right};
-    for (double& factor : wrong[0].sensitivity) factor = 1 / factor;
-    wrong[1].error = AccelerometerCalibration{}.error;
-    return wrong;
+// What goes wrong: the device uses a calibration otherwise than AccelerometerCalibration::corrected(), or what it sent was not raw.
+constexpr std::size_t mistakes = 3;
+
+// What the device sends then, where it was measured as `raw`.
+std::array<Vector, mistakes> sent_by_mistake(const AccelerometerCalibration& right, const AccelerometerCalibration& old,
+                                             const Vector& raw) noexcept {
+    AccelerometerCalibration divides = right, without_matrix = right;
+    for (double& factor : divides.sensitivity) factor = 1 / factor;
+    without_matrix.error = AccelerometerCalibration{}.error;
+    return {divides.corrected(raw), without_matrix.corrected(raw), right.corrected(old.raw_of(raw))};
 }
 
-// Whether `wrong` would be noticed on this face. Twice the limit, so that neither noise nor the residual hides it.
-double how_clear(const AccelerometerCalibration& right, const AccelerometerCalibration& wrong, const Vector& raw, Face face) {
-    const Vector as_right = right.corrected(raw), as_wrong = wrong.corrected(raw);
+// Whether that would be noticed on this face. Twice the limit, so that neither noise nor the residual hides it.
+double how_clear(const Vector& as_right, const Vector& as_wrong, Face face) {
     const double off = std::hypot(as_wrong[0] - as_right[0], as_wrong[1] - as_right[1], as_wrong[2] - as_right[2]);
     return off / (2 * AccelerometerCheck::limit(error_on(face, as_right)));
 }
 
 }    // namespace
 
-std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, const SixFaces& faces, Face last) {
+std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, const AccelerometerCalibration& old,
+                                   const SixFaces& faces, Face last) {
     std::vector<Face> chosen{last};
-    for (const AccelerometerCalibration& wrong : misuses(calibration)) {
-        const auto clear = [&](Face face) { return how_clear(calibration, wrong, faces.mean(face), face); };
+    for (std::size_t mistake = 0; mistake < mistakes; ++mistake) {
+        const auto clear = [&](Face face) {
+            const Vector raw = faces.mean(face);
+            return how_clear(calibration.corrected(raw), sent_by_mistake(calibration, old, raw)[mistake], face);
+        };
         if (std::any_of(chosen.begin(), chosen.end(), [&](Face face) { return clear(face) > 1; })) continue;
         Face best = last;
         for (std::size_t i = 0; i < face_names.size(); ++i)

@@ -22,6 +22,10 @@ Vector CompassCalibration::corrected(const Vector& raw) const noexcept {
     return {sensitivity[0] * (raw[0] - offset[0]), sensitivity[1] * (raw[1] - offset[1]), sensitivity[2] * (raw[2] - offset[2])};
 }
 
+Vector CompassCalibration::raw_of(const Vector& v) const noexcept {
+    return {v[0] / sensitivity[0] + offset[0], v[1] / sensitivity[1] + offset[1], v[2] / sensitivity[2] + offset[2]};
+}
+
 std::array<float, 6> CompassCalibration::values() const noexcept {
     std::array<float, 6> all{};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -112,10 +116,10 @@ double CompassSphere::strength(const CompassCalibration& calibration) const noex
     return samples_.empty() ? 0 : sum / static_cast<double>(samples_.size());
 }
 
-double CompassSphere::residual(const CompassCalibration& calibration) const noexcept {
+double CompassSphere::residual(const CompassCalibration& calibration, const CompassCalibration& device) const noexcept {
     double sum = 0, squares = 0, n = 0;
     for (std::size_t i = 1; i < samples_.size(); i += 2) {
-        const double length = length_of(calibration.corrected(samples_[i]));
+        const double length = length_of(calibration.corrected(device.raw_of(samples_[i])));
         sum += length;
         squares += length * length;
         ++n;

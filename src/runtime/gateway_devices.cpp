@@ -152,7 +152,7 @@ void GatewayDevices::remember_note(const std::string& folder, const std::string&
     if (is_of_calibration)
         log_info(
             "{}/{}: the calibration never ended ({}); the old values are written back as soon as this very device is heard on "
-            "the ground",
+            "the ground, if its values tell it from others of its type",
             folder, name, about);
     else if (is_loader_note(name))
         log_info("{}/{}: the device was left in its loader ({}), it needs its firmware", folder, name, about);
@@ -165,9 +165,13 @@ void GatewayDevices::stop() {
     errand_.stop();
 }
 
-void GatewayDevices::keep(std::string name, std::string text, std::function<void(std::string fault)> done) {
+std::string GatewayDevices::kept_path(const std::string& name) {
     const std::string folder = state_folder();
-    const std::string path = folder.empty() ? std::string{} : folder + "/" + name;
+    return folder.empty() ? std::string{} : folder + "/" + name;
+}
+
+void GatewayDevices::keep(std::string name, std::string text, std::function<void(std::string fault)> done) {
+    const std::string path = kept_path(name);
     const auto fault = std::make_shared<std::string>();
     aside(
         [path, text = std::move(text), fault] {

@@ -48,6 +48,7 @@ public:
     const ano::FlexibleLayouts& layouts() const override;
     bool may_have_waited(ano::TimePoint came_at) override;
     void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override;
+    std::string kept_path(const std::string& name) override;
     void aside(std::function<void()> work, std::function<void(std::string fault)> done) override;
 
 private:

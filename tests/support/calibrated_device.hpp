@@ -32,8 +32,10 @@ public:
     struct Sensor {
         ano::host::Vector offset{25, -15, 5}, factor{1.02, 1.01, 1.00};
     } sensor;
-    bool uses_nothing = false;      // it stores what it never uses
-    bool shows_the_clear = true;    // in its parameters
+    bool uses_nothing = false;         // it stores what it never uses
+    bool shows_the_clear = true;       // in its parameters
+    bool uses_the_clear = true;        // otherwise it goes on to correct by its old calibration
+    bool ignores_the_clear = false;    // it acknowledges it
     bool is_dead = false;
     bool holds_still = true;    // the person
     std::vector<std::uint16_t> actions;
@@ -54,6 +56,16 @@ public:
     void load_flash() {
         load(flash);
         used_ = flash;
+    }
+    /// Its old calibration is exactly right.
+    void make_right(const Sensor& is) {
+        sensor = is;
+        flash = raw;
+        for (std::size_t i = 0; i < 3; ++i) {
+            flash[i] = static_cast<float>(is.offset[i]);
+            flash[3 + i] = static_cast<float>(1 / is.factor[i]);
+        }
+        load_flash();
     }
     /// It is an older one, whose values are i32 with this scale.
     void make_scaled(std::int32_t mul) {
@@ -100,8 +112,8 @@ public:
 private:
     void act(std::uint16_t action) {
         actions.push_back(action);
-        if (action == 0x20) {
-            used_ = raw;
+        if (action == 0x20 && !ignores_the_clear) {
+            if (uses_the_clear) used_ = raw;
             if (shows_the_clear) load(raw);
         }
         if (action != 0x21) return;
@@ -152,7 +164,8 @@ private:
             face_ = static_cast<std::size_t>(*task.face_to_verify());
             moving_ = 25;
         }
-        if (task.step() != Calibration::Step::turn || moving_ > 0) {
+        const bool is_measured = task.step() == Calibration::Step::turn || task.step() == Calibration::Step::prove;
+        if (!is_measured || moving_ > 0) {
             moving_ -= moving_ > 0;
             return;
         }

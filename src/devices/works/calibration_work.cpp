@@ -114,52 +114,71 @@ std::optional<CalibrationValues> further_values(const Json& note, const char* ke
     return values;
 }
 
-// Those that correct nothing.
-CalibrationValues neutral_values(Sensor sensor) {
-    const auto names = ano::host::calibration_names(sensor);
-    const auto accelerometer = ano::host::AccelerometerCalibration{}.values();
-    const auto compass = ano::host::CompassCalibration{}.values();
-    CalibrationValues values;
-    for (std::size_t i = 0; i < names.size(); ++i)
-        values.emplace_back(names[i], double{sensor == Sensor::accelerometer ? accelerometer[i] : compass[i]});
-    return values;
-}
-
 bool are_same(const CalibrationValues& a, const CalibrationValues& b) {
     return std::ranges::equal(
         a, b, [](const auto& one, const auto& other) { return ano::host::same_bytes(one.second, other.second, ano::Type::f32); });
 }
 
-// Whether a device has what the calibration of the note has left in it: each value is the old one, the one after the clear, or the new one,
-// and those of the other sensor are as they were. Otherwise it was calibrated by somebody else meanwhile, or is another one of its type. The
-// note of a calibration that ended right behind the clear has no cleared values: then neutral ones are those only if the other sensor was
-// calibrated, since a unit that never was has them as well.
-bool is_left_by_calibration(const CalibrationValues& has, const CalibrationValues& has_of_other, const std::string& text,
-                            Sensor sensor) {
-    const Json note = note_json(text);
-    const Sensor other = ano::host::other_than(sensor);
-    const auto other_values = further_values(note, "other", other);
-    if (other_values && !are_same(*other_values, has_of_other)) return false;
-    std::vector<CalibrationValues> left;
-    if (auto old = values_in_note(text, sensor)) left.push_back(*std::move(old));
-    if (auto cleared = further_values(note, "cleared", sensor)) left.push_back(*std::move(cleared));
-    else if (other_values && !are_same(*other_values, neutral_values(other))) left.push_back(neutral_values(sensor));
-    if (auto found = further_values(note, "new", sensor)) left.push_back(*std::move(found));
-    for (std::size_t i = 0; i < has.size(); ++i) {
-        const auto is_it = [&](const CalibrationValues& one) {
-            return ano::host::same_bytes(has[i].second, one[i].second, ano::Type::f32);
-        };
-        if (std::none_of(left.begin(), left.end(), is_it)) return false;
-    }
-    return true;
+// Whose note it is, by the values that a device has.
+enum class Unit : std::uint8_t {
+    other,    // of another one of its type, or it was calibrated by somebody else meanwhile
+    alike,    // it may be the same, or one that was never calibrated
+    same,
+};
+
+// Whether a value tells a unit from others of its type: one that was never calibrated, or is cleared, has it not.
+bool tells_apart(const ano::host::AnyValue& value, const ano::host::AnyValue& neutral) {
+    const auto* number = std::get_if<double>(&value);
+    return number != nullptr && std::isfinite(*number) && *number != 0 && !ano::host::same_bytes(value, neutral, ano::Type::f32);
 }
 
+// The sets of values that a calibration may have left in a device: the old ones, those after the clear, and the new ones. The note of one
+// that ended right behind the clear has no cleared values: it left neutral ones.
+std::vector<CalibrationValues> left_by_calibration(const std::string& text, Sensor sensor) {
+    const Json note = note_json(text);
+    std::vector<CalibrationValues> left{further_values(note, "cleared", sensor).value_or(ano::host::neutral_calibration(sensor))};
+    if (auto old = values_in_note(text, sensor)) left.push_back(*std::move(old));
+    if (auto found = further_values(note, "new", sensor)) left.push_back(*std::move(found));
+    return left;
+}
+
+// The device is the one of the note if each value is one that the calibration left, those of the other sensor are as they were, and one of them
+// tells it from others of its type: units have no number of their own.
+Unit unit_of_note(const CalibrationValues& has, const CalibrationValues& has_of_other, const std::string& text, Sensor sensor) {
+    const Sensor other = ano::host::other_than(sensor);
+    const auto other_values = further_values(note_json(text), "other", other);
+    if (other_values && !are_same(*other_values, has_of_other)) return Unit::other;
+    const std::vector<CalibrationValues> left = left_by_calibration(text, sensor);
+    const CalibrationValues neutral = ano::host::neutral_calibration(sensor),
+                            neutral_other = ano::host::neutral_calibration(other);
+    bool is_told_apart = false;
+    for (std::size_t i = 0; i < has.size(); ++i) {
+        const auto& value = has[i].second;
+        const auto is_it = [&](const auto& one) { return ano::host::same_bytes(value, one[i].second, ano::Type::f32); };
+        if (std::none_of(left.begin(), left.end(), is_it)) return Unit::other;
+        is_told_apart = is_told_apart || (!is_it(left[0]) && tells_apart(value, neutral[i].second));
+    }
+    for (std::size_t i = 0; other_values && i < other_values->size(); ++i)
+        is_told_apart = is_told_apart || tells_apart((*other_values)[i].second, neutral_other[i].second);
+    return is_told_apart ? Unit::same : Unit::alike;
+}
+
+// How the user writes the values of a note back, as a clause.
+std::string by_hand(const WorkPlace& place, const std::string& name) {
+    return "anoctl param import " + place.net.kept_path(name) + ", then anoctl param save";
+}
+
+constexpr const char* not_told_apart = "nothing tells this unit from others of its type that were never calibrated";
+
 // The note is the only copy of its values, so the log has them.
-std::string drop_note(const WorkPlace& place, const std::string& name) {
+std::string drop_note(const WorkPlace& place, const std::string& name, Unit unit) {
     const std::string text = *place.notes.find(name);
-    place.notes.drop(name, "removed: the device has other calibration values");
-    return "the device has other calibration values than its unfinished calibration left, so they stay, and the file is "
-           "removed: " +
+    const bool is_alike = unit == Unit::alike;
+    place.notes.drop(name, is_alike ? "removed: it may be of another unit" : "removed: the device has other calibration values");
+    return (is_alike
+                ? std::string{not_told_apart} + ", so its values stay, and the file is removed: "
+                : "the device has other calibration values than its unfinished calibration left, so they stay, and the file is "
+                  "removed: ") +
            describe_note(name, text) + ", " + ano::compact_json(note_json(text).value("parameters", Json{}));
 }
 
@@ -202,8 +221,11 @@ private:
             value = ano::host::nearest_value(value, *info);
         }
         const auto of_other = ano::host::calibration_in(parameters, ano::host::other_than(*sensor));
-        if (!is_left_by_calibration(has, of_other.value_or(CalibrationValues{}), *text, *sensor))
-            return finish(work_fault(409, drop_note(place(), name_)));
+        const Unit unit = unit_of_note(has, of_other.value_or(CalibrationValues{}), *text, *sensor);
+        if (unit == Unit::other) return finish(work_fault(409, drop_note(place(), name_, unit)));
+        if (unit == Unit::alike)
+            return finish(work_fault(409, std::string{not_told_apart} + "; if it is the one of which they are: " +
+                                              by_hand(place(), name_) + "; otherwise remove the file"));
         writes_ = true;
         next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
     }
@@ -267,13 +289,16 @@ public:
                                                         : "checking the new values: leave it still on ") +
                        std::string{ano::host::name_of(*face)};
             return "checking the new values: go on turning it";
+        case Phase::prove:
+            return std::string{"it does not show that it was cleared, so the new values are checked on all sides: "} +
+                   (sensor_ == Sensor::accelerometer ? "lay it on each of its six faces again" : "turn it to all sides again");
         case Phase::restore: return "writing the old values back";
         case Phase::over: break;
         }
         return {};
     }
     std::string step() const override {
-        if (calibration_ == nullptr || phase() < Phase::turn || phase() > Phase::verify) return {};
+        if (calibration_ == nullptr || phase() < Phase::turn || phase() > Phase::prove) return {};
         return (sensor_ == Sensor::accelerometer ? faces_json(calibration_->faces()) : sphere_json(calibration_->sphere()))
             .dump();
     }
@@ -315,9 +340,10 @@ private:
         const std::string name = kept_note(place(), sensor_);
         const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
         if (!values) return false;
-        if (!is_left_by_calibration(calibration_->old_values(), calibration_->other_values(), *place().notes.find(name),
-                                    sensor_)) {
-            place().net.report(name + " is not used: " + drop_note(place(), name), true);
+        const Unit unit = unit_of_note(calibration_->old_values(), calibration_->other_values(), *place().notes.find(name),
+                                       sensor_);
+        if (unit != Unit::same) {
+            place().net.report(name + " is not used: " + drop_note(place(), name, unit), true);
             return false;
         }
         note_ = name;
@@ -364,8 +390,13 @@ private:
     // `when` the next run of the program writes them back, if it does.
     std::string kept_where(const std::string& what, const std::string& when) const {
         const std::string name = note_.empty() ? keep_name(place(), sensor_) : note_;
-        const std::string way = place().net.way_to_write_back(name);
-        return what + " are kept as " + name + (way.empty() ? " and are written back " + when : "; " + way);
+        const std::string kept = what + " are kept as " + name, way = place().net.way_to_write_back(name);
+        if (!way.empty()) return kept + "; " + way;
+        const CalibrationValues left = calibration_ != nullptr ? calibration_->cleared_values() : CalibrationValues{};
+        const CalibrationValues other = calibration_ != nullptr ? calibration_->other_values() : CalibrationValues{};
+        if (unit_of_note(left, other, ano::compact_json(json_), sensor_) == Unit::same)
+            return kept + " and are written back " + when;
+        return kept + "; " + not_told_apart + ", so write them back by hand: " + by_hand(place(), name);
     }
     void done(const Task& task, TimePoint) override {
         forget();

@@ -27,6 +27,8 @@ const messages: Record<string, string> = {
   "keeping the new values": "正在把新值存盘",
   "writing the new values": "正在写入新值",
   "checking the new values: go on turning it": "正在验证新值：请继续转动",
+  "it does not show that it was cleared, so the new values are checked on all sides: lay it on each of its six faces again": "看不出设备清除过旧值，所以要在各个方向上验证新值：请再次把六个面依次朝上静置",
+  "it does not show that it was cleared, so the new values are checked on all sides: turn it to all sides again": "看不出设备清除过旧值，所以要在各个方向上验证新值：请再次把设备转向各个方向",
   "writing the old values back": "正在写回旧值",
   "writing back what was before a calibration that never ended": "正在写回一次没做完的校准之前的值",
 };
@@ -54,6 +56,8 @@ const reasons: [RegExp, string][] = [
   [/^rejected: the residual is (.+) cm\/s²: lay it flat on each$/, "新值不采用：残差有 $1 cm/s²，每个面都要放平"],
   [/^rejected: the residual would be (.+), and is (.+)$/, "新值不采用：残差会是 $1，现在是 $2，没有变好"],
   [/^rejected: the device can store the new values too coarsely only$/, "新值不采用：设备存储的精度不够"],
+  [/^rejected: as the device stores the new values, the residual would be (.+), and is (.+)$/, "新值不采用：按设备存储的精度，残差会是 $1，现在是 $2，没有变好"],
+  [/^rejected: as the device stores the new values, the largest error would be (.+), and is (.+)$/, "新值不采用：按设备存储的精度，最大误差会是 $1，现在是 $2，没有变好"],
   [/^rejected: only (.+) of all directions were measured$/, "新值不采用：只测到 $1 的方向"],
   [/^rejected: the samples are no ellipsoid: turn it slowly, away from iron$/, "新值不采用：采样不成椭球，请远离铁器慢慢转"],
   [/^the image did not pass the device's check$/, "固件没有通过设备的校验"],
@@ -96,6 +100,9 @@ const reasons: [RegExp, string][] = [
   [/^(0x\w\w) restarted (\d+) times \(.+\)$/, "$1 重启了 $2 次：请检查供电和接线"],
   [/^(0x\w\w) is heard, but sends no samples: (.+)$/, "$1 在线，但没有发送采样：$2"],
   [/^not verified: with the new values it is off by (.+?)( on [+-][xyz])? instead of (.+)$/, "新值未通过验证：误差是 $1，应为 $3"],
+  [/^not verified: with the new values it is off by (.+) on all sides, with the old ones by (.+)$/, "新值未通过验证：各个方向上的误差是 $1，旧值是 $2"],
+  [/^not verified: with the new values it is off by (.+) on all sides, where (.+) can be reached: some of its samples were not raw$/, "新值未通过验证：各个方向上的误差是 $1，本可以达到 $2：有些采样已经被旧校准修正过"],
+  [/^(0x\w\w) acknowledges the clear and ignores it: .+$/, "$1 确认了清除却没有执行：它的校准值没有清除，采样两次都已被修正过"],
   [/^the new values could not be verified: it did not lie still on (..) when they were stored$/, "无法验证新值：存入后没有保持 $1 朝上静置"],
   [/^the new values could not be verified: it was not turned when they were stored$/, "无法验证新值：存入后没有继续转动"],
 ];

@@ -22,6 +22,8 @@ TEST(KeptValues, are_not_overwritten_and_gone_when_they_are_no_longer_needed) {
     EXPECT_EQ(support::text_of(file), "{}");
     EXPECT_NE(keep_in_state_folder("calibration-0xDC-compass.json", "[]").find("anoctl param import " + file), std::string::npos);
     EXPECT_EQ(support::text_of(file), "{}") << "the values from before the crash";
+    EXPECT_EQ(keep_in_state_folder("calibration-0xDC-compass.json", "[1]", anoctl::Earlier::replaced), "");
+    EXPECT_EQ(support::text_of(file), "[1]") << "of this run";
     EXPECT_EQ(keep_in_state_folder("calibration-0xDC-compass.json", ""), "");
     EXPECT_FALSE(std::filesystem::exists(file));
     ::setenv("XDG_STATE_HOME", (dir / "nothing").c_str(), 1);

@@ -159,10 +159,16 @@ struct Calibrates : LongJobs {
             ano::store(bytes.data(), static_cast<float>(value += 0.125));
             fake.parameters.push_back({8, name, "", bytes});
         }
+        for (const std::string& name : ano::host::calibration_names(ano::host::Sensor::compass)) {
+            fake.parameters.push_back({8, name, "", Bytes(4)});
+            ano::store(fake.parameters.back().value.data(), static_cast<float>(value += 0.125));
+        }
         before = fake.parameters[0].value;
         fake.instead = [this](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
             const bool clears = f.id() == 0xE0 && f.data()[0] == 0x10 && f.data()[1] == 0x20;
-            if (clears) fake.parameters[0].value = cleared;
+            const auto neutral = ano::host::neutral_calibration(ano::host::Sensor::accelerometer);
+            for (std::size_t i = 0; clears && i < neutral.size(); ++i)
+                ano::store(fake.parameters[i].value.data(), static_cast<float>(std::get<double>(neutral[i].second)));
             return std::nullopt;
         };
     }
@@ -595,7 +601,7 @@ TEST_F(Calibrates, whose_device_dies_in_the_writing_has_its_old_values_back) {
     EXPECT_EQ(until_over(1).at("state"), "failed");
     EXPECT_NE(fake.parameters[1].value, old[1]);
     EXPECT_NE(fake.parameters[3].value, old[3]);
-    EXPECT_EQ(fake.parameters[4].value, old[4]);
+    EXPECT_EQ(ano::load<float>(fake.parameters[4].value.data()), 1) << "it is cleared";
     const json note = json::parse(net.kept.begin()->second);
     EXPECT_EQ(note.at("cleared").size(), 15u);
     EXPECT_EQ(note.at("new").size(), 15u);
@@ -615,9 +621,9 @@ struct CutOffOfTwoSensors : CutOff {
             store(device, i, (i >= 3 && i < 6) || i == 6 || i == 10 || i == 14 || i >= 18 ? 1.0f : 0.0f);
     }
     // A note of a calibration that ended right behind the clear, of a device with this calibration of its compass.
-    void remember(float offset_of_compass) {
+    void remember(float offset_of_compass, bool has_cleared = false) {
         json note = json::parse(net.kept.begin()->second);
-        note.erase("cleared");
+        if (!has_cleared) note.erase("cleared");
         note["other"] = json::object();
         const auto names = ano::host::calibration_names(ano::host::Sensor::compass);
         FakeDevice& device = *again.fakes[0];
@@ -647,12 +653,70 @@ TEST_F(CutOffOfTwoSensors, are_not_written_to_a_spare_unit_that_was_never_calibr
     EXPECT_NE(again.reports.at(0).find("so they stay, and the file is removed"), std::string::npos);
 }
 
-// Nothing distinguishes it from a spare unit.
+// Nothing tells it from a spare unit.
 TEST_F(CutOffOfTwoSensors, are_not_written_where_the_other_sensor_was_never_calibrated) {
-    remember(0);
+    for (const bool has_cleared : {false, true}) {
+        again.reports.clear();
+        remember(0, has_cleared);
+        make_neutral(*again.fakes[0], 0, 15);
+        again.pass(3min);
+        EXPECT_EQ(value(), Bytes(4));
+        ASSERT_EQ(again.kept.size(), 1u);
+        const std::string name = again.kept.begin()->first;
+        if (!has_cleared) {    // it is said once
+            EXPECT_EQ(
+                again.reports.at(0),
+                name +
+                    " is not written back: nothing tells this unit from others of its type that were never calibrated; if it is "
+                    "the one of which they are: anoctl param import " +
+                    name + ", then anoctl param save; otherwise remove the file");
+        }
+    }
+}
+
+TEST_F(CutOffOfTwoSensors, are_written_where_one_of_its_values_tells_it_from_a_spare_unit) {
+    remember(0, true);
     make_neutral(*again.fakes[0], 0, 15);
+    const json note = json::parse(again.kept.begin()->second);
+    store(*again.fakes[0], 2, note.at("parameters").at("CAL_AOFF_Z").get<float>());
     ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 3min));
+    EXPECT_EQ(value(), before);
+}
+
+TEST_F(CutOffOfTwoSensors, are_not_those_to_which_a_calibration_of_such_a_unit_goes_back) {
+    remember(0, true);
+    make_neutral(*again.fakes[0], 0, 15);
+    const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_EQ(answer.status, 202u) << answer.json;
+    const std::string job = "/jobs/" + std::to_string(answer.json.at("id").get<int>());
+    ASSERT_TRUE(again.until([&] { return again.ask("GET", job).json.at("state") == "waiting"; }, 1min));
+    ASSERT_EQ(again.reports.size(), 1u);
+    EXPECT_NE(again.reports[0].find("so its values stay, and the file is removed: "), std::string::npos) << again.reports[0];
+    EXPECT_NE(again.reports[0].find("\"CAL_AOFF_X\":0.625"), std::string::npos) << again.reports[0];
+    again.ask("POST", job + "/next");
+    again.pass(1s);
+    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
     EXPECT_EQ(value(), Bytes(4));
+}
+
+TEST_F(Calibrates, whose_device_is_told_from_no_other_says_how_to_write_its_values_back) {
+    for (std::size_t i = 15; i < 21; ++i) ano::store(fake.parameters[i].value.data(), i < 18 ? 0.0f : 1.0f);
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    go_on();
+    fake.deaf = true;
+    const json over = until_over(1);
+    const std::string name = net.kept.begin()->first;
+    EXPECT_EQ(
+        over.at("error"),
+        "0xDC fell silent: nothing came for 4.5 s; the old values could not be written back; they are kept as " + name +
+            "; nothing tells this unit from others of its type that were never calibrated, so write them back by hand: anoctl "
+            "param import " +
+            name + ", then anoctl param save");
+    fake.deaf = false;
+    net.pass(3min);
+    EXPECT_EQ(net.kept.size(), 1u);
+    EXPECT_EQ(fake.parameters[0].value, cleared);
 }
 
 TEST_F(CutOff, to_import_them_is_as_good) {
@@ -751,6 +815,7 @@ TEST(Notes, are_files_of_exactly_their_names) {
 TEST_F(Calibrates, only_what_there_is_to_calibrate) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "barometer"})").status, 400u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", "{}").status, 400u);
+    fake.parameters.resize(15);
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "compass"})");
     EXPECT_EQ(until_over(1).at("what"), "unsupported");
 }

@@ -27,6 +27,7 @@ struct Calibrates : testing::Test {
     std::vector<Bytes> old;
     std::vector<std::uint16_t> actions;
     bool forgets_once = false;    // one of the values, when it is told to use them
+    bool shows_the_clear = true;
 
     void make(Sensor sensor) {
         fake.parameters = {{0, "FIRST", "", {1}}};
@@ -34,12 +35,17 @@ struct Calibrates : testing::Test {
         for (const std::string& name : calibration_names(sensor)) fake.parameters.push_back({8, name, "", f32(value += 0.125)});
         fake.parameters.push_back({0, "LAST", "", {1}});
         old = stored();
-        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        fake.instead = [&, sensor](FrameView f) -> std::optional<std::vector<Bytes>> {
             if (f.id() == 0xE0 && f.data()[0] == 0x10) actions.push_back(load<std::uint16_t>(f.data().data() + 1));
+            const bool clears = f.id() == 0xE0 && f.data()[0] == 0x10 && f.data()[1] % 0x10 == 0;
+            if (clears && shows_the_clear) store(neutral_calibration(sensor));
             if (!actions.empty() && actions.back() == 0x21 && std::exchange(forgets_once, false))
                 fake.parameters[2].value = f32(9);
             return std::nullopt;
         };
+    }
+    void store(const CalibrationValues& values) {
+        for (std::size_t i = 0; i < values.size(); ++i) fake.parameters[1 + i].value = f32(std::get<double>(values[i].second));
     }
     std::vector<Bytes> stored() const {
         std::vector<Bytes> all;
@@ -180,6 +186,101 @@ TEST_F(Calibrates, a_compass_again_when_its_samples_were_corrected_already) {
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x30}));
 }
 
+// Its parameters never show the clear, and while it is turned it uses its old calibration again.
+struct HidesTheClear : Calibrates {
+    static constexpr CompassCalibration right{{110, -70, 55}, {1.02, 0.97, 1}};
+
+    // A sample of direction `i`; the device has corrected it by `used`.
+    void hear_field(Calibration& task, int i, const CompassCalibration& used) {
+        const double z = 2 * (i % 100 + 0.5) / 100 - 1, around = i * 2.4;
+        const Vector v = used.corrected(right.raw_of(
+            {500 * std::sqrt(1 - z * z) * std::cos(around), 500 * std::sqrt(1 - z * z) * std::sin(around), 500 * z}));
+        Draft<"compass"> m;
+        (void)m.set<"mag_x">(std::round(v[0]));
+        (void)m.set<"mag_y">(std::round(v[1]));
+        (void)m.set<"mag_z">(std::round(v[2]));
+        hear(task, m);
+    }
+    CompassCalibration in_use() const {
+        std::array<float, 6> values{};
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = load<float>(stored()[i].data());
+        return CompassCalibration::of(values);
+    }
+    // Raw samples first, then those that it corrects by `old_one`.
+    void calibrate(Calibration& task, int raw_ones, const CompassCalibration& old_one) {
+        make(Sensor::compass);
+        shows_the_clear = false;
+        const auto values = old_one.values();
+        for (std::size_t i = 0; i < values.size(); ++i) fake.parameters[1 + i].value = f32(values[i]);
+        old = stored();
+        begin(task);
+        for (int i = 0; i < 12000 && !task.end() && task.step() <= Calibration::Step::prove; ++i) {
+            task.look(simulation.now);
+            const bool turns = task.step() == Calibration::Step::turn;
+            if (task.step() == Calibration::Step::confirm || task.step() == Calibration::Step::write) simulation.run(task);
+            hear_field(task, i, !turns ? in_use() : i < raw_ones ? CompassCalibration{} : old_one);
+        }
+        simulation.run(task);
+        ASSERT_TRUE(task.end());
+    }
+};
+
+TEST_F(HidesTheClear, a_compass_is_proven_on_all_sides) {
+    Calibration task{device, Sensor::compass, &cache};
+    calibrate(task, 6000, {{60, -40, 30}, {1, 1, 1}});
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_NEAR(in_use().offset[0], 110, 2);
+    EXPECT_LT(task.verified().value_or(1), 0.005);
+}
+
+TEST_F(HidesTheClear, a_compass_is_never_made_worse) {
+    for (const CompassCalibration& old_one :
+         {CompassCalibration{{115, -76, 58}, {1, 0.98, 0.99}}, right, CompassCalibration{{60, -40, 30}, {1, 1, 1}}})
+        for (const int raw_ones : {0, 50, 100, 150, 190}) {
+            simulation.now += 1min;
+            actions.clear();
+            Calibration task{device, Sensor::compass, nullptr};
+            calibrate(task, raw_ones, old_one);
+            if (task.end()->ending == Ending::done) {
+                EXPECT_NEAR(in_use().offset[0], 110, 5) << raw_ones;
+            } else {
+                EXPECT_EQ(stored(), old) << task.end()->what;
+            }
+        }
+}
+
+// The slower the line, the later a question is given up.
+struct CalibratesSlowly : Calibrates, testing::WithParamInterface<int> {};
+INSTANTIATE_TEST_SUITE_P(Delays, CalibratesSlowly, testing::Values(1, 10, 20, 30, 40, 60, 100, 200));
+
+TEST_P(CalibratesSlowly, a_compass_that_dies_at_the_first_value_is_told_within_five_seconds) {
+    simulation.there.delay = simulation.back.delay = std::chrono::milliseconds{GetParam()};
+    make(Sensor::compass);
+    Calibration task{device, Sensor::compass, &cache};
+    begin(task);
+    Draft<"compass"> m;
+    for (int i = 0; i < 3000 && task.step() == Calibration::Step::turn; ++i) {
+        const double z = 2 * (i % 100 + 0.5) / 100 - 1, around = i * 2.4;
+        (void)m.set<"mag_x">(std::round(500 * std::sqrt(1 - z * z) * std::cos(around) + 100));
+        (void)m.set<"mag_y">(std::round(400 * std::sqrt(1 - z * z) * std::sin(around) - 50));
+        (void)m.set<"mag_z">(std::round(450 * z));
+        hear(task, m);
+    }
+    ASSERT_EQ(task.step(), Calibration::Step::confirm);
+    fake.deaf = true;
+    const TimePoint died = simulation.now;
+    simulation.each_step = [&](TimePoint now) {
+        if (const auto at = task.due(); at && now >= *at) task.look(now);
+    };
+    while (!task.end() && simulation.now < died + 10s) {
+        simulation.run(task, 20ms);
+        simulation.now = std::min(task.due().value_or(simulation.now), simulation.now + 20ms);
+        task.look(simulation.now);
+    }
+    ASSERT_TRUE(task.end());
+    EXPECT_LE(simulation.now - died, 4950ms);
+}
+
 TEST_F(Calibrates, and_writes_nothing_before_the_new_values_are_kept) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
@@ -189,7 +290,7 @@ TEST_F(Calibrates, and_writes_nothing_before_the_new_values_are_kept) {
     simulation.run(task);
     ASSERT_EQ(task.step(), Calibration::Step::keep_new);
     EXPECT_EQ(task.new_values().size(), 15u);
-    EXPECT_EQ(stored(), old);
+    EXPECT_EQ(load<float>(stored()[0].data()), 0);
     EXPECT_EQ(task.cleared_values().size(), 15u);
     task.kept(simulation.now);
     simulation.run(task);

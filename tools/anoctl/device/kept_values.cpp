@@ -55,7 +55,7 @@ bool is_in_state_folder(const std::string& path) {
 
 std::string path_in_state_folder(const std::string& name) { return (state_folder() / name).string(); }
 
-std::string keep_in_state_folder(const std::string& name, const std::string& text) {
+std::string keep_in_state_folder(const std::string& name, const std::string& text, Earlier earlier) {
     const fs::path folder = state_folder();
     if (folder.empty()) return "neither XDG_STATE_HOME nor HOME says where";
     const fs::path path = folder / name;
@@ -64,7 +64,7 @@ std::string keep_in_state_folder(const std::string& name, const std::string& tex
         fs::remove(path, error);
         return error ? path.string() + ": it can't be removed: " + error.message() : std::string{};
     }
-    if (fs::exists(path, error) && anogate::sensor_of_note(name))
+    if (earlier == Earlier::stays && fs::exists(path, error) && anogate::sensor_of_note(name))
         return path.string() + " has those of a calibration that did not end: write them back by anoctl param import " +
                path.string() + " and anoctl param save, then remove it";
     fs::create_directories(folder, error);

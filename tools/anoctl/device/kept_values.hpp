@@ -4,9 +4,12 @@
 
 namespace anoctl {
 
+/// What becomes of the file of a calibration that is there already: one of an earlier run stays.
+enum class Earlier : bool { stays, replaced };
+
 /// Keeps `text` as the file `name` in $XDG_STATE_HOME/anogate (else ~/.local/state/anogate); an empty text removes the file. Returns empty,
-/// or a clause with the reason why not. A file of an earlier run is not overwritten: the reason then says how to restore its values.
-std::string keep_in_state_folder(const std::string& name, const std::string& text);
+/// or a clause with the reason why not. Of a file that stays the reason says how to restore its values.
+std::string keep_in_state_folder(const std::string& name, const std::string& text, Earlier earlier = Earlier::stays);
 
 std::string path_in_state_folder(const std::string& name);
 

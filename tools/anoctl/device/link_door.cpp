@@ -18,6 +18,7 @@
 #include <chrono>
 #include <ctime>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -124,9 +125,13 @@ private:
         return {one.at.has_value() || address == there_, false, one.elsewhere};
     }
     void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override {
-        done(anogate::is_type_7_note(name) ? std::string{}
-                                           : keep_in_state_folder(name, text));    // the key value_type_7 of LINK keeps it
+        if (anogate::is_type_7_note(name)) return done({});    // the key value_type_7 of LINK keeps it
+        const std::string fault = keep_in_state_folder(name, text, kept_.contains(name) ? Earlier::replaced : Earlier::stays);
+        if (fault.empty() && !text.empty()) kept_.insert(name);
+        if (text.empty()) kept_.erase(name);
+        done(fault);
     }
+    std::string kept_path(const std::string& name) override { return path_in_state_folder(name); }
     anogate::UnitPlace unit_place(std::uint8_t, TimePoint) override { return {"anoctl --link", link_.name(), wire_}; }
     std::string cached(const std::string& name) override { return cached_text(name); }
     void cache(const std::string& name, const std::string& text) override { cache_text(name, text); }
@@ -139,6 +144,7 @@ private:
     asio::steady_timer timer_;
     std::optional<TimePoint> wakes_at_;
     std::array<Heard, 256> heard_;
+    std::set<std::string> kept_;    // by this run
     bool listens_ = false;
     const std::optional<std::uint8_t> there_;
     const anogate::DeviceManners manners_;
