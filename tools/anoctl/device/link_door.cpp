@@ -61,6 +61,7 @@ public:
           service_{*this} {
         anogate::add_device_routes(routes_, service_);
         service_.keep_descriptions();
+        for (auto& [name, text] : texts_in_state_folder(anogate::is_type_7_note)) service_.remember(name, std::move(text));
         link_.start();
     }
     ~LinkNet() override {
@@ -124,8 +125,7 @@ private:
         return {one.at.has_value() || address == there_, false, one.elsewhere};
     }
     void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override {
-        done(anogate::is_type_7_note(name) ? std::string{}
-                                           : keep_in_state_folder(name, text));    // the key value_type_7 of LINK keeps it
+        done(keep_in_state_folder(name, text));
     }
     anogate::UnitPlace unit_place(std::uint8_t, TimePoint) override { return {"anoctl --link", link_.name(), wire_}; }
     std::string cached(const std::string& name) override { return cached_text(name); }
