@@ -52,6 +52,8 @@ class Asker {
 public:
     /// A request ended. New ones may be asked here; the device may not be destroyed.
     virtual void ended(const Ended& ended, TimePoint now) = 0;
+    /// A frame came that should have been the answer to a request, and does not fit. The request may wait on.
+    virtual void came_unfit(FrameView /*frame*/) {}
 
     /// The requests of this asker are not begun while those of others that do not yield are open.
     bool yields() const noexcept { return yields_; }

@@ -145,7 +145,9 @@ bool Device::missed(FrameView frame, TimePoint now) {
     const auto is_missed = [&](const Exchange& e) { return e.is_on_its_way() && e.expects().is_missed_by(frame); };
     const auto it = std::find_if(sent_.begin(), sent_.end(), is_missed);
     if (it == sent_.end() || std::any_of(std::next(it), sent_.end(), is_missed)) return false;
-    if (is_of_the_past(frame) || !it->miss(frame)) return false;
+    if (is_of_the_past(frame)) return false;
+    it->asker()->came_unfit(frame);
+    if (!it->miss(frame)) return false;
     end(sent_, it, Outcome::timeout, {}, now);
     return true;
 }
