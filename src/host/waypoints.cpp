@@ -167,10 +167,11 @@ void WaypointsPut::counted(std::uint8_t count, TimePoint now) {
         for (const std::uint8_t num : changed_) numbers += (numbers.empty() ? "" : ", ") + std::to_string(num);
         if (changed_.size() == waypoints_.size()) {
             at_ = 0;
-            return finish({Ending::failed,
-                           hex_of(device().address()) + " acknowledged all waypoints, and has none of them as written: " + numbers,
-                           {}},
-                          now);
+            return finish(
+                {Ending::failed,
+                 hex_of(device().address()) + " acknowledged all waypoints, and has none of them as written: " + numbers,
+                 {}},
+                now);
         }
         remark(std::to_string(changed_.size()) + " of them were stored otherwise than written (" + numbers + ")");
     }
