@@ -78,7 +78,7 @@ constexpr const Message* select_layout(std::span<const Message> layouts, Bytes d
         // Fewer bytes than the base layout has are malformed, whatever its length.
         const std::size_t length = row.variant.length;
         if (length != 0 && (row.is_base() ? data.size() > length : data.size() != length)) return false;
-        if (row.may_be_shifted_by_one() && data.size() == row.fixed_size + 1u) return false;
+        if (row.is_exact() && data.size() > row.fixed_size) return false;
         if (row.variant.by_look && (is_plausible(layouts.front(), data) || !is_plausible(row, data))) return false;
         if (!row.selective) return true;
         for (const Field& f : row.fields()) {

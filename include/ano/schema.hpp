@@ -254,11 +254,9 @@ struct Message {
     constexpr std::span<const Field> element() const noexcept { return {storage.data() + size, elements}; }
     constexpr bool is_base() const noexcept { return variant.label.empty(); }
     constexpr bool is_open() const noexcept { return size > 0 && storage[size - 1u].is_open(); }
-    /// Whether DATA with one more byte has an unknown layout. Some devices put a mode byte before the fields of a message that they send
-    /// again and again, so that all are shifted. Two more bytes and more stand behind the fields.
-    constexpr bool may_be_shifted_by_one() const noexcept {
-        return size > 0 && traffic.replaces != Replaces::nothing && !is_open();
-    }
+    /// Whether longer DATA has an unknown layout: in a message that is sent again and again, some devices put other fields before these, so
+    /// that all are shifted. What is longer by its nature ends in a field of open length.
+    constexpr bool is_exact() const noexcept { return size > 0 && traffic.replaces != Replaces::nothing && !is_open(); }
     constexpr bool ends_in_list() const noexcept { return size > 0 && storage[size - 1u].type == Type::list; }
     constexpr const Field* field(std::string_view field_name) const noexcept {
         for (const Field& f : fields())

@@ -114,7 +114,7 @@ constexpr std::optional<View<M, Label>> as(FrameView frame) noexcept {
     constexpr const Message& row = detail::row<M, Label>;
     const Bytes data = frame.data();
     if (frame.id() != row.id || data.size() < row.fixed_size) return std::nullopt;
-    if constexpr (layouts_of(row.id).size() > 1 || row.may_be_shifted_by_one())
+    if constexpr (layouts_of(row.id).size() > 1 || row.is_exact())
         if (select_layout(layouts_of(row.id), data) != &row) return std::nullopt;
     return View<M, Label>{data};
 }

@@ -28,7 +28,7 @@ struct CommandInfo {
     std::vector<std::uint8_t> numbers{};    // the value types as the device sends them
     bool has_open_type =
         false;    // has a value type 7, and its meaning is not known: `types` has f32 for it, and it can't be called
-    std::uint32_t doubts = 0;    // Device::doubts() when it was described
+    std::uint32_t doubts = 0, presence = 0;    // Device::doubts() and presence() when it was described
     friend bool operator==(const CommandInfo&, const CommandInfo&) = default;
 };
 
@@ -97,25 +97,34 @@ private:
 /// doubts. Null: they are not known, or the device has reported otherwise since. Valid as CommandCache::find() says.
 const std::vector<CommandInfo>* commands_read_last(CommandCache& cache, const Device& device);
 
-/// Asks the device once whether a command that it described earlier is still the same. Without an answer in time it is taken for the same:
-/// a device that does not answer this may carry out the command, which may be LAND.
+/// Asks the device whether a command that it described earlier is still the same, before everything else that is asked of it.
 class CommandCheck final : public Task {
 public:
+    /// What is known at its end.
+    enum class Found : std::uint8_t {
+        same,
+        another,    // the command in its place is another one, or the device reported other versions meanwhile
+        unconfirmed,    // no answer. As far as is known it is the same device; or nothing of it arrives, and it may hear: the command may be LAND
+        unknown,    // no answer, but it is heard, and was away since: it may be another device
+    };
+
     /// `cache` must outlive this; it learns that the command is confirmed.
     CommandCheck(Device& device, CommandInfo known, CommandCache& cache)
         : Task{device}, known_{std::move(known)}, cache_{cache} {}
 
     void start(TimePoint now);
     void ended(const Ended& ended, TimePoint now) override;
-    /// The answer is waited for as long as two round trips take, within these.
-    static constexpr Duration least_wait = std::chrono::milliseconds{200}, longest_wait = std::chrono::milliseconds{500};
-    /// At its end: an answer describes another command in its place.
-    bool is_another() const noexcept { return is_another_; }
+    /// It asks so often. Each answer is waited for as long as two round trips take, within these: a second in all.
+    static constexpr unsigned sends = 3;
+    static constexpr Duration least_wait = std::chrono::milliseconds{166}, longest_wait = std::chrono::milliseconds{333};
+    Found found() const noexcept { return found_; }
 
 private:
+    Found found_without_answer(TimePoint now) const;
+
     CommandInfo known_;
     CommandCache& cache_;
-    bool is_another_ = false;
+    Found found_ = Found::unconfirmed;
 };
 
 /// Calls one command. There is no negative answer, and a repeated frame runs it again, so it is sent once, and silence for 2 s is

@@ -52,6 +52,8 @@ class Asker {
 public:
     /// A request ended. New ones may be asked here; the device may not be destroyed.
     virtual void ended(const Ended& ended, TimePoint now) = 0;
+    /// A frame came that should have been the answer to a request, and does not fit. The request may wait on.
+    virtual void came_unfit(FrameView /*frame*/) {}
 
     /// The requests of this asker are not begun while those of others that do not yield are open.
     bool yields() const noexcept { return yields_; }
@@ -79,7 +81,7 @@ enum class Taken : std::uint8_t {
 
 /// There is one of these for each device, shared by all askers together with its window. At most Window::max_size requests are on
 /// their way, and at most one that writes or upgrades. Two that the same answer would end are sent one after the other.
-/// A command waits neither for a place in the window, nor for the end of another one or of a write. The oldest of equal commands gets the first acknowledgement, and Evidence::may_be_of_equal.
+/// A command, and a request that is urgent, waits neither for a place in the window, nor for the end of another one or of a write. The oldest of equal commands gets the first acknowledgement, and Evidence::may_be_of_equal.
 /// A request of an asker that yields goes behind all others. Such a request that was sent before is sent again nevertheless: another one may
 /// wait for its end.
 ///
@@ -117,10 +119,10 @@ public:
     /// When next_frame() last returned a frame.
     TimePoint last_sent() const noexcept { return last_sent_; }
     /// `flush` is called before a frame leaves that the device may not hear, because its parser waits inside a damaged one: before a
-    /// request is repeated, unless the device has heard a later one; and before one that waits long. Where it may flush later only, the
-    /// frame waits for that, if the wait for its answer would last longer: deaf, the device would cost it that. Not so a command while
-    /// another one waits for its end, nor the next request of an asker whose last one was just answered. A request that did not wait is sent
-    /// once more when it may flush.
+    /// request is repeated, unless the device has heard a later one; and before the first try of one that waits long. Where it may flush
+    /// later only, a first try and a command leave at once; a second try waits for that, unless the wait for its answer is shorter. What
+    /// did not wait and may be repeated is sent once more when it may flush, except the next request of an asker whose last one was
+    /// just answered.
     void on_maybe_deaf(std::function<Flush(FrameView next)> flush) { flush_ = std::move(flush); }
     /// When next_frame() has to be called again; TimePoint::min(): now; std::nullopt: no request is open.
     std::optional<TimePoint> due() const noexcept;
@@ -160,13 +162,14 @@ public:
     /// A write or a command is on its way.
     bool awaits_acknowledgement() const noexcept;
     std::size_t waiting() const noexcept { return waiting_.size(); }
-    /// A command waits for next_frame().
-    bool has_command() const noexcept;
+    /// A command, or an urgent request, waits for next_frame().
+    bool has_command() const noexcept { return first_of_all() != nullptr; }
     /// How long a command waits, at the most, for answers that are on their way.
     static constexpr Duration max_wait_of_commands = std::chrono::milliseconds{100};
 
 private:
     TimePoint command_may_start_at() const noexcept;
+    const Exchange* first_of_all() const noexcept;
     using Exchanges = std::list<Exchange>;    // in the order in which they were first sent, or queued
     struct Past {
         Expectation expects;

@@ -36,6 +36,7 @@ struct Request {
     std::vector<std::uint8_t> data{};
     Patience patience{};
     std::uint32_t tag = 0;    // chosen by the asker, and returned to it when the request ends
+    bool urgent = false;      // a command waits for its answer: it passes all but commands
 };
 
 /// The request to send `draft` (typed.hpp).
@@ -71,6 +72,7 @@ public:
     FrameView frame() const noexcept { return FrameView{frame_}; }
     Asker* asker() const noexcept { return asker_; }
     std::uint32_t tag() const noexcept { return tag_; }
+    bool is_urgent() const noexcept { return urgent_; }
 
     /// A send of a request.
     struct Send {
@@ -138,6 +140,7 @@ private:
     Patience patience_;
     Asker* asker_;
     std::uint32_t tag_;
+    bool urgent_;
     unsigned sent_ = 0;
     // Until a round trip is measured, a loss says nothing about the time that an answer needs, and a question harms nobody.
     bool asks_often(bool known) const noexcept { return !known && is_measured() && !expects_->is_acknowledgement(); }

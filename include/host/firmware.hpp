@@ -75,7 +75,10 @@ public:
     }
     void cancel(TimePoint now) override;
     void ended(const Ended& ended, TimePoint now) override;
+    void came_unfit(FrameView frame) override;
 
+    /// What came last in this step and is no answer, as a clause; empty: nothing.
+    const std::string& odd_reply() const noexcept { return odd_reply_; }
     /// The step in words: "erasing".
     std::string_view step() const noexcept;
     /// How many times a frame was sent again, after silence or "frame failed".
@@ -154,7 +157,7 @@ private:
     std::optional<Duration> frame_wait_;    // for an answer to a frame; std::nullopt: not measured yet
     TimePoint asked_at_{};                  // for this frame
     unsigned repeated_in_a_row_ = 0;        // frames
-    std::string remark_;
+    std::string remark_, odd_reply_;
     std::optional<TimePoint> frames_since_;
 };
 

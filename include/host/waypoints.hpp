@@ -64,8 +64,8 @@ private:
 /// One that is not acknowledged is read back, and written again if it is not stored: for `patience`, since some devices take 3 s, and as
 /// long as the device does not store something else. One that is acknowledged and read back otherwise is written once more: the device may
 /// store others than it is sent, or have restarted with its old list. If there are several, or anything was lost on the way, or the device was away, the
-/// whole list is read again at the end: the device may have restarted and lost waypoints. Failed: the list differs from what was stored;
-/// then the progress counts those that the device has.
+/// whole list is read again at the end: the device may have restarted and lost waypoints. Failed: the list differs from what was stored,
+/// or none is stored as written; then the progress counts those that the device has.
 class WaypointsPut final : public Task {
 public:
     static constexpr Duration patience = std::chrono::seconds{4};
@@ -100,7 +100,7 @@ private:
     std::vector<Waypoint> stored_;
     std::vector<Request> writes_;
     std::size_t at_ = 0;
-    std::size_t changed_ = 0;    // stored with other values than written
+    std::vector<std::uint8_t> changed_;    // their numbers: stored with other values than written
     std::size_t unacknowledged_ = 0;
     std::optional<TimePoint> begun_at_;    // this waypoint
     bool is_acknowledged_ = false;         // this waypoint

@@ -92,18 +92,32 @@ void CommandCheck::start(TimePoint now) {
     (void)draft.set<"cmd">(1);
     (void)draft.set<"val">(known_.id);
     const Duration wait = std::clamp(2 * device().round_trip().smoothed().value_or(Duration{}), least_wait, longest_wait);
-    ask(request(draft, 0, {.sends = 1, .wait = wait}), now);
+    Request question = request(draft, 0, {.sends = sends, .wait = wait});
+    question.urgent = true;
+    ask(question, now);
 }
 
 void CommandCheck::ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome == Outcome::answered) {
-        const auto described = command_info_in(*ended.answer);
-        is_another_ = !described || !is_same_command(*described, known_);
-        const auto* const last = commands_read_last(cache_, device());
-        if (!is_another_ && last != nullptr && known_.id < last->size())
-            cache_.last_of(device().address())->descriptions[known_.id].doubts = device().doubts();
+    const auto* const last = commands_read_last(cache_, device());
+    const auto described = ended.outcome == Outcome::answered ? command_info_in(*ended.answer) : std::nullopt;
+    if (ended.outcome != Outcome::answered) {
+        found_ = found_without_answer(now);
+    } else if (!described || !is_same_command(*described, known_)) {
+        found_ = Found::another;
+    } else {
+        found_ = Found::same;
+        if (last != nullptr && known_.id < last->size()) {
+            CommandInfo& kept = cache_.last_of(device().address())->descriptions[known_.id];
+            kept.doubts = device().doubts();
+            kept.presence = device().presence();
+        }
     }
     finish({}, now);
+}
+
+CommandCheck::Found CommandCheck::found_without_answer(TimePoint now) const {
+    if (commands_read_last(cache_, device()) == nullptr) return Found::another;
+    return known_.presence != device().presence() && device().is_present(now) ? Found::unknown : Found::unconfirmed;
 }
 
 void Commands::read(TimePoint now) {
@@ -125,6 +139,7 @@ bool Commands::took(std::uint32_t i, FrameView answer) {
     auto info = command_info_in(answer);
     if (!info) return false;
     info->doubts = device().doubts();
+    info->presence = device().presence();
     descriptions_[asked_for(i)] = std::move(*info);
     return true;
 }

@@ -18,6 +18,7 @@ std::optional<std::uint16_t> parameter_in(FrameView request) noexcept {
 }
 
 bool is_command(const Exchange& exchange) noexcept { return exchange.frame().id() == id_of<"command">; }
+bool goes_first(const Exchange& exchange) noexcept { return exchange.is_urgent() || is_command(exchange); }
 
 }    // namespace
 
@@ -27,8 +28,8 @@ bool Device::ask(const Request& request, Asker& asker) {
     Exchange exchange{request, own_, address_, &asker};
     if (!exchange.is_askable() || !may_be_asked(exchange.frame())) return false;
     // A command does not wait until a long list was read: it is the next frame.
-    const auto first_question = std::find_if(waiting_.begin(), waiting_.end(), [](const Exchange& e) { return !is_command(e); });
-    waiting_.insert(is_command(exchange) ? first_question : waiting_.end(), std::move(exchange));
+    const auto first_question = std::find_if_not(waiting_.begin(), waiting_.end(), goes_first);
+    waiting_.insert(goes_first(exchange) ? first_question : waiting_.end(), std::move(exchange));
     return true;
 }
 
@@ -144,7 +145,9 @@ bool Device::missed(FrameView frame, TimePoint now) {
     const auto is_missed = [&](const Exchange& e) { return e.is_on_its_way() && e.expects().is_missed_by(frame); };
     const auto it = std::find_if(sent_.begin(), sent_.end(), is_missed);
     if (it == sent_.end() || std::any_of(std::next(it), sent_.end(), is_missed)) return false;
-    if (is_of_the_past(frame) || !it->miss(frame)) return false;
+    if (is_of_the_past(frame)) return false;
+    it->asker()->came_unfit(frame);
+    if (!it->miss(frame)) return false;
     end(sent_, it, Outcome::timeout, {}, now);
     return true;
 }
@@ -229,16 +232,16 @@ bool Device::keeps_back_those_that_yield() const noexcept {
 
 // A device that takes one frame at a time loses a command that comes while it answers: questions on their way end first, and no other begins.
 TimePoint Device::command_may_start_at() const noexcept {
-    TimePoint at = waiting_.front().kept_until();
+    TimePoint at = TimePoint::min();
     for (const Exchange& e : sent_)    // but not behind zero bytes that are on the line
-        if (e.is_on_its_way() && !is_command(e) && e.last_sent() > line_is_busy_until_)
+        if (e.is_on_its_way() && !goes_first(e) && e.last_sent() > line_is_busy_until_)
             at = std::max(at, std::min(e.due(), e.last_sent() + max_wait_of_commands));
     return at;
 }
 
 // Commands are sent first, then lost requests. Those that yield come last.
 const Exchange* Device::next_to_send(TimePoint now) const noexcept {
-    if (has_command()) return command_may_start_at() <= now ? &waiting_.front() : nullptr;
+    if (const Exchange* const first = first_of_all()) return command_may_start_at() <= now ? first : nullptr;
     if (on_their_way() >= window_.size()) return nullptr;
     const auto may_start = [&](const Exchange& e) {
         const auto at = may_start_at(e);
@@ -257,7 +260,12 @@ const Exchange* Device::next_to_send(TimePoint now) const noexcept {
 }
 
 // Commands are in front of all that waits.
-bool Device::has_command() const noexcept { return !waiting_.empty() && is_command(waiting_.front()); }
+const Exchange* Device::first_of_all() const noexcept {
+    if (!waiting_.empty() && goes_first(waiting_.front())) return &waiting_.front();
+    const auto again = std::find_if(sent_.begin(), sent_.end(),
+                                    [](const Exchange& e) { return goes_first(e) && !e.is_on_its_way(); });
+    return again != sent_.end() ? &*again : nullptr;
+}
 
 // std::nullopt: not before a request that was sent has ended.
 std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const noexcept {
@@ -278,23 +286,23 @@ bool Device::may_be_deaf_to(const Exchange& exchange) const noexcept {
     return exchange.waits_long();
 }
 
-// Flushes before `next` where that is needed and may be done now. Whoever flushes meanwhile does it for `next` as well, so that it waits once.
+// Flushes before `next` where that is needed and may be done now. Only a second try waits for that, and no command does. Whoever flushes
+// meanwhile does it for `next` as well, so that it waits once.
 bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     if (!flush_ || !may_be_deaf_to(next)) return false;
     const Flush flush = flush_(next.frame());
     line_is_busy_until_ = std::max(line_is_busy_until_, now + flush.busy);
-    const Duration wait = next.wait_for_answer(round_trip_, this_send(next));
-    const bool is_first = !next.was_sent();
-    const bool goes_on = is_first && next.asker() == heard_asker_ && heard_send_ == sends_;
-    const bool is_at_once = is_command(next) && std::any_of(sent_.begin(), sent_.end(), is_command);
-    const bool is_worth_it = !is_at_once && flush.later <= wait && !goes_on && (!is_first || wait >= RoundTrip::ceiling);
     if (flush.busy > Duration::zero() || flush.later <= Duration::zero()) return false;
-    if (!is_worth_it || !next.keep(now, flush.later)) {
-        if (!next.is_once() && !goes_on) next.flush_at(now + flush.later);
-        return false;
+    const bool may_wait = next.was_sent() && !is_command(next) &&
+                          flush.later <= next.wait_for_answer(round_trip_, this_send(next));
+    if (may_wait && next.keep(now, flush.later)) {
+        line_is_busy_until_ = std::max(line_is_busy_until_, next.kept_until());
+        return true;
     }
-    line_is_busy_until_ = std::max(line_is_busy_until_, next.kept_until());
-    return true;
+    const bool goes_on = !next.was_sent() && next.asker() == heard_asker_ && heard_send_ == sends_;
+    if (!next.is_once() && !goes_on)
+        next.flush_at(now + std::max(flush.later, RoundTrip::first));    // its answer may come before
+    return false;
 }
 
 Exchange::Send Device::this_send(const Exchange& next) const noexcept {
@@ -320,7 +328,7 @@ void Device::wait_to_leave(TimePoint now) noexcept {
 
 std::optional<TimePoint> Device::due() const noexcept {
     std::optional<TimePoint> first;
-    if (has_command()) {
+    if (first_of_all() != nullptr) {
         first = command_may_start_at();
     } else if (on_their_way() < window_.size()) {
         if (lost() != nullptr) first = std::min(first.value_or(TimePoint::max()), line_is_busy_until_);

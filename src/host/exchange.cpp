@@ -6,7 +6,11 @@
 namespace ano::host {
 
 Exchange::Exchange(const Request& request, std::uint8_t own, std::uint8_t device, Asker* asker)
-    : frame_(overhead + request.data.size()), patience_{request.patience}, asker_{asker}, tag_{request.tag} {
+    : frame_(overhead + request.data.size()),
+      patience_{request.patience},
+      asker_{asker},
+      tag_{request.tag},
+      urgent_{request.urgent} {
     if (encode(frame_, own, device, request.id, request.data) != 0) expects_ = Expectation::of(frame());
 }
 

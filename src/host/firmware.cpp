@@ -158,7 +158,12 @@ void Firmware::measure(const Evidence& evidence, bool answered, TimePoint now) {
     frame_wait_ = std::clamp(2 * (now - asked_at_), write_time, RoundTrip::ceiling);
 }
 
+void Firmware::came_unfit(FrameView frame) {
+    odd_reply_ = hex_of(device().address()) + " sent 0xF0 with " + spaced_hex(frame.data()) + ", which is no answer";
+}
+
 void Firmware::ended(const Ended& ended, TimePoint now) {
+    if (ended.outcome == Outcome::answered) odd_reply_.clear();
     if (ended.tag == identify) return identified(ended, now);
     if (ended.tag == probe) return probed(ended.outcome == Outcome::answered, ended, now);
     if (ended.outcome != Outcome::answered) return unanswered(ended, now);

@@ -153,7 +153,7 @@ void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
     if (!is_as_written && !std::exchange(is_written_again_, true)) return write_it(now);
     stored_.push_back(*stored);
     if (!is_acknowledged_) ++unacknowledged_;
-    if (!is_as_written) ++changed_;
+    if (!is_as_written) changed_.push_back(waypoints_[at_].num);
     ++at_;
     next(now);
 }
@@ -162,7 +162,19 @@ void WaypointsPut::counted(std::uint8_t count, TimePoint now) {
     std::size_t wanted = 0;
     for (const Waypoint& waypoint : waypoints_) wanted = std::max(wanted, waypoint.num + std::size_t{1});
     const auto remark = [&](const std::string& clause) { remark_ += (remark_.empty() ? "" : ", and ") + clause; };
-    if (changed_ > 0) remark(std::to_string(changed_) + " of them were stored otherwise than written");
+    if (!changed_.empty()) {
+        std::string numbers;
+        for (const std::uint8_t num : changed_) numbers += (numbers.empty() ? "" : ", ") + std::to_string(num);
+        if (changed_.size() == waypoints_.size()) {
+            at_ = 0;
+            return finish(
+                {Ending::failed,
+                 hex_of(device().address()) + " acknowledged all waypoints, and has none of them as written: " + numbers,
+                 {}},
+                now);
+        }
+        remark(std::to_string(changed_.size()) + " of them were stored otherwise than written (" + numbers + ")");
+    }
     if (unacknowledged_ > 0) remark(std::to_string(unacknowledged_) + " of them were never acknowledged, and are stored");
     if (count > wanted)
         remark(hex_of(device().address()) + " has " + std::to_string(count) + ", the last " + std::to_string(count - wanted) +

@@ -105,6 +105,10 @@ protected:
         check_ = task.get();
         next(std::move(task)).start(now);
     }
+    void tell_unconfirmed() {
+        note_ = ano::host::hex_of(place().device.address()) +
+                " did not say whether the command is still the same: it was sent as it was described before";
+    }
     /// The check that is the current task; null: another one is.
     const CommandCheck* check() const { return check_ != nullptr && task() == check_ ? check_ : nullptr; }
     bool agrees_as_read() { return agrees(commands_->descriptions()); }
@@ -127,7 +131,7 @@ protected:
     void tell(const ano::host::End& ended, const Json& result) {
         WorkEnd end = end_of(ended, texts());
         Json whole = result;
-        if (!change_.empty()) whole["note"] = change_;
+        if (!note_.empty()) whole["note"] = note_;
         else if (ended.evidence.by_port) whole["note"] = ended.what;
         end.result = ano::compact_json(whole);
         finish(std::move(end));
@@ -144,14 +148,14 @@ private:
     void remember_change() {
         const auto before = kept_type_7(place());
         if (before && before != given_type_7_)
-            change_ = "value type 7 of this device is " + std::string{text_of_type_7(*given_type_7_)} +
-                      " from now on, it was kept as " + std::string{text_of_type_7(*before)};
+            note_ = "value type 7 of this device is " + std::string{text_of_type_7(*given_type_7_)} +
+                    " from now on, it was kept as " + std::string{text_of_type_7(*before)};
     }
 
     Commands* commands_ = nullptr;
     const CommandCheck* check_ = nullptr;
     std::optional<ano::ValueType7> given_type_7_;
-    std::string change_;    // what is kept of the device is another from now on
+    std::string note_;    // of the call, for the user
 };
 
 class ReadCommands final : public CommandWork {
@@ -210,7 +214,9 @@ public:
 private:
     void done(const Task& task, TimePoint now) override {
         if (check() != nullptr) {
-            if (!check()->is_another()) return call_it(now);
+            const CommandCheck::Found found = check()->found();
+            if (found == CommandCheck::Found::unconfirmed) tell_unconfirmed();
+            if (found == CommandCheck::Found::same || found == CommandCheck::Found::unconfirmed) return call_it(now);
             command_.reset();
             return read(now);
         }

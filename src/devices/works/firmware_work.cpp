@@ -86,15 +86,18 @@ private:
     }
     // Keeps the identity while the device still answers.
     void note() { keep_loader_note(place(), place().device.info() ? place().device.info() : order_.known_as); }
-    // Updates the message once a second.
+    // Updates the message once a second, and at once where an odd reply came.
     void say(TimePoint now) {
-        if (end() || (firmware_->step() == step_ && now - said_at_ < std::chrono::seconds{1})) return;
+        const bool is_news = firmware_->step() != step_ || firmware_->odd_reply() != odd_reply_;
+        if (end() || (!is_news && now - said_at_ < std::chrono::seconds{1})) return;
         said_at_ = now;
         step_ = words_ = firmware_->step();
         const double speed = firmware_->bytes_a_second(now);
         const auto silent = std::chrono::floor<std::chrono::seconds>(firmware_->silent_for(now));
         if (silent >= worth_telling) words_ += ", no answer for " + std::to_string(silent.count()) + " s";
         else if (speed > 0) words_ += ", " + speed_in_words(speed, firmware_->time_left(now));
+        odd_reply_ = firmware_->odd_reply();
+        if (!odd_reply_.empty()) words_ += "; " + odd_reply_;
         if (!firmware_->remark().empty()) words_ += "; " + firmware_->remark();
     }
     void done(const Task& task, TimePoint now) override {
@@ -117,7 +120,7 @@ private:
     std::size_t size_ = 0, frame_len_ = usual_frame;
     bool is_noted_ = false;
     TimePoint began_{}, said_at_{};
-    std::string step_, words_ = "checking the file";
+    std::string step_, odd_reply_, words_ = "checking the file";
 };
 
 }    // namespace

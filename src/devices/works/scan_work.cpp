@@ -15,7 +15,8 @@ using ano::TimePoint;
 
 constexpr unsigned sends = 3;
 constexpr Duration between_sends = std::chrono::milliseconds{300};
-constexpr Duration for_answers = std::chrono::milliseconds{800};    // after the last send; together less than 1.5 s
+constexpr Duration for_answers = std::chrono::milliseconds{
+    800};    // after the last send; together less than 1.5 s, and the time of zero bytes
 
 class Scan final : public Work {
 public:
@@ -24,12 +25,15 @@ public:
     void run(TimePoint now) override {
         if (end() || now < next_) return;
         if (sent_ == sends) return finish({});
-        ++sent_;
-        next_ = now + (sent_ < sends ? between_sends : for_answers);
         const ano::host::Request request = ano::host::question::device_info(0);
         std::vector<std::uint8_t> frame(ano::overhead + request.data.size());
         ano::encode(frame, place_.device.own(), ano::address::broadcast, request.id, request.data);
-        if (const std::string never = place_.net.send(ano::FrameView{frame}); !never.empty()) finish(work_fault(403, never));
+        const ano::FrameView question{frame};
+        // A device that is deaf to the first one does not answer.
+        const Duration busy = sent_ > 0 ? place_.net.flush_parser(question).busy : Duration{};
+        ++sent_;
+        next_ = now + busy + (sent_ < sends ? between_sends : for_answers);
+        if (const std::string never = place_.net.send(question); !never.empty()) finish(work_fault(403, never));
     }
     void cancel(TimePoint) override { finish({409, {}, "cancelled", "refused", {}, true}); }
     void hear(ano::FrameView frame, TimePoint) override {

@@ -33,5 +33,16 @@ TEST(KeptValues, are_not_overwritten_and_gone_when_they_are_no_longer_needed) {
     ::unsetenv("XDG_STATE_HOME");
 }
 
+TEST(KeptValues, that_were_kept_by_an_earlier_run_are_found) {
+    const support::TempDir dir;
+    ::setenv("XDG_STATE_HOME", dir.path().c_str(), 1);
+    const auto is_b = [](std::string_view name) { return name == "b.json"; };
+    EXPECT_TRUE(anoctl::texts_in_state_folder(is_b).empty());
+    EXPECT_EQ(keep_in_state_folder("a.json", "1"), "");
+    EXPECT_EQ(keep_in_state_folder("b.json", "2"), "");
+    EXPECT_EQ(anoctl::texts_in_state_folder(is_b), (std::map<std::string, std::string>{{"b.json", "2"}}));
+    ::unsetenv("XDG_STATE_HOME");
+}
+
 }    // namespace
 }    // namespace kept_values_tests

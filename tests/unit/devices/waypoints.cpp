@@ -129,6 +129,7 @@ TEST_F(WaypointRoutes, a_scan_asks_everybody_three_times) {
     EXPECT_EQ(all.at("devices")[1].at("name"), "pod");
     EXPECT_EQ(net.sent.size(), 3u);
     EXPECT_EQ(net.sent[0], frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    EXPECT_EQ(net.flushed_before, (std::vector<Bytes>{net.sent[1], net.sent[2]})) << "a device may be deaf to the first one";
     EXPECT_EQ(net.ask("GET", "/devices/pod/commands").status, 200u) << "it may be called by that name now";
     net.refuses[0xE0] = "no";
     EXPECT_EQ(net.ask("POST", "/devices/scan").status, 403u);

@@ -519,6 +519,20 @@ TEST_F(Upgrade, an_answer_that_is_none_is_shown_as_it_came) {
     EXPECT_EQ(loader.erases, 0u);
 }
 
+// "Erased" is waited for as long as a minute.
+TEST_F(Upgrade, an_odd_reply_to_the_erase_is_told_while_it_waits) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xF0 && f.data()[0] == 0) return std::vector<Bytes>{fake.to_host(f, 0xF0, {0x00, 0x77, 0x12})};
+        return loader.take(fake, f);
+    };
+    Firmware task{device, image, {}};
+    task.start(simulation.now);
+    simulation.run(task, 1s);
+    EXPECT_FALSE(task.end());
+    EXPECT_EQ(task.step(), "erasing");
+    EXPECT_EQ(task.odd_reply(), "0xDC sent 0xF0 with 00 77 12, which is no answer");
+}
+
 // One byte in a hundred is wrong: seven in eight frames of 195 bytes are lost, one in five orders.
 struct Noise : Upgrade {
     struct Result {

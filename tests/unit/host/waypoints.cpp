@@ -76,7 +76,19 @@ TEST_F(WaypointsOf, what_is_stored_otherwise_and_what_remains_is_told) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::done);
-    EXPECT_EQ(end.what, "1 of them were stored otherwise than written, and 0xDC has 5, the last 3 are its old ones");
+    EXPECT_EQ(end.what, "1 of them were stored otherwise than written (1), and 0xDC has 5, the last 3 are its old ones");
+}
+
+TEST_F(WaypointsOf, a_device_that_acknowledges_all_and_stores_none_has_failed) {
+    fake.waypoints.clear();
+    for (std::uint8_t num = 0; num < 2; ++num) fake.waypoints.push_back(support::operator+(Bytes{num}, Bytes(21)));
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0x61) return std::nullopt;
+        return std::vector<Bytes>{fake.check(f)};
+    };
+    const End end = put(route);
+    EXPECT_EQ(end.ending, Ending::failed);
+    EXPECT_EQ(end.what, "0xDC acknowledged all waypoints, and has none of them as written: 0, 1");
 }
 
 TEST_F(WaypointsOf, what_is_not_on_earth_is_never_sent) {

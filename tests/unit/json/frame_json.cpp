@@ -65,11 +65,12 @@ TEST(FrameJson, every_frame_survives_the_way_there_and_back) {
 }
 
 TEST(FrameJson, stands_in_the_order_of_the_table) {
-    const auto bytes = support::frame(220, 254, 4, {0x7B, 0, 0, 0, 0, 0, 0, 0, 1, 0xAB, 0xCD});
+    const auto bytes = support::frame(220, 254, 4, {0x7B, 0, 0, 0, 0, 0, 0, 0, 1});
     EXPECT_EQ(
         json_of(bytes).dump(),
-        R"({"from":220,"to":254,"id":4,"name":"quaternion","fields":{"v0":0.0123,"v1":0.0,"v2":0.0,"v3":0.0,"fusion_sta":1},)"
-        R"("extra":"abcd"})");
+        R"({"from":220,"to":254,"id":4,"name":"quaternion","fields":{"v0":0.0123,"v1":0.0,"v2":0.0,"v3":0.0,"fusion_sta":1}})");
+    EXPECT_EQ(json_of(support::frame(220, 254, 0x60, {5, 0xAB, 0xCD})).dump(),
+              R"({"from":220,"to":254,"id":96,"name":"waypoint_read","fields":{"num":5},"extra":"abcd"})");
 }
 
 TEST(FrameJson, data_wins) {

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 namespace anoctl {
 namespace {
@@ -27,6 +28,7 @@ fs::path state_folder() { return user_folder("XDG_STATE_HOME", ".local/state"); 
 fs::path cache_folder() { return user_folder("XDG_CACHE_HOME", ".cache"); }
 
 constexpr std::size_t max_cached = 8 * 1024 * 1024;    // bytes
+constexpr std::size_t max_kept = 64 * 1024;            // bytes
 
 }    // namespace
 
@@ -51,6 +53,21 @@ bool is_in_state_folder(const std::string& path) {
     std::error_code error;
     const fs::path folder = state_folder();
     return !folder.empty() && fs::equivalent(fs::absolute(path, error).parent_path(), folder, error);
+}
+
+std::map<std::string, std::string> texts_in_state_folder(bool (*wanted)(std::string_view name)) {
+    std::map<std::string, std::string> all;
+    std::error_code error;
+    const fs::path folder = state_folder();
+    if (folder.empty()) return all;
+    for (const auto& entry : fs::directory_iterator{folder, error}) {
+        const std::string name = entry.path().filename().string();
+        if (!wanted(name)) continue;
+        std::error_code unread;
+        std::string text = anogate::read_file(entry.path().string(), max_kept, unread);
+        if (!unread) all.emplace(name, std::move(text));
+    }
+    return all;
 }
 
 std::string path_in_state_folder(const std::string& name) { return (state_folder() / name).string(); }

@@ -1,6 +1,8 @@
-// Keeps the old values of a running calibration, so that they survive a crash of this program.
+// Keeps the old values of a running calibration, so that they survive a crash of this program, and what the user stated of a device.
 #pragma once
+#include <map>
 #include <string>
+#include <string_view>
 
 namespace anoctl {
 
@@ -10,6 +12,9 @@ enum class Earlier : bool { stays, replaced };
 /// Keeps `text` as the file `name` in $XDG_STATE_HOME/anogate (else ~/.local/state/anogate); an empty text removes the file. Returns empty,
 /// or a clause with the reason why not. Of a file that stays the reason says how to restore its values.
 std::string keep_in_state_folder(const std::string& name, const std::string& text, Earlier earlier = Earlier::stays);
+
+/// The files of that folder whose names are `wanted`, by their names. One that can't be read is left out.
+std::map<std::string, std::string> texts_in_state_folder(bool (*wanted)(std::string_view name));
 
 std::string path_in_state_folder(const std::string& name);
 

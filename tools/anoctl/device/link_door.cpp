@@ -62,6 +62,7 @@ public:
           service_{*this} {
         anogate::add_device_routes(routes_, service_);
         service_.keep_descriptions();
+        for (auto& [name, text] : texts_in_state_folder(anogate::is_type_7_note)) service_.remember(name, std::move(text));
         link_.start();
     }
     ~LinkNet() override {
@@ -125,7 +126,6 @@ private:
         return {one.at.has_value() || address == there_, false, one.elsewhere};
     }
     void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override {
-        if (anogate::is_type_7_note(name)) return done({});    // the key value_type_7 of LINK keeps it
         const std::string fault = keep_in_state_folder(name, text, kept_.contains(name) ? Earlier::replaced : Earlier::stays);
         if (fault.empty() && !text.empty()) kept_.insert(name);
         if (text.empty()) kept_.erase(name);

@@ -156,7 +156,7 @@ local function fits(row, source, data, length)
     if row.source and row.source ~= source then return false end
     local is_base = row == by_id[row.id][1]
     if row.length ~= 0 and (is_base and length > row.length or not is_base and length ~= row.length) then return false end
-    if row.stream and length == row.size + 1 then return false end
+    if row.exact and length > row.size then return false end
     if row.by_look and plausible(by_id[row.id][1], data, length) then return false end
     if row.by_look and not plausible(row, data, length) then return false end
     for _, f in ipairs(row.fields) do
@@ -316,7 +316,7 @@ void write_row(std::ostream& out, const Message& row) {
     if (!row.is_base()) prefix += "." + std::string{row.variant.label};
     out << "    {id = " << +row.id << ", name = " << lua_text(row.name) << ", title = " << lua_text(row.title)
         << ", length = " << row.variant.length << ", size = " << row.fixed_size << (row.variant.by_look ? ", by_look = true" : "")
-        << (row.may_be_shifted_by_one() ? ", stream = true" : "") << ", fields = {\n";
+        << (row.is_exact() ? ", exact = true" : "") << ", fields = {\n";
     write_fields(out, row.fields(), prefix);
     out << "    }";
     if (!row.element().empty()) {

@@ -22,8 +22,8 @@ Numbers are little-endian where nothing else is said, and packed. *Value* = what
 is taken at exactly that length of DATA, one with a mode where the named field holds one of the named values, one that says
 where it is taken there; everything else is the base layout. What stands behind a layout is kept as `extra`; fewer bytes are
 malformed. A base layout with an exact length has nothing behind it: a length that no layout has is an unknown layout.
-Of a message that replaces its predecessor ("replaced"), DATA with one byte more than a layout has is an unknown layout too: some devices
-put a mode byte before the fields.
+So it is in each message that replaces its predecessor ("replaced") and does not end in a field of open length: some devices put others
+before the fields.
 Classes say what leaves first where a line is slow. *Replaced*: a newer frame of the same source, destination and id (and
 first byte of DATA, where it says so) may take the place of one that waits on a congested line.
 )";

@@ -246,10 +246,10 @@ function isPlausible(row: MessageRow, data: Uint8Array): boolean {
   return true;
 }
 
-/** With one more byte than this layout has, a mode byte may stand before the fields of what a device sends again and again. */
+/** In longer DATA of what a device sends again and again, others may stand before the fields. */
 function isPerhapsShifted(row: MessageRow, data: Uint8Array): boolean {
   const last = row.fields.at(-1);
-  return row.replaces !== "nothing" && data.length === row.size + 1 && last !== undefined && !isOpen(last);
+  return row.replaces !== "nothing" && data.length > row.size && last !== undefined && !isOpen(last);
 }
 
 function fits(row: MessageRow, base: MessageRow, data: Uint8Array): boolean {
