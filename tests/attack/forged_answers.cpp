@@ -176,8 +176,7 @@ TEST_P(ForgedAnswers, are_told_as_what_they_are) {
 TEST_P(ForgedAnswers, and_writes_of_other_hosts_refuse_no_command_and_no_other_work) {
     std::vector<Bytes> writes;
     for (const std::uint8_t host : {std::uint8_t{0xD2}, std::uint8_t{0x33}, std::uint8_t{0xFE}})
-        for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}})
-            writes.push_back(frame(host, to, 0xE1, {0xE8, 0xFD, 5}));
+        for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}}) writes.push_back(frame(host, to, 0xE1, {0, 0, 5}));
     const Forger forger{daemon->port("net"), writes, 100ms};
     ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 20; }));
     for (int i = 0; i < 5; ++i) {
