@@ -1,5 +1,5 @@
-// What may not be done to a device now: because it is in the air, its address is not that of one known device, or another host
-// is writing to it.
+// What may not be done to a device now, because it is in the air or its address is not that of one known device; and which other host
+// writes to it.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -31,25 +31,25 @@ enum class Refusal : std::uint8_t {
     in_conflict,
     on_several_channels,
     in_the_air,    // unlocked or airborne; may be forced
-    busy,          // another host writes or upgrades it
 };
 
 /// Observes the traffic: hear() is called with every frame except those of this host. No allocation.
+///
+/// A write of another host refuses nothing: anybody who reaches a link can send one, in anybody's name. It is only told.
 class AirGuard {
 public:
-    /// For this long after a write of another host, the device is busy with that host.
-    static constexpr Duration busy_for = std::chrono::seconds{2};
+    /// Another host is told as writing to a device for this long after its last write.
+    static constexpr Duration writes_for = std::chrono::seconds{2};
 
     void hear(FrameView frame, TimePoint now) noexcept;
 
     /// Why `deed` may not be done to `address`; std::nullopt: it may. `force` only overrides `in_the_air`.
-    std::optional<Refusal> refusal(Deed deed, std::uint8_t address, Whereabouts where, TimePoint now,
-                                   bool force = false) const noexcept;
+    std::optional<Refusal> refusal(Deed deed, std::uint8_t address, Whereabouts where, bool force = false) const noexcept;
 
     /// By its last 0x06, however long ago: a device that fell silent in the air may still be flying.
     bool is_in_the_air(std::uint8_t address) const noexcept { return devices_[address].in_the_air; }
-    /// The address of the other host that is writing to it; std::nullopt: none.
-    std::optional<std::uint8_t> busy_with(std::uint8_t address, TimePoint now) const noexcept;
+    /// The address of the other host that writes to it; std::nullopt: none.
+    std::optional<std::uint8_t> other_writer(std::uint8_t address, TimePoint now) const noexcept;
 
 private:
     struct DeviceState {

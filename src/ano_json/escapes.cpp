@@ -13,15 +13,6 @@
 namespace ano {
 namespace {
 
-// The character of `size` bytes at text[at].
-std::uint32_t code_point(std::string_view text, std::size_t at, std::size_t size) noexcept {
-    const auto byte = [&](std::size_t i) { return std::uint32_t{static_cast<std::uint8_t>(text[at + i])}; };
-    if (size == 1) return byte(0);
-    std::uint32_t code = byte(0) & (0xFFu >> (size + 1));
-    for (std::size_t i = 1; i < size; ++i) code = code << 6 | (byte(i) & 0x3Fu);
-    return code;
-}
-
 void append_unit(std::string& out, std::uint32_t unit) {
     std::array<char, 8> room{};
     std::snprintf(room.data(), room.size(), "\\u%04x", unit);
@@ -39,7 +30,7 @@ std::string escaped(std::string_view text, bool also_ascii) {
     std::string out;
     for (std::size_t at = 0; at < text.size();) {
         const std::size_t size = !also_ascii && static_cast<std::uint8_t>(text[at]) < 0x20 ? 0 : control_size(text, at);
-        if (size > 0) append_escape(out, code_point(text, at, size));
+        if (size > 0) append_escape(out, code_point(text.substr(at, size)));
         else out += text[at];
         at += std::max(size, std::size_t{1});
     }

@@ -17,6 +17,20 @@ namespace {
 
 constexpr std::string_view replacement = "\xEF\xBF\xBD";    // U+FFFD
 
+struct CodePoints {
+    std::uint32_t first, last;
+};
+
+// Unicode 15: every code point of the categories Cc (controls), Cf (formats), Zl and Zp (separators of lines and paragraphs), those of the
+// property Default_Ignorable_Code_Point, assigned or not, and U+2800, which is drawn as a blank. ASCII is not in it.
+constexpr auto invisible = std::to_array<CodePoints>({
+    {0x0080, 0x009F},   {0x00AD, 0x00AD},   {0x034F, 0x034F},   {0x0600, 0x0605},   {0x061C, 0x061C},   {0x06DD, 0x06DD},
+    {0x070F, 0x070F},   {0x0890, 0x0891},   {0x08E2, 0x08E2},   {0x115F, 0x1160},   {0x17B4, 0x17B5},   {0x180B, 0x180F},
+    {0x200B, 0x200F},   {0x2028, 0x202E},   {0x2060, 0x206F},   {0x2800, 0x2800},   {0x3164, 0x3164},   {0xFE00, 0xFE0F},
+    {0xFEFF, 0xFEFF},   {0xFFA0, 0xFFA0},   {0xFFF0, 0xFFFB},   {0x110BD, 0x110BD}, {0x110CD, 0x110CD}, {0x13430, 0x1343F},
+    {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE0FFF},
+});
+
 // Bytes of the UTF-8 character that `text` begins with; 0 when it does not begin with one. `bad` is then how many bytes
 // of it can't be the beginning of another character.
 std::size_t utf8_length(std::string_view text, std::size_t& bad) {
@@ -123,6 +137,10 @@ std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding) {
         in.remove_prefix(length > 0 ? length : bad);
     }
     return out;
+}
+
+std::string valid_utf8(std::string_view bytes) {
+    return to_utf8({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, Encoding::utf8);
 }
 
 std::optional<std::string> from_utf8(std::string_view text, Encoding encoding) {
@@ -241,31 +259,29 @@ double widened(float value) {
     return static_cast<float>(wide) == value ? wide : static_cast<double>(value);
 }
 
+std::uint32_t code_point(std::string_view character) noexcept {
+    const auto byte = [&](std::size_t i) { return std::uint32_t{static_cast<std::uint8_t>(character[i])}; };
+    if (character.size() == 1) return byte(0);
+    std::uint32_t code = byte(0) & (0xFFu >> (character.size() + 1));
+    for (std::size_t i = 1; i < character.size(); ++i) code = code << 6 | (byte(i) & 0x3Fu);
+    return code;
+}
+
 std::size_t control_size(std::string_view text, std::size_t at) noexcept {
-    const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(i < text.size() ? text[i] : '\0'); };
-    if (byte(at) < 0x20 || byte(at) == 0x7F) return 1;
-    const std::uint8_t first = byte(at), second = byte(at + 1), third = byte(at + 2);
-    if (first == 0xC2) return (second >= 0x80 && second < 0xA0) || second == 0xAD ? 2 : 0;    // C1, U+00AD
-    if (first == 0xCD) return second == 0x8F ? 2 : 0;                                         // U+034F
-    if (first == 0xD8) return second == 0x9C ? 2 : 0;                                         // U+061C
-    if (first == 0xE1)                                                                        // U+115F, 1160, 180E
-        return (second == 0x85 && (third == 0x9F || third == 0xA0)) || (second == 0xA0 && third == 0x8E) ? 3 : 0;
-    if (first == 0xE2 && second == 0x80)    // U+200B to 200F, 2028 to 202E
-        return (third >= 0x8B && third <= 0x8F) || (third >= 0xA8 && third <= 0xAE) ? 3 : 0;
-    if (first == 0xE2)    // U+2060 to 206F, 2800
-        return (second == 0x81 && third >= 0xA0 && third <= 0xAF) || (second == 0xA0 && third == 0x80) ? 3 : 0;
-    if (first == 0xE3) return second == 0x85 && third == 0xA4 ? 3 : 0;    // U+3164
-    if (first == 0xEF)                                                    // U+FEFF, FFA0, FFF9 to FFFB
-        return (second == 0xBB && third == 0xBF) || (second == 0xBE && third == 0xA0) ||
-                       (second == 0xBF && third >= 0xB9 && third <= 0xBB)
-                   ? 3
-                   : 0;
-    return first == 0xF3 && second == 0xA0 && (third == 0x80 || third == 0x81) && byte(at + 3) >= 0x80 ? 4 : 0;    // tags
+    const auto first = static_cast<std::uint8_t>(text[at]);
+    if (first < 0x80) return first < 0x20 || first == 0x7F ? 1 : 0;
+    std::size_t bad = 0;
+    const std::size_t size = utf8_length(text.substr(at), bad);
+    if (size == 0) return 0;
+    const std::uint32_t code = code_point(text.substr(at, size));
+    const auto range = std::partition_point(invisible.begin(), invisible.end(),
+                                            [&](const CodePoints& r) { return r.last < code; });
+    return range != invisible.end() && range->first <= code ? size : 0;
 }
 
 std::string in_quotes(std::string_view text, char mark) {
     constexpr std::size_t shown = 200;
-    const std::string valid = to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, Encoding::utf8);
+    const std::string valid = valid_utf8(text);
     std::string out(1, mark);
     for (std::size_t i = 0; i < valid.size(); ++i) {
         if (i >= shown && (static_cast<std::uint8_t>(valid[i]) & 0xC0) != 0x80) {    // not inside a character

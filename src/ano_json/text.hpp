@@ -20,6 +20,8 @@ enum class Encoding : std::uint8_t {
 /// Valid UTF-8, with U+FFFD for bytes that are not text in `encoding`. Throws std::runtime_error when the system can't convert
 /// it (`automatic` takes it for UTF-8 then).
 std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding);
+/// The same for bytes that should be UTF-8; it throws nothing.
+std::string valid_utf8(std::string_view bytes);
 /// `text` in `encoding`; std::nullopt when it is not UTF-8 or has characters that `encoding` lacks. Throws as to_utf8() does.
 std::optional<std::string> from_utf8(std::string_view text, Encoding encoding);
 
@@ -36,8 +38,11 @@ std::string address_text(std::span<const std::uint8_t> ip);
 /// The double that prints as `value` does: 0.1 for 0.1f. It is `value` again as a float.
 double widened(float value);
 
-/// The bytes of the control character that begins at text[at], of which terminals obey U+0080 to U+009F too, or of the character that
-/// reorders text or has no width (U+202E, U+200B), or is drawn as a blank but is none (U+3164, U+2800); 0: none begins there.
+/// The code point of a whole character in UTF-8.
+std::uint32_t code_point(std::string_view character) noexcept;
+
+/// The bytes of the character that begins at text[at], if it is one that controls a terminal, reorders text or can't be seen: by Unicode a
+/// control (C1 too), a format (U+202E, U+200B), a separator of lines, or ignorable (U+FE0F, U+3164), and U+2800; 0: none begins there.
 std::size_t control_size(std::string_view text, std::size_t at) noexcept;
 
 /// In quotation marks, for people to read: control characters are escaped, and of a long text the first 200 bytes are shown.

@@ -23,6 +23,9 @@ std::string client(const http::Door& door) { return door.peer.empty() ? "a clien
 
 http::Response login_by_code(http::Admission& admission, SignInCodes& codes, const std::string& code, const http::Door& door,
                              ano::TimePoint now) {
+    // An address that is slowed down must neither void digits nor go on guessing.
+    if (const auto slowed = admission.slowed_for(door, now); slowed > ano::Duration{} && SignInCodes::is_digits(code))
+        return admission.refuse_wrong(door, http::slow_down(slowed), now);
     const SignInCodes::Use use = codes.use(code, now);
     const std::string token = use.access ? admission.token_for(*use.access) : std::string{};
     if (!token.empty()) {

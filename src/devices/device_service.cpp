@@ -31,7 +31,8 @@ constexpr unsigned not_heard = 404;    // the status of a refusal
 constexpr Duration until_it_answers = std::chrono::seconds{2};
 constexpr Duration between_looks = std::chrono::milliseconds{5};    // whether a queued frame has left
 constexpr Duration rate_over = std::chrono::seconds{2};
-constexpr Duration until_heard = std::chrono::seconds{2};    // interval of looking whether a device is present
+constexpr Duration listens_before_ground_work = std::chrono::seconds{2};    // whether it flies
+constexpr Duration until_heard = std::chrono::seconds{2};                   // interval of looking whether a device is present
 
 NotBegun not_begun(unsigned status, std::string error) {
     return {status, std::move(error), std::string{http::what_of(status)}, nullptr};
@@ -45,8 +46,7 @@ std::string words_of_conflict(std::uint8_t address, const std::vector<std::strin
            ": which of them is meant is not known; when only one is left, anoctl routes --forget " + device;
 }
 
-std::string why(Refusal refusal, std::uint8_t address, std::optional<std::uint8_t> writer,
-                const std::vector<std::string>& links) {
+std::string why(Refusal refusal, std::uint8_t address, const std::vector<std::string>& links) {
     const std::string device = ano::hex_byte(address);
     switch (refusal) {
     case Refusal::no_device: return device + " is no address of a device";
@@ -54,10 +54,9 @@ std::string why(Refusal refusal, std::uint8_t address, std::optional<std::uint8_
     case Refusal::in_conflict: return words_of_conflict(address, links);
     case Refusal::on_several_channels:
         return device + " is heard by several links that are no group: a frame to it would go by all of them";
-    case Refusal::in_the_air: return device + " is unlocked or flies: this is for the ground";
-    case Refusal::busy: break;
+    case Refusal::in_the_air: break;
     }
-    return "the host " + ano::hex_byte(writer.value_or(0)) + " is writing to " + device + " just now";
+    return device + " is unlocked or flies: this is for the ground";
 }
 
 unsigned status_of(Refusal refusal) {
@@ -96,6 +95,8 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
     guard_.hear(frame, now);
     if (frame.id() == ano::id_of<"firmware">) forget_descriptions(frame);
     try {
+        if (ano::writes(frame))
+            for (const auto& job : jobs_) note_other_writer(*job, now);
         auto& known = known_[frame.source()];
         if (!known) known = std::make_unique<Known>();
         count(*known, now);
@@ -146,6 +147,12 @@ void DeviceService::hear_elsewhere(ano::FrameView frame, const std::string& plac
         if (!job->is_over() && job->order.address == frame.source() && job->conflict.empty())
             job->conflict = "answers in the name of " + ano::hex_byte(frame.source()) + " came by " + place +
                             ", where it is not at home, and were ignored";
+}
+
+void DeviceService::note_other_writer(Job& job, TimePoint now) {
+    if (job.is_over() || !job.is_writing() || !job.order.address || !job.conflict.empty()) return;
+    if (const auto writer = guard_.other_writer(*job.order.address, now))
+        job.conflict = ano::hex_byte(*writer) + " writes to " + ano::hex_byte(*job.order.address) + " as well";
 }
 
 // Some devices acknowledge as the port by which the request came.
@@ -283,12 +290,11 @@ std::optional<NotBegun> DeviceService::refusal(const JobOrder& order, TimePoint 
     if (!order.address) return std::nullopt;
     const std::uint8_t address = *order.address;
     const auto where = net_.whereabouts(address, now);
-    auto refused = guard_.refusal(order.deed, address, where, now, order.force);
+    auto refused = guard_.refusal(order.deed, address, where, order.force);
     if (!refused && !where.is_known && !(where.was_heard && may_go_unheard(order))) refused = Refusal::not_known;
     if (!refused) return std::nullopt;
-    NotBegun told = not_begun(status_of(*refused),
-                              why(*refused, address, guard_.busy_with(address, now), net_.links_in_conflict(address, now)));
-    if (told.status == 409 && *refused != Refusal::busy) told.what = "refused";
+    NotBegun told = not_begun(status_of(*refused), why(*refused, address, net_.links_in_conflict(address, now)));
+    if (told.status == 409) told.what = "refused";
     return told;
 }
 
@@ -345,9 +351,10 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
     job->order = std::move(order);
     job->begins_at = now;
     if (job->order.deed == Deed::ground) {
-        job->begins_at = std::max(now, *listens_since_ + ano::host::AirGuard::busy_for);
-        job->message = "listening whether it flies, or another host writes to it";
+        job->begins_at = std::max(now, *listens_since_ + listens_before_ground_work);
+        job->message = "listening whether it flies";
     }
+    note_other_writer(*job, now);
     if (is_unheard) {
         ask_whether_it_is_there(*job->order.address, now);
         job->heard_by = now + until_it_answers;

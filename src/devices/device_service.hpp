@@ -59,7 +59,7 @@ struct DeviceReport {
 
 /// Listens from the first request on until there was none for `idle_after`, and longer while a device is present whose descriptions
 /// are known: whether it was away since is known only to who listens. Work that is not allowed in flight waits until the service has
-/// listened for AirGuard::busy_for. Writes of other hosts before it listened are not known.
+/// listened for 2 s. Writes of other hosts, which a job tells, are not known from before it listened.
 class DeviceService {
 public:
     static constexpr std::size_t max_jobs = 64;                         // running and ended ones
@@ -224,6 +224,7 @@ private:
     void ask_who_it_is(std::uint8_t address, ano::TimePoint now, Nobody& asker);
     void confirm_info(Known& known, ano::FrameView frame, ano::TimePoint now);
     bool is_heard(Job& job, ano::TimePoint now);
+    void note_other_writer(Job& job, ano::TimePoint now);
     std::optional<std::uint8_t> only_one_waiting() const;
     bool answers_at_port(std::uint8_t source, std::uint8_t port);
     void count(Known& known, ano::TimePoint now);

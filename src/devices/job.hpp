@@ -68,7 +68,7 @@ struct Job {
     bool has_acted = false;                      // a frame that changes the device was sent
     bool is_cancelled = false;                   // cancelled, but it may take a while to end
     std::string refused;                         // why its frames can't be sent: it is ending
-    std::string conflict;                        // answers in the name of its device came from elsewhere, as a clause
+    std::string conflict;                        // who else writes to its device, or answers in its name, as a clause
     std::string step;                            // JSON
     ano::host::Progress progress{};
     ano::TimePoint begins_at{};    // earliest time; until then the service listens whether it is allowed

@@ -54,10 +54,18 @@ private:
     std::shared_ptr<void> place_;
 };
 
+bool wants_while_connected(const http::Request& request) { return request.query_value("while_connected").has_value(); }
+
 std::shared_ptr<WaitingClient> waiting_client(DeviceService& service, const std::shared_ptr<Job>& job,
-                                              const http::Request& request) {
-    return std::make_shared<WaitingClient>(service, job, request.query_value("while_connected").has_value(),
+                                              const http::Request& request, bool may_cancel) {
+    return std::make_shared<WaitingClient>(service, job, may_cancel && wants_while_connected(request),
                                            requester_of(request, job->is_writing()));
+}
+
+// Who only watches a job that others began does not cancel it by leaving, and neither does a page of another site.
+std::shared_ptr<WaitingClient> watching_client(DeviceService& service, const std::shared_ptr<Job>& job,
+                                               const http::Request& request) {
+    return waiting_client(service, job, request, request.access == http::Access::control && !request.is_foreign);
 }
 
 // A line for each change; changes while the client took nothing are combined into one.
@@ -170,8 +178,8 @@ Requester requester_of(const http::Request& request, bool acts) {
 }
 
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
-    auto client = waiting_client(service, job, request);
-    if (!request.query_value("while_connected")) job->goes_on = true;
+    auto client = waiting_client(service, job, request, true);
+    if (!wants_while_connected(request)) job->goes_on = true;
     if (accepts_lines(request)) return lines_of(job, std::move(client));
     return at_its_end(job, std::move(client), end_answer);
 }
@@ -182,9 +190,9 @@ http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& jo
     if (!wants_messages && !accepts_lines(request)) return line_answer(status, job_line(*job));
     if (!service.has_room_for(requester_of(request, job->is_writing())))
         return http::try_again("too many clients wait for jobs: ask again when one has ended");
-    if (!wants_messages) return lines_of(job, waiting_client(service, job, request));
+    if (!wants_messages) return lines_of(job, watching_client(service, job, request));
     http::Response response;
-    response.web_socket = std::make_unique<JobMessages>(job, waiting_client(service, job, request));
+    response.web_socket = std::make_unique<JobMessages>(job, watching_client(service, job, request));
     return response;
 }
 

@@ -20,23 +20,19 @@ void AirGuard::hear(FrameView frame, TimePoint now) noexcept {
     for (DeviceState& device : devices_) is_written(device);
 }
 
-std::optional<std::uint8_t> AirGuard::busy_with(std::uint8_t address, TimePoint now) const noexcept {
+std::optional<std::uint8_t> AirGuard::other_writer(std::uint8_t address, TimePoint now) const noexcept {
     const DeviceState& device = devices_[address];
-    if (device.writer == 0 || device.writer == address || now - device.written_at >= busy_for) return std::nullopt;
+    if (device.writer == 0 || device.writer == address || now - device.written_at >= writes_for) return std::nullopt;
     return device.writer;
 }
 
-std::optional<Refusal> AirGuard::refusal(Deed deed, std::uint8_t address, Whereabouts where, TimePoint now,
-                                         bool force) const noexcept {
+std::optional<Refusal> AirGuard::refusal(Deed deed, std::uint8_t address, Whereabouts where, bool force) const noexcept {
     if (address == address::broadcast || address == address::unassigned || address::is_host(address)) return Refusal::no_device;
-    if (deed == Deed::read) return std::nullopt;
-    if (deed == Deed::ground) {
-        if (!where.is_known) return Refusal::not_known;
-        if (where.in_conflict) return Refusal::in_conflict;
-        if (where.on_several_channels) return Refusal::on_several_channels;
-        if (is_in_the_air(address) && !force) return Refusal::in_the_air;
-    }
-    if (busy_with(address, now)) return Refusal::busy;
+    if (deed != Deed::ground) return std::nullopt;
+    if (!where.is_known) return Refusal::not_known;
+    if (where.in_conflict) return Refusal::in_conflict;
+    if (where.on_several_channels) return Refusal::on_several_channels;
+    if (is_in_the_air(address) && !force) return Refusal::in_the_air;
     return std::nullopt;
 }
 

@@ -11,6 +11,8 @@
 namespace ano::host {
 namespace {
 
+using namespace std::string_view_literals;
+
 // Where the fields of a .bia's header stand; all other bytes of it are 0.
 constexpr std::string_view magic = "bia";
 constexpr std::size_t version_at = 10, crc_at = 12, hw_type_at = 20, hw_ver_min_at = 30, hw_ver_max_at = 32, cmd_at = 50;
@@ -92,6 +94,8 @@ std::optional<std::string> FirmwareImage::misfit(const DeviceInfo& device) const
 
 namespace {
 
+constexpr char erased = '\xFF';    // a byte of flash
+
 bool is_hex_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 
 /// Without the mark of UTF-8, and without empty lines in whichever form and padding before a text.
@@ -139,15 +143,30 @@ constexpr std::array file_kinds{
     FileKind{"BZh", "this is a bzip2 file; unpack it first: bunzip2 FILE.bz2"},
     FileKind{"7z\xBC\xAF\x27\x1C", "this is a 7-Zip file; unpack it first"},
     FileKind{"Rar!\x1A\7", "this is a RAR file; unpack it first"},
+    FileKind{"\x5D\0\0"sv, "this is an lzma file; unpack it first: unlzma FILE.lzma"},
+    FileKind{"DfuSe", "this is a DfuSe file (.dfu); convert it: dfuse-pack.py --dump FILE.dfu"},
+    FileKind{"MZ", "this is a Windows program (.exe)"},
+    FileKind{"\xCF\xFA\xED\xFE", "this is a macOS program (Mach-O)"},
+    FileKind{"\xCE\xFA\xED\xFE", "this is a macOS program (Mach-O)"},
+    FileKind{"\xFE\xED\xFA\xCE", "this is a macOS program (Mach-O)"},
+    FileKind{"\xFE\xED\xFA\xCF", "this is a macOS program (Mach-O)"},
+    FileKind{"\xCA\xFE\xBA\xBE", "this is a program of another system (Mach-O or Java)"},
+    FileKind{"\x89PNG", "this is a picture (PNG)"},
+    FileKind{"\xFF\xD8\xFF", "this is a picture (JPEG)"},
+    FileKind{"GIF8", "this is a picture (GIF)"},
+    FileKind{"<!DOCTYPE", "this is a web page"},
+    FileKind{"<!doctype", "this is a web page"},
+    FileKind{"<html", "this is a web page"},
+    FileKind{"<?xml", "this is an XML file"},
     FileKind{"%PDF-", "this is a PDF document"},
     FileKind{"ustar", "this is a tar file; unpack it first: tar -xf FILE.tar", 257},
 };
 
-// Bytes from 0x80 on may be of UTF-8 or GBK.
+// Bytes from 0x80 on may be of UTF-8 or GBK, neither of which has 0xFF.
 bool is_printed(char c) {
     const auto byte = static_cast<unsigned char>(c);
     constexpr unsigned char space = 0x20, del = 0x7F;
-    return (byte >= space && byte != del) || c == '\t' || c == '\n' || c == '\r' || c == '\f';
+    return (byte >= space && byte != del && c != erased) || c == '\t' || c == '\n' || c == '\r' || c == '\f';
 }
 
 /// A form of a web page (multipart/form-data): a border, and the header of a part.
@@ -161,41 +180,70 @@ bool begins_as_form(std::string_view begin) {
     return line == header;
 }
 
-/// Text in units of two bytes, the low one at `low`: all are characters, and without the mark of UTF-16 in front all are of ASCII.
-bool is_utf16(std::string_view begin, std::size_t low) {
-    constexpr std::size_t min_size = 8;
-    constexpr unsigned mark = 0xFEFF, space = 0x20, del = 0x7F, no_character = 0xFFFE;
-    if (begin.size() < min_size) return false;
+/// Text in units of `size` bytes (UTF-16, UTF-32), the low one first or last: all are characters, and without the byte order mark in front
+/// all are of ASCII.
+bool is_wide_text(std::string_view begin, std::size_t size, bool low_first) {
+    constexpr std::size_t min_units = 4;
+    constexpr std::uint32_t mark = 0xFEFF, space = 0x20, del = 0x7F, no_character = 0xFFFE, last = 0x10FFFF;
+    if (begin.size() < min_units * size) return false;
     const auto unit = [&](std::size_t at) {
-        return static_cast<unsigned>(static_cast<unsigned char>(begin[at + low])) |
-               static_cast<unsigned>(static_cast<unsigned char>(begin[at + 1 - low])) << 8u;
+        std::uint32_t value = 0;
+        for (std::size_t i = 0; i < size; ++i)
+            value = value << 8 | static_cast<unsigned char>(begin[at + (low_first ? size - 1 - i : i)]);
+        return value;
     };
     const bool is_marked = unit(0) == mark;
-    for (std::size_t at = is_marked ? 2 : 0; at + 1 < begin.size(); at += 2) {
-        const unsigned c = unit(at);
-        const bool is_character = c >= space ? c != del && c < no_character : c == '\t' || c == '\n' || c == '\r' || c == '\f';
+    for (std::size_t at = is_marked ? size : 0; at + size <= begin.size(); at += size) {
+        const std::uint32_t c = unit(at);
+        const bool is_character = c >= space ? c != del && (c & 0xFFFF) < no_character && c <= last
+                                             : c == '\t' || c == '\n' || c == '\r' || c == '\f';
         if (!is_character || (!is_marked && c > del)) return false;
     }
     return true;
 }
 
 bool is_text(std::string_view begin) {
-    return std::all_of(begin.begin(), begin.end(), is_printed) || is_utf16(begin, 0) || is_utf16(begin, 1);
+    if (std::all_of(begin.begin(), begin.end(), is_printed)) return true;
+    for (const std::size_t size : {2u, 4u})
+        for (const bool low_first : {true, false})
+            if (is_wide_text(begin, size, low_first)) return true;
+    return false;
 }
 
-bool is_text_and_padding(std::string_view begin) {
-    const std::size_t last = begin.find_last_not_of('\0');
-    return last != std::string_view::npos && is_text(begin.substr(0, last + 1));
-}
-
-bool is_zero_from(const FirmwareBytes& file, std::size_t at) {
+/// How many bytes from `at` on are `pad`; std::nullopt: they can't be read.
+std::optional<std::size_t> padding(const FirmwareBytes& file, std::size_t at, char pad) {
     std::vector<std::uint8_t> bytes(piece);
-    for (; at < file.size(); at += bytes.size()) {
-        bytes.resize(std::min(piece, file.size() - at));
-        if (!file.read(at, bytes) || std::any_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte != 0; }))
-            return false;
+    for (std::size_t next = at; next < file.size(); next += bytes.size()) {
+        bytes.resize(std::min(piece, file.size() - next));
+        if (!file.read(next, bytes)) return std::nullopt;
+        const auto other = std::find_if(bytes.begin(), bytes.end(), [&](std::uint8_t b) { return static_cast<char>(b) != pad; });
+        if (other != bytes.end()) return next - at + static_cast<std::size_t>(other - bytes.begin());
     }
-    return true;
+    return file.size() - at;
+}
+
+/// A text, and behind it nothing but zeros or erased flash.
+bool is_text_and_padding(const FirmwareBytes& file, std::string_view begin) {
+    const char pad = begin.back();
+    if (pad != '\0' && pad != erased) return false;
+    const std::size_t last = begin.find_last_not_of(pad);
+    return last != std::string_view::npos && is_text(begin.substr(0, last + 1)) &&
+           padding(file, begin.size(), pad) == file.size() - begin.size();
+}
+
+/// The end of a ZIP file without a comment: such a file may begin with anything, as one does that unpacks itself.
+bool ends_as_zip(const FirmwareBytes& file) {
+    std::array<std::uint8_t, 22> end{};
+    constexpr std::string_view magic_of_end = "PK\5\6";
+    return file.size() > end.size() && file.read(file.size() - end.size(), end) &&
+           std::equal(magic_of_end.begin(), magic_of_end.end(), end.begin());
+}
+
+/// Without a header of ours, and without padding in front. An image has a few zeros there, but no other file's magic behind them.
+FirmwareBytes content_of(const FirmwareBytes& whole, char pad) {
+    constexpr std::size_t min_padding = 4;    // fewer may be of a text in UTF-32, or of a byte order mark
+    const auto size = padding(whole, 0, pad);
+    return size && *size >= min_padding && *size < whole.size() ? whole.behind(*size) : whole;
 }
 
 }    // namespace
@@ -204,9 +252,11 @@ std::string looks_unlike_firmware(const FirmwareBytes& whole) {
     constexpr std::size_t looked_at = 1024;
     Header header{};
     const bool has_header = whole.size() > header.size() && whole.read(0, header) && begins_with_magic(header);
-    const FirmwareBytes file = has_header ? whole.behind(header.size()) : whole;
+    const FirmwareBytes body = has_header ? whole.behind(header.size()) : whole;
+    if (!body.empty() && padding(body, 0, erased) == body.size()) return "this is erased flash: every byte is 0xFF";
+    const FirmwareBytes file = content_of(content_of(body, '\0'), erased);
     std::vector<std::uint8_t> bytes(std::min(file.size(), looked_at));
-    if (!file.read(0, bytes)) return {};    // whoever reads all of it says so
+    if (bytes.empty() || !file.read(0, bytes)) return {};    // whoever reads all of it says so
     const std::string_view begin{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     const std::string_view text = without_mark(begin);
     const std::string converts = "; convert it: arm-none-eabi-objcopy ";
@@ -214,9 +264,10 @@ std::string looks_unlike_firmware(const FirmwareBytes& whole) {
     if (begins_as_s_record(text)) return "this is a Motorola S-record file" + converts + "-I srec -O binary FILE.s19 FILE.bin";
     for (const FileKind& kind : file_kinds)
         if (begin.substr(std::min(kind.at, begin.size())).starts_with(kind.magic)) return std::string{kind.says};
+    if (ends_as_zip(file)) return "this is a ZIP file; unpack it first";
     if (begins_as_form(begin)) return "this is a form of a web page (multipart/form-data); send the file itself";
-    if (!begin.empty() && is_text(begin)) return "this is a text file";
-    if (is_text_and_padding(begin) && is_zero_from(file, begin.size())) return "this is a text file with zeros behind it";
+    if (is_text(begin)) return "this is a text file";
+    if (is_text_and_padding(file, begin)) return "this is a text file with padding behind it";
     return {};
 }
 

@@ -1,4 +1,5 @@
 #include <ano_json/escapes.hpp>
+#include <ano_json/text.hpp>
 #include <log/log_line.hpp>
 
 #include <spdlog/sinks/sink.h>
@@ -24,7 +25,8 @@ struct fmt::formatter<Line> {
     auto format(const Line& line, Context& context) const {
         fmt::memory_buffer text;
         fmt::vformat_to(fmt::appender{text}, line.format, line.arguments);
-        const std::string shown = ano::with_escapes({text.data(), text.size()});    // a name of a device may be in it
+        // A name of a device may be in it, or a piece of a damaged file.
+        const std::string shown = ano::with_escapes(ano::valid_utf8({text.data(), text.size()}));
         return std::copy(shown.begin(), shown.end(), context.out());
     }
 };

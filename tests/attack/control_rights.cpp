@@ -83,6 +83,29 @@ TEST_F(ControlRights, viewers_that_read_parameters_refuse_no_command) {
     EXPECT_EQ(refused_commands(), std::vector<std::string>{}) << command;
 }
 
+// An upgrade or a calibration, which is begun without waiting for it.
+TEST_F(ControlRights, who_may_only_view_or_is_of_another_site_ends_no_job_by_leaving) {
+    const std::string begin = R"({"what": "accelerometer"})", lines = "Accept: application/x-ndjson\r\n";
+    ASSERT_EQ(code("POST /devices/0xDC/calibration", bearer(control_token), begin), "202");
+    const auto state = [&] {
+        return nlohmann::json::parse(body_of(http(socket, "GET /jobs/1 HTTP/1.0\r\n\r\n"))).at("state").get<std::string>();
+    };
+    const auto watch_and_leave = [&](const std::string& headers) {
+        Crowd watcher;
+        watcher.add(connect_tcp(port), request("GET /jobs/1?while_connected", lines + headers));
+        ASSERT_TRUE(wait_until([&] { return watcher.answered() == 1; }));
+    };
+    for (int i = 0; i < 3; ++i) {
+        watch_and_leave(bearer(view_token));
+        watch_and_leave(bearer(control_token) + "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: no-cors\r\n");
+        watch_and_leave(bearer(control_token) + "Sec-Fetch-Site: same-site\r\n");
+    }
+    EXPECT_EQ(code("GET /status", bearer(view_token)), "200");
+    EXPECT_FALSE(wait_until([&] { return state() == "cancelled"; }, std::chrono::milliseconds{300}));
+    watch_and_leave(bearer(control_token));
+    EXPECT_TRUE(wait_until([&] { return state() == "cancelled"; })) << "who controls may";
+}
+
 TEST_F(ControlRights, thirty_two_web_sockets_of_one_user_leave_room_for_status_reload_and_commands) {
     Crowd sockets;
     for (int i = 0; i < 50; ++i) {

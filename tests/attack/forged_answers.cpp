@@ -1,4 +1,4 @@
-// Who answers in the name of a device that is at home elsewhere. tests/README.md has the figures.
+// Who answers in the name of a device that is at home elsewhere, or writes to it in that of a host. tests/README.md has the figures.
 #include <support/asked.hpp>
 #include <support/fake_device.hpp>
 #include <support/process.hpp>
@@ -26,11 +26,12 @@ using nlohmann::json;
 /// Sends its frames every few milliseconds, as long as it lives.
 class Forger {
 public:
-    Forger(std::uint16_t port, std::vector<Bytes> frames) : port_{port}, frames_{std::move(frames)} {
+    Forger(std::uint16_t port, std::vector<Bytes> frames, std::chrono::milliseconds pause = 3ms)
+        : port_{port}, frames_{std::move(frames)}, pause_{pause} {
         thread_ = std::thread{[this] {
             while (!stops_) {
                 for (const Bytes& one : frames_) peer_.send(port_, one);
-                std::this_thread::sleep_for(3ms);
+                std::this_thread::sleep_for(pause_);
             }
         }};
     }
@@ -44,6 +45,7 @@ public:
 private:
     std::uint16_t port_;
     std::vector<Bytes> frames_;
+    std::chrono::milliseconds pause_;
     UdpPeer peer_;
     std::atomic<bool> stops_ = false;
     std::thread thread_;
@@ -54,6 +56,7 @@ class ForgedAnswers : public testing::TestWithParam<bool> {
 protected:
     void SetUp() override {
         device.fake.make_parameters(10);
+        device.fake.commands = {{{1, 0, 2}, {}, "LAND", ""}};
         device.fake.instead = [this, answers = device.fake.instead](ano::FrameView asked) -> std::optional<std::vector<Bytes>> {
             if (ignores_writes && asked.id() == write[3]) return std::vector<Bytes>{};
             if (asked.id() == write[3] && logs_an_error.exchange(false)) return std::vector<Bytes>{red_line};
@@ -167,6 +170,27 @@ TEST_P(ForgedAnswers, are_told_as_what_they_are) {
     } else {
         EXPECT_TRUE(daemon->until_says("pin it: --route 0xDC=LINK"));
     }
+}
+
+// Whoever reaches a link can send them in any host's name.
+TEST_P(ForgedAnswers, and_writes_of_other_hosts_refuse_no_command_and_no_other_work) {
+    std::vector<Bytes> writes;
+    for (const std::uint8_t host : {std::uint8_t{0xD2}, std::uint8_t{0x33}, std::uint8_t{0xFE}})
+        for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}}) writes.push_back(frame(host, to, 0xE1, {0, 0, 5}));
+    const Forger forger{daemon->port("net"), writes, 100ms};
+    ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 20; }));
+    for (int i = 0; i < 5; ++i) {
+        const auto land = asked(socket, "POST", "/devices/0xDC/commands/LAND", "{}");
+        EXPECT_EQ(land.status, 200u) << land.body;
+    }
+    for (const auto& [path, body] :
+         {std::pair{"actions", R"({"action": "save"})"}, std::pair{"actions", R"({"action": "restore_defaults"})"},
+          std::pair{"calibration", R"({"what": "accelerometer"})"}}) {
+        const auto done = asked(socket, "POST", std::string{"/devices/0xDC/"} + path, body);
+        EXPECT_LT(done.status, 300u) << done.body;
+    }
+    const std::string jobs = asked(socket, "GET", "/jobs").body;
+    EXPECT_NE(jobs.find("writes to 0xDC as well"), std::string::npos) << "it is told: " << jobs;
 }
 
 INSTANTIATE_TEST_SUITE_P(At, ForgedAnswers, testing::Values(true, false),

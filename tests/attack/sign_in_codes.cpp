@@ -100,6 +100,19 @@ TEST_F(SignInCodes, are_guessed_as_slowly_as_tokens) {
     EXPECT_EQ(use(right), "200") << "a right one is always taken";
 }
 
+// Else a stranger who is slowed down would end every code that is made, or try all digits without losing one.
+TEST_F(SignInCodes, of_digits_are_not_tried_from_an_address_that_is_slowed_down) {
+    for (int i = 0; i < 11; ++i) use("000000", "127.9.0.1");
+    for (int round = 0; round < 3; ++round) {
+        const std::string right = digits();
+        for (int i = 0; i < 5; ++i) EXPECT_EQ(use(other_than(right, i), "127.9.0.1"), "429");
+        EXPECT_EQ(use(right, "127.9.0.1"), "429") << "neither does it learn which is right";
+        EXPECT_EQ(state("digits"), "valid");
+        EXPECT_EQ(use(right), "200") << "from another address";
+    }
+    EXPECT_EQ(use(link(), "127.9.0.1"), "200") << "a link is too long to be guessed";
+}
+
 TEST_F(SignInCodes, are_not_used_by_pages_of_other_sites_or_forms) {
     for (const std::string& code_there : {link(), digits()}) {
         EXPECT_EQ(code("POST /login", "Sec-Fetch-Site: cross-site\r\n", body(code_there)), "403");

@@ -44,6 +44,7 @@ public:
     std::optional<std::string> keep_fault;
     anogate::http::Access access = anogate::http::Access::control;    // of whoever asks
     std::string peer;                                                 // the address from which he asks
+    bool is_foreign = false;                                          // a page of another site asks
     anogate::DeviceManners link_manners;
 
     FakeDevice& add(std::uint8_t address = 0xDC) {
@@ -167,6 +168,7 @@ public:
         asks.access = access;
         asks.door.is_network = true;
         asks.door.peer = peer;
+        asks.is_foreign = is_foreign;
         return asks;
     }
 

@@ -60,6 +60,8 @@ public:
     tl::expected<Access, Response> access_of(std::string_view token, const Door& door, ano::TimePoint now);
     /// Counts a wrong token or code. Returns `answer`, or 429 after too many.
     Response refuse_wrong(const Door& door, Response answer, ano::TimePoint now);
+    /// For how long wrong tokens and codes of this client are still slowed down; zero: they are not.
+    ano::Duration slowed_for(const Door& door, ano::TimePoint now) const { return attempts_.slowed_for(door.peer, now); }
     /// The first token that allows this and no more; empty: there is none.
     std::string token_for(Access access) const;
     /// Whether the token allows as much as `access` still, after set().

@@ -150,6 +150,25 @@ TEST_F(Jobs, end_with_the_client_who_said_so) {
     EXPECT_EQ(net.ask("GET", "/jobs/3").json.at("state"), "cancelled");
 }
 
+// An upgrade or a calibration, which its client began without waiting for it.
+TEST_F(Jobs, are_not_ended_by_a_client_who_only_watches_them) {
+    ASSERT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})").status, 202u);
+    const auto watched_and_left = [&] {
+        auto lines = net.lines("GET", "/jobs/1?while_connected");
+        net.pass(50ms);
+        lines.reset();
+        net.pass(50ms);
+        return net.ask("GET", "/jobs/1").json.at("state");
+    };
+    net.access = anogate::http::Access::view;
+    EXPECT_EQ(watched_and_left(), "running");
+    net.access = anogate::http::Access::control;
+    net.is_foreign = true;
+    EXPECT_EQ(watched_and_left(), "running") << "a page of another site, in the browser of somebody who controls";
+    net.is_foreign = false;
+    EXPECT_EQ(watched_and_left(), "cancelled") << "who controls may cancel it";
+}
+
 TEST_F(Jobs, that_read_all_are_one_for_all_who_ask_meanwhile) {
     const auto first = net.asked("GET", "/devices/0xDC/parameters");
     net.pass(50ms);
@@ -376,16 +395,35 @@ TEST_F(Jobs, take_an_acknowledgement_from_a_port_of_the_device_for_its_own) {
     EXPECT_TRUE(lists_the_port()) << "now it is";
 }
 
-TEST_F(Jobs, do_not_write_while_another_host_does) {
+TEST_F(Jobs, are_not_refused_for_what_another_host_writes_and_say_who_writes) {
+    fake.commands = {{{1, 0, 1}, {}, "LOCK", ""}};
     net.ask("GET", "/devices/0xDC/parameters");
-    net.passes(frame(0xFE, 0xDC, 0xE1, {0, 0, 5}));
-    const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
-    EXPECT_EQ(status, 409u);
-    EXPECT_EQ(error.at("what"), "busy");
-    EXPECT_EQ(error.at("error"), "the host 0xFE is writing to 0xDC just now");
-    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u) << "reading is no harm";
-    net.pass(3s);
-    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})").status, 200u);
+    const std::string conflict = "0xD2 writes to 0xDC as well";
+    for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}}) {
+        net.passes(frame(0xD2, to, 0xE1, {0, 0, 5}));
+        const auto land = net.ask("POST", "/devices/0xDC/commands/LOCK");
+        EXPECT_EQ(land.status, 200u) << land.json;
+        EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})").status, 200u);
+        EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", R"({"action": "save"})").status, 200u);
+        EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
+        const auto all = net.ask("GET", "/jobs").json.at("jobs");
+        for (const auto& job : all)
+            if (job.at("id") >= all.size() - 3 || job.at("kind") == "command")
+                EXPECT_EQ(job.value("conflict", ""), job.at("kind") == "parameters" ? "" : conflict) << job;
+        net.pass(3s);
+        net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
+        EXPECT_FALSE(net.ask("GET", "/jobs").json.at("jobs").back().contains("conflict"));
+    }
+}
+
+TEST_F(Jobs, say_who_else_writes_while_they_are_under_way) {
+    const auto begun = net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_EQ(begun.status, 202u) << begun.json;
+    net.pass(1s);
+    net.passes(frame(0xD2, 0xDC, 0xE1, {0, 0, 5}));
+    net.pass(1s);
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json.value("conflict", ""), "0xD2 writes to 0xDC as well");
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("state"), "running");
 }
 
 TEST_F(Jobs, that_waited_through_a_standstill_are_refused) {

@@ -1,4 +1,4 @@
-// What may not be done to a device now.
+// What may not be done to a device now, and who else writes to it.
 #include <host/air_guard.hpp>
 
 #include <support/bytes.hpp>
@@ -24,55 +24,49 @@ struct Guard : AirGuard {
 
 TEST(AirGuard, nothing_that_needs_the_ground_is_done_in_the_air_unless_forced) {
     Guard guard;
-    EXPECT_FALSE(guard.refusal(Deed::ground, 0xDC, known, start));
+    EXPECT_FALSE(guard.refusal(Deed::ground, 0xDC, known));
     for (const std::uint8_t sflag : std::initializer_list<std::uint8_t>{1, 2, 7}) {
         guard.mode(sflag);
-        EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, known, start + 1h), Refusal::in_the_air);
-        EXPECT_FALSE(guard.refusal(Deed::ground, 0xDC, known, start, true));
-        EXPECT_FALSE(guard.refusal(Deed::write, 0xDC, known, start));
-        EXPECT_FALSE(guard.refusal(Deed::ground, 0xDD, known, start)) << "another device";
+        EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, known), Refusal::in_the_air);
+        EXPECT_FALSE(guard.refusal(Deed::ground, 0xDC, known, true));
+        EXPECT_FALSE(guard.refusal(Deed::write, 0xDC, known));
+        EXPECT_FALSE(guard.refusal(Deed::ground, 0xDD, known)) << "another device";
     }
     guard.mode(0);
-    EXPECT_FALSE(guard.refusal(Deed::ground, 0xDC, known, start));
+    EXPECT_FALSE(guard.refusal(Deed::ground, 0xDC, known));
 }
 
 TEST(AirGuard, force_does_not_help_where_it_is_not_clear_who_is_meant) {
     Guard guard;
-    EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, {}, start, true), Refusal::not_known);
-    EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, {.is_known = true, .in_conflict = true}, start, true), Refusal::in_conflict);
-    EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, {.is_known = true, .on_several_channels = true}, start, true),
+    EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, {}, true), Refusal::not_known);
+    EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, {.is_known = true, .in_conflict = true}, true), Refusal::in_conflict);
+    EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, {.is_known = true, .on_several_channels = true}, true),
               Refusal::on_several_channels);
     for (const std::uint8_t nobody : std::initializer_list<std::uint8_t>{0x00, 0xFF, 0xFE, 0xD2})
         for (const Deed deed : {Deed::read, Deed::write, Deed::ground})
-            EXPECT_EQ(guard.refusal(deed, nobody, known, start, true), Refusal::no_device) << int{nobody};
+            EXPECT_EQ(guard.refusal(deed, nobody, known, true), Refusal::no_device) << int{nobody};
 }
 
-TEST(AirGuard, who_is_written_by_another_host_is_busy_for_two_seconds) {
-    for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0xE1, 0x61, 0xF0}) {
-        Guard guard;
-        guard.hear(0xFE, 0xDC, id, {1, 2, 3});
-        EXPECT_EQ(guard.refusal(Deed::write, 0xDC, known, start + 1999ms), Refusal::busy);
-        EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, known, start + 1999ms, true), Refusal::busy);
-        EXPECT_EQ(guard.busy_with(0xDC, start), 0xFE);
-        EXPECT_FALSE(guard.refusal(Deed::read, 0xDC, known, start));
-        EXPECT_FALSE(guard.refusal(Deed::write, 0xDD, known, start));
-        EXPECT_FALSE(guard.refusal(Deed::write, 0xDC, known, start + 2s));
-    }
+// Anybody who reaches a link can send such frames, and in anybody's name.
+TEST(AirGuard, other_hosts_that_write_refuse_nothing_and_are_named_for_two_seconds) {
+    for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0xE1, 0x61, 0xF0})
+        for (const std::uint8_t to : std::initializer_list<std::uint8_t>{0xDC, 0xFF}) {
+            Guard guard;
+            guard.hear(0xD2, to, id, {1, 2, 3});
+            for (const Deed deed : {Deed::read, Deed::write, Deed::ground}) EXPECT_FALSE(guard.refusal(deed, 0xDC, known));
+            EXPECT_EQ(guard.other_writer(0xDC, start), 0xD2);
+            EXPECT_EQ(guard.other_writer(0xDC, start + 1999ms), 0xD2);
+            EXPECT_EQ(guard.other_writer(0xDC, start + 2s), std::nullopt);
+            EXPECT_EQ(guard.other_writer(0x21, start).has_value(), to == 0xFF);
+        }
 }
 
-TEST(AirGuard, answers_and_questions_make_nobody_busy) {
+TEST(AirGuard, answers_and_questions_are_no_writes) {
     Guard guard;
     guard.hear(0xDC, 0xFE, 0xE1, {1, 0, 3});
     guard.hear(0xDC, 0xFF, 0xF0, {0, 0x02, 0x10, 0, 0});
     guard.hear(0xFE, 0xDC, 0xE0, {2, 0, 0});
-    EXPECT_FALSE(guard.refusal(Deed::write, 0xDC, known, start));
-}
-
-TEST(AirGuard, a_write_to_all_makes_all_busy) {
-    Guard guard;
-    guard.hear(0xFE, 0xFF, 0xE1, {1, 0, 3});
-    EXPECT_EQ(guard.refusal(Deed::write, 0xDC, known, start), Refusal::busy);
-    EXPECT_EQ(guard.refusal(Deed::write, 0x21, known, start), Refusal::busy);
+    EXPECT_EQ(guard.other_writer(0xDC, start), std::nullopt);
 }
 
 }    // namespace

@@ -75,6 +75,47 @@ TEST(UnlikeFirmware, is_a_text_with_zeros_behind_it_but_no_image_that_begins_wit
     EXPECT_EQ(doubt_about(zeros), "");
 }
 
+TEST(UnlikeFirmware, is_a_picture_or_a_program_of_another_system) {
+    expect_doubt(with_bytes("\x89PNG\r\n\x1A\n"), "picture", "");
+    expect_doubt(with_bytes("\xFF\xD8\xFF\xE0"), "picture", "");
+    expect_doubt(with_bytes("GIF89a"), "picture", "");
+    expect_doubt(with_bytes("MZ"), "Windows program", "");
+    for (const std::string_view magic : {"\xCF\xFA\xED\xFE", "\xCE\xFA\xED\xFE", "\xFE\xED\xFA\xCE", "\xFE\xED\xFA\xCF"})
+        expect_doubt(with_bytes(magic), "macOS program", "");
+    expect_doubt(with_bytes("\xCA\xFE\xBA\xBE"), "program", "");
+    expect_doubt(with_bytes("DfuSe\x01"), "DfuSe", "");
+    expect_doubt(with_bytes({"\x5D\0\0\x80\0", 5}), "lzma", "unlzma");
+    expect_doubt("<!DOCTYPE html>" + std::string(300, '\0') + with_bytes(""), "web page", "");
+    expect_doubt(with_bytes("<?xml version"), "XML", "");
+}
+
+TEST(UnlikeFirmware, is_the_same_behind_padding) {
+    for (const char pad : {'\0', '\xFF'})
+        for (const std::size_t size : {16u, 64u, 5000u, 100000u}) {
+            const std::string padding(size, pad);
+            expect_doubt(padding + with_bytes("PK\x03\x04"), "ZIP", "unpack");
+            expect_doubt(padding + with_bytes("\x89PNG\r\n\x1A\n"), "picture", "");
+            expect_doubt(padding + ":10010000214601360121470136007EFE09D2190140\n", "Intel HEX", "objcopy -I ihex");
+            expect_doubt(padding + "a readme\n", "text", "");
+            expect_doubt("a readme\n" + padding, "text", "");
+            EXPECT_EQ(doubt_about(padding + with_bytes({"\0\0\2\x20", 4})), "");
+        }
+    const std::string end_of_zip{"PK\5\6\0\0\0\0\1\0\1\0\x33\0\0\0\x40\0\0\0\0\0", 22};
+    expect_doubt(with_bytes("any bytes") + end_of_zip, "ZIP", "unpack");
+}
+
+TEST(UnlikeFirmware, is_erased_flash) { expect_doubt(std::string(3000, '\xFF'), "erased flash", ""); }
+
+TEST(UnlikeFirmware, is_a_text_in_units_of_four_bytes) {
+    for (const bool little : {true, false})
+        for (const bool marked : {true, false}) {
+            std::string file;
+            for (const unsigned c : std::u32string{marked ? U"\uFEFFhello\n说明 🚁" : U"hello, this is a text\n"})
+                for (unsigned i = 0; i < 4; ++i) file += static_cast<char>(c >> 8 * (little ? i : 3 - i));
+            expect_doubt(file, "text", "");
+        }
+}
+
 TEST(UnlikeFirmware, is_what_is_behind_the_header_of_a_bia) {
     const std::string header = "bia" + std::string(97, '\0');
     expect_doubt(header + ":10010000214601360121470136007EFE09D2190140\n", "Intel HEX", "objcopy -I ihex");

@@ -89,21 +89,36 @@ TEST(Text, of_any_bytes_can_be_shown) {
 }
 
 TEST(Text, what_controls_or_reorders_a_terminal_is_escaped) {
-    const std::pair<const char*, const char*> rows[] = {{"a\u202Eb", "a\\u202eb"},  {"a\u200Bb", "a\\u200bb"},
-                                                        {"\uFEFFx", "\\ufeffx"},    {"\u2066x\u2069", "\\u2066x\\u2069"},
-                                                        {"\u0085", "\\u0085"},      {"\u061C", "\\u061c"},
-                                                        {"\u180E", "\\u180e"},      {"\U000E0041", "\\udb40\\udc41"},
-                                                        {"\x1b[2J", "\\u001b[2J"},  {"\x7f", "\\u007f"},
-                                                        {"横滚P ° é", "横滚P ° é"}, {"\u2018’…", "\u2018’…"},
-                                                        {"a\u034Fb", "a\\u034fb"},  {"\u115F\u1160", "\\u115f\\u1160"},
-                                                        {"\u3164", "\\u3164"},      {"\uFFA0", "\\uffa0"},
-                                                        {"\u2800", "\\u2800"},      {"ͮᄀᆨ⠁ㅣﾡ", "ͮᄀᆨ⠁ㅣﾡ"}};
+    const std::pair<const char*, const char*> rows[] = {{"a\u202Eb", "a\\u202eb"},
+                                                        {"a\u200Bb", "a\\u200bb"},
+                                                        {"\uFEFFx", "\\ufeffx"},
+                                                        {"\u2066x\u2069", "\\u2066x\\u2069"},
+                                                        {"\u0085", "\\u0085"},
+                                                        {"\u061C", "\\u061c"},
+                                                        {"\u180E", "\\u180e"},
+                                                        {"\U000E0041", "\\udb40\\udc41"},
+                                                        {"\x1b[2J", "\\u001b[2J"},
+                                                        {"\x7f", "\\u007f"},
+                                                        {"横滚P ° é", "横滚P ° é"},
+                                                        {"\u2018’…", "\u2018’…"},
+                                                        {"a\u034Fb", "a\\u034fb"},
+                                                        {"\u115F\u1160", "\\u115f\\u1160"},
+                                                        {"\u3164", "\\u3164"},
+                                                        {"\uFFA0", "\\uffa0"},
+                                                        {"\u2800", "\\u2800"},
+                                                        {"ͮᄀᆨ⠁ㅣﾡ", "ͮᄀᆨ⠁ㅣﾡ"},
+                                                        {"\u17B4\uFE0F", "\\u17b4\\ufe0f"},
+                                                        {"\U000110BD\U0001BCA0", "\\ud804\\udcbd\\ud82f\\udca0"},
+                                                        {"\U0001D173\U00013430", "\\ud834\\udd73\\ud80d\\udc30"},
+                                                        {"\U000E0FFF\uFFF0", "\\udb43\\udfff\\ufff0"},
+                                                        {"\U0001D172\U0001F681\u17B6", "\U0001D172\U0001F681\u17B6"}};
     for (const auto& [text, shown] : rows) {
         EXPECT_EQ(with_escapes(text), shown);
         const std::string json = json_text(nlohmann::ordered_json(text));
         EXPECT_EQ(nlohmann::json::parse(json), text) << json;
-        for (const char* hidden : {"\u202E", "\u200B", "\uFEFF", "\u2066", "\u0085", "\x1b", "\x7f", "\U000E0041", "\u034F",
-                                   "\u115F", "\u1160", "\u3164", "\uFFA0", "\u2800"})
+        for (const char* hidden :
+             {"\u202E", "\u200B", "\uFEFF", "\u2066", "\u0085", "\x1b", "\x7f", "\U000E0041", "\u034F", "\u115F", "\u1160",
+              "\u3164", "\uFFA0", "\u2800", "\uFE0F", "\u17B4", "\U000110BD", "\U0001D173"})
             EXPECT_EQ(json.find(hidden), std::string::npos) << json;
     }
     EXPECT_EQ(in_quotes("a\u202Eb"), "'a\\u202eb'");

@@ -43,6 +43,12 @@ TEST(LogLine, is_in_the_log_with_its_level) {
     EXPECT_EQ(lines.take(), (Lines{"info ground: peer 7", "warning 1.2 s", "error as it is: {} {}"}));
 }
 
+TEST(LogLine, has_no_bytes_that_are_not_utf8_and_no_character_that_can_not_be_seen) {
+    support::LogLines lines;
+    log_warning("a {} file", std::string{"\xFB\x84\x1B[2J\u202E\uFE0F\xC2"});
+    EXPECT_EQ(lines.take(), (Lines{"a \uFFFD\uFFFD\\u001b[2J\\u202e\\ufe0f\uFFFD file"}));
+}
+
 TEST(LogLine, below_the_level_is_neither_logged_nor_formatted) {
     support::LogLines lines;
     int formatted = 0;
