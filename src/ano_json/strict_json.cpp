@@ -18,8 +18,6 @@ struct Limits {
     std::size_t values = SIZE_MAX;
 };
 
-}    // namespace
-
 /// Builds the document, in about linear time: with the library's own parser, each key of an ordered object is compared with all before it,
 /// and its callback looks through all elements of an array at the end of each.
 template <class Document>
@@ -121,6 +119,8 @@ private:
     std::size_t values_ = 0;
     std::vector<Place> places_;
 };
+
+}    // namespace
 
 template <class Document>
 std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults,
