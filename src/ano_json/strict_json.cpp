@@ -73,7 +73,7 @@ private:
             typename Document::object_t::Container& members = object;
             return &members.emplace_back(std::move(place.key), std::move(value)).second;
         } else {
-            return &object.emplace(std::move(place.key), std::move(value)).first->second;
+            return &object.insert_or_assign(std::move(place.key), std::move(value)).first->second;
         }
     }
 

@@ -62,7 +62,7 @@ TEST_F(Bodies, that_look_unlike_firmware_need_force) {
         {"UF2\nWQ]\x9E" + rest, "UF2"},
         {"\x1F\x8B\x08" + rest, "gzip"},
         {"S00F000068656C6C6F202020202000003C\r\nS9030000FC\r\n", "Motorola S-record"},
-        {"<!doctype html><title>Not found</title>\n" + std::string(3000, 'x'), "text"},
+        {"<!doctype html><title>Not found</title>\n" + std::string(3000, 'x'), "web page"},
         {"\xEF\xBB\xBF:10010000214601360121470136007EFE09D2190140\r\n", "Intel HEX"},
         {"\r\n:10010000214601360121470136007EFE09D2190140\r\n", "Intel HEX"},
         {"--b\r\nContent-Disposition: form-data; name=\"file\"\r\n\r\n" + rest + "\r\n--b--\r\n", "form"},

@@ -99,7 +99,10 @@ TEST_F(Files, of_devices_that_are_no_files_are_told_and_prevent_no_start) {
         Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
         ASSERT_TRUE(daemon.until_answers()) << daemon.output();
         for (const char* name : of_devices)
-            EXPECT_NE(daemon.output().find("state/" + std::string{name} + ": "), std::string::npos) << name << daemon.output();
+            EXPECT_TRUE(wait_until([&] {
+                return daemon.output().find("state/" + std::string{name} + ": ") != std::string::npos;
+            })) << name
+                << daemon.output();
     }
 }
 

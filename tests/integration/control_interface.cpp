@@ -252,10 +252,9 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"GET /recordings/{name}", [this] { refuses("GET", "/recordings/none.pcapng", 404, "unknown", "no recording"); }},
         {"POST /recordings/{name}/end", [this] { refuses("POST", "/recordings/none/end", 404, "unknown", "nothing is being"); }},
         {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no dot in front"); }},
-        {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},    // NetworkDoor
-        {"POST /login/code",
-         [this] { refuses("POST", "/login/code", 409, "refused", "no token allows", "{}"); }},    // SignInCodes
-        {"POST /logout", [this] { EXPECT_EQ(ask("POST", "/logout").status, 200u); }},             // Tokens
+        {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},                     // NetworkDoor
+        {"POST /login/code", [this] { refuses("POST", "/login/code", 409, "busy", "no token allows", "{}"); }},    // SignInCodes
+        {"POST /logout", [this] { EXPECT_EQ(ask("POST", "/logout").status, 200u); }},                              // Tokens
     };
     std::set<std::string> tested, there;
     for (const auto& [route, test] : tests) {

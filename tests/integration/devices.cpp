@@ -357,6 +357,7 @@ TEST_F(Devices, who_follows_a_job_is_told_its_end_when_the_gateway_ends) {
 }
 
 TEST_F(Devices, old_values_of_a_calibration_that_the_end_cut_off_are_written_back_by_the_next_run) {
+    ASSERT_EQ(ask("PUT", "/devices/0xDC/parameters/CAL_AOFF_X", R"({"value": 1.25})").status, 200u);    // tells the unit apart
     const json before = value("CAL_AOFF_X");
     Lines follows{socket, "POST /devices/0xDC/calibration", R"({"what": "accelerometer"})"};
     ASSERT_TRUE(follows.until(R"("state":"waiting")")) << follows.heard;

@@ -181,7 +181,7 @@ TEST_F(PrometheusScrapes, and_alerts_by_the_rules) {
         if (!answer.is_object() || answer.at("data").at("groups").empty()) return false;
         const json& all = answer.at("data").at("groups").at(0).at("rules");
         return std::all_of(all.begin(), all.end(), [](const json& rule) { return rule.at("health") != "err"; }) &&
-               all.size() == 9u;
+               all.size() == 10u;
     })) << output_of(alerts);
 }
 

@@ -389,7 +389,7 @@ TEST(Daemon, faults_of_the_configuration_are_told_one_a_line_and_exit_78) {
     };
     run({"serial:/dev/x,bauds=9"}, "LINK 'serial:/dev/x,bauds=9': unknown key 'bauds' (did you mean 'baud'?)");
     run({"serials:/dev/x"}, "serial");
-    run({"udp:localhost:99"}, "host name");
+    run({"udp-listen:localhost:99"}, "host name");
     run({"sim:fc,id=21"}, "id");
     run({"sim:fc,id=1", "udp-listen:127.0.0.1:0,id=1"}, "id");
     run({"--route", "0xDC=nobody", "sim:fc"}, "nobody");

@@ -5,6 +5,7 @@
 #include <link/link_context.hpp>
 #include <link/own_networks.hpp>
 #include <link/pacing.hpp>
+#include <link/raw_port.hpp>
 #include <link/reconnect.hpp>
 #include <link/stored_link.hpp>
 #include <link/udp/ip_socket.hpp>

@@ -311,14 +311,14 @@ TEST_F(FoxgloveSessionTest, subscriptions_that_can_not_be_are_errors_and_change_
     EXPECT_EQ(all().data.size(), 1u);
 }
 
-TEST_F(FoxgloveSessionTest, ten_thousand_faults_are_told_by_some_and_a_number) {
+TEST_F(FoxgloveSessionTest, a_thousand_faults_are_told_by_some_and_a_number) {
     all();
     json many = json::array();
-    for (unsigned i = 0; i < 10000; ++i) many.push_back({{"id", i}, {"channelId", 77}});
+    for (unsigned i = 0; i < 1000; ++i) many.push_back({{"id", i}, {"channelId", 77}});
     session.hear(json{{"op", "subscribe"}, {"subscriptions", many}}.dump());
     const auto words = statuses();
     ASSERT_EQ(words.size(), FoxgloveSession::max_statuses + 1);
-    EXPECT_EQ(words.back(), std::to_string(10000 - FoxgloveSession::max_statuses) + " more faults are not told one by one");
+    EXPECT_EQ(words.back(), std::to_string(1000 - FoxgloveSession::max_statuses) + " more faults are not told one by one");
 }
 
 TEST_F(FoxgloveSessionTest, what_was_not_shown_is_told_by_message) {

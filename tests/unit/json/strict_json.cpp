@@ -31,6 +31,7 @@ TEST(StrictJson, faults_have_their_places) {
     const auto second = faults_of(R"({"a": {"b": 1}, "c": [[1], {"d": 1, "e": {"f": [], "f": 2}}]})");
     ASSERT_EQ(second.size(), 1u);
     EXPECT_EQ(second[0].pointer, "/c/1/e/f");
+    EXPECT_EQ(faults_of(R"({"a": 1, "a": {"b": [2]}, "a": []})").size(), 2u);
 }
 
 template <class Document>

@@ -61,7 +61,7 @@ TEST(Csv, has_the_bytes_of_what_it_can_not_read) {
     EXPECT_EQ(line_of(support::frame(1, 2, 0x03, {0xAB})), "1763898044.123456789,fc,,in,,1,2,,,,,,,ab\n");
     EXPECT_EQ(line_of(support::frame(1, 2, 0x03, Bytes(9))), "1763898044.123456789,fc,,in,,1,2,,,,,,,000000000000000000\n");
     EXPECT_EQ(line_of(support::frame(1, 2, 0x09, {1, 0, 2, 0, 9})), "1763898044.123456789,fc,,in,,1,2,,,,0100020009\n");
-    EXPECT_EQ(line_of(support::frame(1, 2, 0x09, {1, 0, 2, 0, 9, 8})), "1763898044.123456789,fc,,in,,1,2,1,2,0908,\n");
+    EXPECT_EQ(line_of(support::frame(1, 2, 0x09, {1, 0, 2, 0, 9, 8})), "1763898044.123456789,fc,,in,,1,2,,,,010002000908\n");
 }
 
 TEST(Csv, every_value_of_every_message_has_a_cell) {
