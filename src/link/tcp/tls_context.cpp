@@ -32,13 +32,13 @@ std::string openssl_fault() {
     return reason ? reason : "TLS failed";
 }
 
-/// When the files were written; another value when one was replaced.
+/// When the files were changed, their modes too; another value when one was replaced.
 using Times = std::array<std::pair<timespec, ino_t>, 3>;
 Times times_of(const LinkCertificates& files) {
     Times times{};
     for (std::size_t i = 0; const std::string* file : {&files.certificate, &files.key, &files.ca}) {
         struct stat facts {};
-        if (!file->empty() && ::stat(file->c_str(), &facts) == 0) times[i] = {facts.st_mtim, facts.st_ino};
+        if (!file->empty() && ::stat(file->c_str(), &facts) == 0) times[i] = {facts.st_ctim, facts.st_ino};
         ++i;
     }
     return times;
