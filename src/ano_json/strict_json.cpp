@@ -10,7 +10,6 @@
 #include <utility>
 
 namespace ano {
-
 namespace {
 
 struct Limits {
@@ -18,8 +17,8 @@ struct Limits {
     std::size_t values = SIZE_MAX;
 };
 
-/// Builds the document, in about linear time: with the library's own parser, each key of an ordered object is compared with all before it,
-/// and its callback looks through all elements of an array at the end of each.
+/// Builds the document, in about linear time: with the library's own parser, each key of an ordered object is compared with all before
+/// it, and its callback looks through all elements of an array at the end of each.
 template <class Document>
 class StrictReader final : public nlohmann::json_sax<Document> {
 public:
@@ -61,7 +60,12 @@ private:
         return faults_.size() < limits_.faults;
     }
 
+    /// Where the value is now; nullptr: there are too many.
     Document* put(Document&& value) {
+        if (++values_ > limits_.values) {
+            fault("more than " + std::to_string(limits_.values) + " values");
+            return nullptr;
+        }
         if (places_.empty()) return &(root = std::move(value));
         Place& place = places_.back();
         if (place.at->is_array()) {
@@ -71,34 +75,22 @@ private:
         auto& object = place.at->template get_ref<typename Document::object_t&>();
         if constexpr (requires { typename Document::object_t::Container; }) {
             typename Document::object_t::Container& members = object;
-            return &members.emplace_back(std::move(place.key), std::move(value)).second;
+            return &members.emplace_back(place.key, std::move(value)).second;
         } else {
-            return &object.insert_or_assign(std::move(place.key), std::move(value)).first->second;
+            return &object.insert_or_assign(place.key, std::move(value)).first->second;
         }
     }
 
-    bool add(Document&& value) {
-        if (++values_ > limits_.values) return too_many();
-        put(std::move(value));
-        return true;
-    }
-
-    bool too_many() {
-        faults_.push_back({"", "more than " + std::to_string(limits_.values) + " values"});
-        return false;
-    }
+    bool add(Document&& value) { return put(std::move(value)) != nullptr; }
 
     bool enter(Document&& value) {
-        if (++values_ > limits_.values) return too_many();
         if (places_.size() == max_json_depth) {
             fault("nested deeper than " + std::to_string(max_json_depth) + " levels");
             return false;
         }
-        std::string name = places_.empty() ? std::string{} : places_.back().key;
         Document* const at = put(std::move(value));
-        if (!places_.empty()) places_.back().key = std::move(name);    // for the pointer
-        places_.push_back({at});
-        return true;
+        if (at != nullptr) places_.push_back({at});
+        return at != nullptr;
     }
 
     bool leave() {
@@ -106,10 +98,14 @@ private:
         return true;
     }
 
+    // Of the value that comes next, which the innermost array has not yet.
     std::string pointer() const {
         std::string text;
-        for (const Place& place : places_)
-            text += place.at->is_array() ? "/" + std::to_string(place.at->size() - 1) : pointer_step(place.key);
+        for (const Place& place : places_) {
+            const bool is_innermost = &place == &places_.back();
+            text += place.at->is_array() ? "/" + std::to_string(place.at->size() - (is_innermost ? 0 : 1))
+                                         : pointer_step(place.key);
+        }
         return text;
     }
 

@@ -17,8 +17,8 @@ namespace ano {
 /// Of arrays and objects in each other.
 inline constexpr std::size_t max_json_depth = 32;
 
-/// `Document`: nlohmann::json or nlohmann::ordered_json. std::nullopt when it is not JSON, with why in `faults`; of a key given twice the
-/// fault is added, so that the rest can be checked as well. Reading ends with the twentieth fault.
+/// `Document`: nlohmann::json or nlohmann::ordered_json. std::nullopt when it is not JSON, with why in `faults`. A key given twice is a
+/// fault as well, and the document is returned, so that the rest can be checked. Reading ends with the twentieth fault.
 template <class Document>
 std::optional<Document> strict_json(std::string_view text, bool with_comments, std::vector<JsonFault>& faults);
 
@@ -26,8 +26,8 @@ std::optional<Document> strict_json(std::string_view text, bool with_comments, s
 template <class Document>
 std::optional<Document> strict_json(std::string_view text);
 
-/// The body of a request, without comments; or what is wrong, in a clause about `what`. `most_values`: in the whole document, for those
-/// who may send without the right to change anything.
+/// The body of a request, without comments; or what is wrong, in a clause about `what`. `most_values`: in the whole document, where anybody
+/// may send one who may not change anything.
 std::variant<nlohmann::ordered_json, std::string> json_body(std::string_view text, std::string_view what = "the body",
                                                             std::size_t most_values = SIZE_MAX);
 

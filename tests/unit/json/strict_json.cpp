@@ -27,6 +27,8 @@ TEST(StrictJson, faults_have_their_places) {
     const auto deep = faults_of(nested);
     ASSERT_EQ(deep.size(), 1u);
     EXPECT_EQ(deep[0].what, "nested deeper than 32 levels");
+    EXPECT_EQ(deep[0].pointer.rfind("/0/0/0", 0), 0u) << deep[0].pointer;
+    EXPECT_EQ(deep[0].pointer.size(), 64u) << deep[0].pointer;
     EXPECT_EQ(faults_of("{} x").size(), 1u);
     const auto second = faults_of(R"({"a": {"b": 1}, "c": [[1], {"d": 1, "e": {"f": [], "f": 2}}]})");
     ASSERT_EQ(second.size(), 1u);
@@ -70,8 +72,7 @@ TEST(StrictJson, of_many_keys_and_many_faults_takes_linear_time) {
     text = "{\"" + std::string(100'000, '~') + "\": {\"a\": 0";
     for (int i = 0; i < 100'000; ++i) text += ", \"a\": 0";
     EXPECT_EQ(faults_of(text + "}}").size(), 20u);
-    EXPECT_EQ(std::get<std::string>(ano::json_body("[[1], [2, {\"a\": 3}]]", "the message", 5)),
-              "the message is no JSON: more than 5 values");
+    EXPECT_EQ(std::get<std::string>(ano::json_body("[[1], [2, {\"a\": 3}]]", "the message", 5)), "/1/1: more than 5 values");
     EXPECT_TRUE(std::holds_alternative<nlohmann::ordered_json>(ano::json_body("[[1], [2]]", "the message", 5)));
     const auto body = ano::json_body(text + "}}");
     ASSERT_TRUE(std::holds_alternative<std::string>(body));
