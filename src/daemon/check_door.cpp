@@ -43,9 +43,8 @@ void warn_of_link(Draft& draft, std::size_t at, bool service) {
         if (service && is_hidden(*file)) return;
     }
     TlsContext tls{files, TlsContext::Side::connects};
-    const auto read = tls.refresh();
-    const std::string fault = read ? tls_trouble(tls).text : read.error().text;
-    if (!fault.empty()) draft.warnings.push_back({draft.links[at].key("certificate"), "warning: " + fault});
+    if (const std::string fault = tls_trouble(tls).text; !fault.empty())
+        draft.warnings.push_back({draft.links[at].key("certificate"), "warning: " + fault});
 }
 
 void warn_of_tokens(Draft& draft, bool service) {

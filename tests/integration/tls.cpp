@@ -198,7 +198,7 @@ TEST_F(Tls, a_server_that_says_nothing_does_not_delay_the_end) {
     const auto start = ano::Clock::now();
     daemon.signal(SIGTERM);
     EXPECT_EQ(daemon.wait(), 0);
-    EXPECT_LT(ano::Clock::now() - start, 3s);
+    EXPECT_LT(ano::Clock::now() - start, 8s) << "the handshake is waited for 10 s";
 }
 
 TEST_F(Tls, files_that_can_not_be_used_any_more_are_told_and_the_ones_before_go_on) {

@@ -59,7 +59,7 @@ void Connector::stop() noexcept {
 }
 
 void Connector::resolved(const std::vector<IpAddress>& addresses, const std::string& fault) {
-    if (addresses.empty()) return fail({"no_such_host", to_.host + ": " + fault, {{"host", to_.host}}});
+    if (addresses.empty()) return fail(no_such_host(to_.host, fault));
     tries_.clear();
     for (const IpAddress& address : addresses) endpoints_.push_back({address, to_.port});
     deadline_.set(context_.host.now() + patience);

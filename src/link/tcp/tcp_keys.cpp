@@ -10,9 +10,10 @@ void check_pair(const LinkCertificates& files, LinkFaults& faults) {
     else faults.error("certificate", "'key' needs its 'certificate'");
 }
 
-LinkError tls_trouble(const TlsContext& tls) {
-    if (!tls.fault().empty()) return {"tls", tls.fault() + "; the certificates of before are used until a restart", {}};
+LinkError tls_trouble(TlsContext& tls) {
     const auto days_left = tls.days_left();
+    if (const std::string& fault = tls.fault(); !fault.empty())
+        return {"tls", fault + (days_left ? "; the certificates of before are used until a restart" : ""), {}};
     constexpr std::int64_t soon = 14;
     if (!days_left || *days_left > soon) return {};
     const std::string days = std::to_string(*days_left);

@@ -9,8 +9,6 @@
 
 namespace anogate {
 
-inline constexpr Duration files_looked_at = std::chrono::seconds{60};    // for new certificates
-
 inline constexpr std::string_view dead_after_help =
     "a connection is closed when the other end is silent or acknowledges nothing for so long";
 inline constexpr std::string_view certificate_help = "PEM file of our certificate, with intermediate ones";
@@ -20,7 +18,7 @@ inline constexpr std::string_view ca_help =
 
 /// An error if there is a certificate without a key, or a key without a certificate.
 void check_pair(const LinkCertificates& files, LinkFaults& faults);
-/// The error of files that can't be used any more, or of a certificate that expires within 14 days; empty: neither.
-LinkError tls_trouble(const TlsContext& tls);
+/// The error of files that can't be used as they are now, or of a certificate that expires within 14 days; empty: neither.
+LinkError tls_trouble(TlsContext& tls);
 
 }    // namespace anogate

@@ -28,8 +28,7 @@ TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                      connector_.start();
                      return {};
                  },
-                 Backoff::network},
-      look_at_files_{context.alarms, [this] { look_at_files(); }, std::chrono::seconds{5}} {
+                 Backoff::network} {
     if (this->settings().kind->encrypts)
         tls_ = std::make_unique<TlsContext>(this->settings().as<TcpSettings>().tls, TlsContext::Side::connects);
 }
@@ -45,15 +44,8 @@ void TcpLink::connected(UniqueFd fd, const Endpoint& peer) {
     open(std::move(fd), *channel_);
 }
 
-// The status and metrics tell of new certificates although the connection stays.
-void TcpLink::look_at_files() {
-    (void)tls_->refresh();    // see tls_trouble()
-    look_at_files_.set(context_.host.now() + files_looked_at);
-}
-
 void TcpLink::start() {
     channel_ = context_.host.open_channel(*this, tcp_peer(settings()).text());
-    if (tls_) look_at_files();
     reconnect_.start();
 }
 
@@ -86,13 +78,11 @@ void TcpLink::fail(LinkError why) {
 
 void TcpLink::stop_reading() {
     pause_reading();
-    look_at_files_.cancel();
     connector_.stop();
     reconnect_.stop();
 }
 
 void TcpLink::stop() {
-    look_at_files_.cancel();
     connector_.stop();
     reconnect_.stop();
     close();

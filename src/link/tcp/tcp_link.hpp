@@ -30,14 +30,12 @@ private:
     void read_ended(int error) override;
     void failed(int error) override { read_ended(error); }
     void fail(LinkError why);
-    void look_at_files();
 
     Channel* channel_ = nullptr;
     std::string connected_to_;           // the address; empty: none
     std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
     Connector connector_;
     Reconnect reconnect_;
-    Alarm look_at_files_;
 };
 
 }    // namespace anogate

@@ -73,8 +73,7 @@ private:
     void read_ended(int) override { link_.end(*this); }
     void failed(int) override {
         if (!is_opened_ && !tls_fault().empty()) {
-            ++link_.handshakes_failed_;
-            link_.failed_at_ = link_.context_.host.now();
+            link_.failed_handshakes_.add(link_.context_.host.now());
             link_.last_fault_ = tls_fault();
         }
         link_.end(*this);
@@ -95,8 +94,7 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       reconnect_{context, *this, [this] { return open(); }},
       places_{tcp_places(this->settings().as<TcpListenSettings>())},
       sweep_{context.alarms, [this] { ended_.clear(); }},
-      accept_again_{context.alarms, [this] { accept_on(); }},
-      look_at_files_{context.alarms, [this] { look_at_files(); }, std::chrono::seconds{5}} {
+      accept_again_{context.alarms, [this] { accept_on(); }} {
     if (this->settings().kind->encrypts)
         tls_ = std::make_unique<TlsContext>(this->settings().as<TcpListenSettings>().tls, TlsContext::Side::listens);
 }
@@ -112,21 +110,14 @@ Opened<void> TcpListenLink::open() {
     local_ = local_endpoint(socket->get());
     listener_.open(std::move(*socket));
     listener_.read_with([this] { accept(); });
-    if (tls_) look_at_files_.set(context_.host.now() + files_looked_at);
     context_.host.link_up(*this);
     return {};
-}
-
-// The status and metrics tell of new certificates although nobody connects.
-void TcpListenLink::look_at_files() {
-    (void)tls_->refresh();    // see tls_trouble()
-    look_at_files_.set(context_.host.now() + files_looked_at);
 }
 
 // Without a descriptor for it the next connection would be reported again and again.
 void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
-        if (handshakes_are_many()) return listener_.stop_reading();    // until one ends
+        if (tls_ && handshakes() >= max_handshakes) return listener_.stop_reading();    // until one ends
         Accepted next = accept_tcp(listener_.fd());
         if (next.fd) {
             admit(std::move(next.fd), next.peer);
@@ -134,20 +125,15 @@ void TcpListenLink::accept() {
         }
         if (errno == ECONNABORTED || errno == EINTR) continue;
         if (errno == EAGAIN) return;
-        ++no_memory_;
+        no_memory_.add(context_.host.now());
         listener_.stop_reading();
         return accept_again_.set(context_.host.now() + accept_pause);
     }
 }
 
-bool TcpListenLink::handshakes_are_many() const {
-    const auto is_shaking_hands = [](const auto& one) { return !one->is_opened(); };
-    return tls_ && std::count_if(connections_.begin(), connections_.end(), is_shaking_hands) >= max_handshakes;
-}
-
-bool TcpListenLink::handshakes_are_many_of(const IpAddress& address) const {
-    const auto is_one = [&](const auto& one) { return !one->is_opened() && one->address == address; };
-    return tls_ && std::count_if(connections_.begin(), connections_.end(), is_one) >= max_handshakes_per_address;
+std::ptrdiff_t TcpListenLink::handshakes(const IpAddress* of) const {
+    return std::count_if(connections_.begin(), connections_.end(),
+                         [of](const auto& one) { return !one->is_opened() && (!of || one->address == *of); });
 }
 
 void TcpListenLink::accept_on() {
@@ -161,16 +147,16 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
         ++outsiders_;
         return;
     }
-    if (handshakes_are_many_of(peer.address) || !make_place(peer.address, now)) return refuse_place(now);
+    if (tls_ && handshakes(&peer.address) >= max_handshakes_per_address) return no_place_.add(now);
+    if (!make_place(peer.address, now)) return no_place_.add(now);
     Channel* const channel = context_.host.open_channel(*this, peer.text());
-    if (!channel) return refuse_place(now);
+    if (!channel) return no_place_.add(now);
     set_tcp_options(fd.get(), tcp.dead_after);
     std::shared_ptr<TlsConnection> encrypted;
     if (tls_) {
         auto made = tls_->connection(fd.get(), {});
         if (!made) {
-            ++handshakes_failed_;
-            failed_at_ = now;
+            failed_handshakes_.add(now);
             last_fault_ = made.error().text;
             return context_.host.close_channel(*channel);
         }
@@ -186,12 +172,7 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
     connections_.back()->encrypt_by(std::move(encrypted));
     connections_.back()->open(std::move(fd), *channel);
 } catch (const std::bad_alloc&) {
-    ++no_memory_;
-}
-
-void TcpListenLink::refuse_place(TimePoint now) {
-    ++no_place_;
-    no_place_at_ = now;
+    no_memory_.add(context_.host.now());
 }
 
 bool TcpListenLink::make_place(const IpAddress& address, TimePoint now) {
@@ -252,7 +233,6 @@ void TcpListenLink::flush(Channel& channel) {
 
 void TcpListenLink::stop_reading() {
     is_ending_ = true;
-    look_at_files_.cancel();
     listener_.stop_reading();
     accept_again_.cancel();
     reconnect_.stop();
@@ -262,7 +242,6 @@ void TcpListenLink::stop_reading() {
 void TcpListenLink::stop() {
     reconnect_.stop();
     accept_again_.cancel();
-    look_at_files_.cancel();
     sweep_.cancel();
     listener_.close();
     connections_.clear();
@@ -287,24 +266,26 @@ LinkFacts TcpListenLink::facts() const {
 }
 
 LinkError TcpListenLink::trouble() const {
-    const auto is_recent = [now = context_.host.now()](TimePoint at) { return now - at < refusals_shown; };
     if (LinkError files = tls_ ? tls_trouble(*tls_) : LinkError{}; !files.text.empty()) return files;
-    if (const std::string count = std::to_string(no_place_); no_place_ > 0 && is_recent(no_place_at_))
+    const auto count_of = [now = context_.host.now()](const Refusals& refusals) {    // empty: none lately
+        return refusals.count > 0 && now - refusals.last < refusals_shown ? std::to_string(refusals.count) : std::string{};
+    };
+    if (const std::string count = count_of(no_place_); !count.empty())
         return {"no_place", count + " connections were refused: all places are taken", {{"count", count}}};
-    if (const std::string count = std::to_string(no_memory_); no_memory_ > 0)
+    if (const std::string count = count_of(no_memory_); !count.empty())
         return {"no_memory",
                 count + " connections were refused: there was too little memory, or no file descriptor",
                 {{"count", count}}};
-    if (handshakes_failed_ > 0 && is_recent(failed_at_))
-        return {"tls", std::to_string(handshakes_failed_) + " connections were refused, the last: " + last_fault_, {}};
+    if (const std::string count = count_of(failed_handshakes_); !count.empty())
+        return {"tls", count + " connections were refused, the last: " + last_fault_, {}};
     if (outsiders_ == 0 || !connections_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};
 }
 
 UnassignedTraffic TcpListenLink::unassigned_traffic() const {
     UnassignedTraffic traffic;
-    traffic.no_place = no_place_;
-    traffic.no_memory = no_memory_;
+    traffic.no_place = no_place_.count;
+    traffic.no_memory = no_memory_.count;
     traffic.outsiders = outsiders_;
     return traffic;
 }

@@ -30,13 +30,19 @@ public:
 
 private:
     class Connection;
+    struct Refusals {
+        std::uint64_t count = 0;
+        TimePoint last{};
+        void add(TimePoint now) {
+            ++count;
+            last = now;
+        }
+    };
 
     Opened<void> open();
-    void look_at_files();
     void accept();
-    bool handshakes_are_many() const;
-    bool handshakes_are_many_of(const IpAddress& address) const;
-    void refuse_place(TimePoint now);
+    /// Connections that are not open yet, of all addresses or one.
+    std::ptrdiff_t handshakes(const IpAddress* of = nullptr) const;
     void accept_on();
     void admit(UniqueFd fd, const Endpoint& peer);
     bool make_place(const IpAddress& address, TimePoint now);
@@ -56,11 +62,10 @@ private:
     Alarm sweep_;
     Alarm accept_again_;                 // while there is no descriptor or memory for another connection
     std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
-    Alarm look_at_files_;
     bool is_ending_ = false;
     std::string last_fault_;    // of a handshake that failed
-    TimePoint no_place_at_{}, failed_at_{};
-    std::uint64_t no_place_ = 0, no_memory_ = 0, outsiders_ = 0, handshakes_failed_ = 0;
+    Refusals no_place_, no_memory_, failed_handshakes_;
+    std::uint64_t outsiders_ = 0;
 };
 
 }    // namespace anogate

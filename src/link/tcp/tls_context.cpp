@@ -232,7 +232,8 @@ Opened<std::shared_ptr<TlsConnection>> TlsContext::connection(int fd, const std:
     return std::make_shared<TlsConnection>(std::move(parts));
 }
 
-std::optional<std::int64_t> TlsContext::days_left() const {
+std::optional<std::int64_t> TlsContext::days_left() {
+    (void)refresh();    // see fault()
     const X509* const certificate = loaded_ ? ::SSL_CTX_get0_certificate(loaded_->context.get()) : nullptr;
     int days = 0, seconds = 0;
     if (!certificate || ::ASN1_TIME_diff(&days, &seconds, nullptr, ::X509_get0_notAfter(certificate)) != 1) return std::nullopt;

@@ -55,8 +55,9 @@ public:
     Opened<void> refresh();
     /// Why the files can't be used as they are now; empty: they can.
     const std::string& fault() const noexcept { return fault_; }
-    /// Full days until our certificate expires, below zero when it has; std::nullopt: there is none.
-    std::optional<std::int64_t> days_left() const;
+    /// Full days until our certificate expires, below zero when it has; std::nullopt: there is none. Reads the files as refresh() does, so
+    /// that the status tells of new ones although nobody connects.
+    std::optional<std::int64_t> days_left();
 
 private:
     struct Loaded;
