@@ -42,6 +42,10 @@ std::optional<BoundPort> bound_port_of(const LinkSettings& link) {
     return link.kind->bound_port ? link.kind->bound_port(link) : std::nullopt;
 }
 
+std::optional<PeerPort> peer_port_of(const LinkSettings& link) {
+    return link.kind->connects_to ? link.kind->connects_to(link) : std::nullopt;
+}
+
 Duration quiet_of(const LinkKind& kind) noexcept {
     if (kind.over_network) return std::chrono::seconds{1};
     return std::chrono::milliseconds{kind.carries == Carries::datagrams ? 100 : 50};

@@ -155,6 +155,7 @@ struct FlushSizes {
 };
 FlushSizes flush_sizes_of(const LinkSettings& link) noexcept;
 std::optional<BoundPort> bound_port_of(const LinkSettings& link);
+std::optional<PeerPort> peer_port_of(const LinkSettings& link);
 /// After how much silence an incomplete frame is given up.
 Duration quiet_of(const LinkKind& kind) noexcept;
 

@@ -183,18 +183,15 @@ private:
         if (bound_a && bound_b && collide(*bound_a, *bound_b))
             error(origin, bound_b->key,
                   "local port " + std::to_string(bound_b->local.port) + " is used by " + who(first) + " already");
-        own_port(first, second);
-        own_port(second, first);
+        if (bound_b) must_not_lead_to(*bound_b, first, who(second) + " listens there");
+        if (bound_a) must_not_lead_to(*bound_a, second, who(first) + " listens there");
     }
 
-    // The link `to` listens where `from` connects to: frames would go round.
-    void own_port(std::size_t from, std::size_t to) {
-        const LinkKind& kind = *links_[from].kind;
-        const auto peer = kind.connects_to ? kind.connects_to(links_[from]) : std::nullopt;
-        const auto bound = bound_port_of(links_[to]);
-        if (peer && bound && leads_to(peer->peer, *bound))
-            error(draft_.links[from], peer->key,
-                  "'" + peer->peer.text() + "' is this gateway itself: " + who(to) + " listens there");
+    // Frames of the link would go round, or to a port of ours for something else.
+    void must_not_lead_to(const BoundPort& ours, std::size_t link, const std::string& what) {
+        const auto peer = peer_port_of(links_[link]);
+        if (peer && leads_to(peer->peer, ours))
+            error(draft_.links[link], peer->key, "'" + peer->peer.text() + "' is this gateway itself: " + what);
     }
 
     void groups() {
@@ -319,11 +316,9 @@ private:
                 error(origin, "origins/" + std::to_string(i),
                       in_quotes(page) + " must begin with http:// or https://, as a browser says it, or be file://");
         for (std::size_t i = 0; control.http && i < links_.size(); ++i) {
-            const LinkKind& kind = *links_[i].kind;
-            const auto peer = kind.connects_to ? kind.connects_to(links_[i]) : std::nullopt;
-            if (peer && leads_to(peer->peer, {*control.http, {}, {}, true}))
-                error(draft_.links[i], peer->key, "'" + peer->peer.text() + "' is this gateway itself: its page is there");
-            if (const auto bound = bound_port_of(links_[i]); bound && collide(*bound, {*control.http, {}, {}, true}))
+            const BoundPort page{*control.http, {}, {}, true};
+            must_not_lead_to(page, i, "its page is there");
+            if (const auto bound = bound_port_of(links_[i]); bound && collide(*bound, page))
                 error(origin, "http", "local port " + std::to_string(control.http->port) + " is used by " + who(i) + " already");
         }
         if (control.http && !control.http->address.is_loopback() && control.tls.key.empty())

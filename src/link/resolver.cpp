@@ -37,6 +37,10 @@ Answer ask_system(const std::string& host) {
 
 }    // namespace
 
+LinkError no_such_host(const std::string& host, const std::string& fault) {
+    return {"no_such_host", host + ": " + fault, {{"host", host}}};
+}
+
 struct Resolver::Query {
     explicit Query(asio::io_context& io) : errand{io} {}
 
@@ -75,7 +79,7 @@ void Resolver::resolve(const std::string& host, ano::TimePoint now, const void* 
     if (query->errand.is_running()) return;
     const auto is_running = [](const auto& one) { return one.second->errand.is_running(); };
     if (std::count_if(queries_.begin(), queries_.end(), is_running) >= max_lookups)
-        return query->tell({}, "the name servers do not answer: too many names are asked for already");
+        return query->tell({}, "other names are being looked up; it is tried again");
     query->asked_at = now;
     const auto answer = std::make_shared<Answer>();
     const auto work = [host, answer] { *answer = ask_system(host); };

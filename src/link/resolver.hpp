@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ip.hpp>
+#include <link/link_error.hpp>
 #include <sys/asio_fwd.hpp>
 
 #include <functional>
@@ -11,6 +12,9 @@
 #include <vector>
 
 namespace anogate {
+
+/// The error of a link whose host has no address; `fault` as of Resolver::Done.
+LinkError no_such_host(const std::string& host, const std::string& fault);
 
 /// One for the whole program. A name is asked for once at a time, however many wait for it.
 class Resolver {
@@ -25,7 +29,7 @@ public:
 
     /// How long an answer counts.
     ano::Duration kept_for() const noexcept { return kept_for_; }
-    /// Calls `done` from the loop, or at once when the answer is known. `asker` is the caller.
+    /// Calls `done` from the loop, or at once when the answer is known or nothing can be asked. `asker` is the caller.
     void resolve(const std::string& host, ano::TimePoint now, const void* asker, Done done);
     /// Nothing is called any more of what `asker` asked.
     void cancel(const void* asker) noexcept;

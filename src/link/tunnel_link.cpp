@@ -86,7 +86,7 @@ void TunnelLink::look_up_hosts() {
                 last_way_.reset();
                 tunnel_.set_hosts(hosts_);
             } else if (hosts_[name].empty()) {
-                no_such_host_ = {"no_such_host", name + ": " + fault, {{"host", name}}};
+                no_such_host_ = no_such_host(name, fault);
                 look_up_.set(context().host.now() + without_address);
             }
         });

@@ -110,7 +110,7 @@ public:
     /// The networks of our interfaces as they are now, loopback included.
     void set_networks(std::vector<Network> networks) { policy_.set_networks(std::move(networks)); }
 
-    /// Where the hosts are that the settings name. One that is not in it stands for nobody.
+    /// The addresses of the hosts that the settings name. A host without one is nobody.
     void set_hosts(HostAddresses hosts);
     /// Our address where the settings have one; its host name may have none now.
     bool has_ip() const noexcept { return settings_.ip || !settings_.ip_host.empty(); }
@@ -158,6 +158,7 @@ public:
 private:
     bool is_own_port(std::uint16_t port) const;
     bool is_ours(const IpAddress& address) const noexcept;
+    std::span<const IpAddress> addresses_of(const std::string& host) const noexcept;
     bool is_from(const WrapSettings& rule, const IpAddress& sender) const noexcept;
     bool gather(std::span<const std::uint8_t> inner, const Passes& passes);
     bool refuse_wrap(std::uint64_t TunnelCounters::*cause) noexcept;

@@ -8,9 +8,9 @@
 
 namespace anogate {
 
-/// An ordinary host is allowed by the networks and hosts of `allow`, or when there are none, by those of our interfaces. Other addresses
-/// must be listed explicitly, and not by a host name, whose address others choose: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a broadcast address
-/// or one of our own as a single address (/32). 0.0.0.0/8 (which on Linux leads to this machine) and 240.0.0.0/4 are never allowed.
+/// An ordinary host is allowed by the networks and hosts of `allow`, or when there are none, by the networks of our interfaces. Other
+/// addresses must be listed explicitly: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a broadcast address
+/// or one of our own as a single address (/32); never by a host name, whose address others choose. 0.0.0.0/8 (which on Linux leads to this machine) and 240.0.0.0/4 are never allowed.
 class TunnelPolicy {
 public:
     explicit TunnelPolicy(const TunnelSettings& settings)

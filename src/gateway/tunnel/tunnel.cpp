@@ -174,24 +174,29 @@ bool Tunnel::is_ours(const IpAddress& address) const noexcept { return has_ip() 
 void Tunnel::set_hosts(HostAddresses hosts) {
     hosts_ = std::move(hosts);
     std::vector<IpAddress> allowed;
-    for (const std::string& host : settings_.allow_hosts)
-        if (const auto found = hosts_.find(host); found != hosts_.end())
-            allowed.insert(allowed.end(), found->second.begin(), found->second.end());
+    for (const std::string& host : settings_.allow_hosts) {
+        const auto addresses = addresses_of(host);
+        allowed.insert(allowed.end(), addresses.begin(), addresses.end());
+    }
     policy_.set_hosts(std::move(allowed));
 }
 
 std::optional<IpAddress> Tunnel::ip() const noexcept {
     if (settings_.ip) return settings_.ip;
-    const auto found = hosts_.find(settings_.ip_host);
-    if (found == hosts_.end()) return std::nullopt;
-    const auto v4 = std::find_if(found->second.begin(), found->second.end(), [](const IpAddress& one) { return !one.v6; });
-    return v4 == found->second.end() ? std::nullopt : std::optional{*v4};
+    const auto addresses = addresses_of(settings_.ip_host);
+    const auto v4 = std::find_if(addresses.begin(), addresses.end(), [](const IpAddress& one) { return !one.v6; });
+    return v4 == addresses.end() ? std::nullopt : std::optional{*v4};
+}
+
+std::span<const IpAddress> Tunnel::addresses_of(const std::string& host) const noexcept {
+    const auto found = hosts_.find(host);
+    return found == hosts_.end() ? std::span<const IpAddress>{} : found->second;
 }
 
 bool Tunnel::is_from(const WrapSettings& rule, const IpAddress& sender) const noexcept {
     if (rule.from_host.empty()) return rule.from.contains(sender);
-    const auto found = hosts_.find(rule.from_host);
-    return found != hosts_.end() && std::find(found->second.begin(), found->second.end(), sender) != found->second.end();
+    const auto addresses = addresses_of(rule.from_host);
+    return std::find(addresses.begin(), addresses.end(), sender) != addresses.end();
 }
 
 std::optional<std::size_t> Tunnel::wrap_rule(const IpAddress& sender) const noexcept {

@@ -65,9 +65,8 @@ Opened<void> UdpLink::find_and_open() {
         return endpoint ? open(*endpoint) : NotOpened{no_interface(peer.interface)};
     }
     context_.names.resolve(peer.host, context_.host.now(), this, [this, &peer](const auto& addresses, const auto& fault) {
-        auto opened = addresses.empty()
-                          ? Opened<void>{NotOpened{LinkError{"no_such_host", peer.host + ": " + fault, {{"host", peer.host}}}}}
-                          : open({best_of(addresses, settings().as<UdpSettings>().bind), peer.port});
+        auto opened = addresses.empty() ? Opened<void>{NotOpened{no_such_host(peer.host, fault)}}
+                                        : open({best_of(addresses, settings().as<UdpSettings>().bind), peer.port});
         if (!opened) reconnect_.lost(std::move(opened.error()));
     });
     return {};
