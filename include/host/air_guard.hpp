@@ -38,7 +38,7 @@ enum class Refusal : std::uint8_t {
 /// A write of another host refuses nothing: anybody who reaches a link can send one, in anybody's name. It is only told.
 class AirGuard {
 public:
-    /// Another host is told as writing to a device for this long after its last write.
+    /// A host counts as writing to a device for this long after its last write.
     static constexpr Duration writes_for = std::chrono::seconds{2};
 
     void hear(FrameView frame, TimePoint now) noexcept;

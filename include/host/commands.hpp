@@ -103,9 +103,9 @@ public:
     /// What is known at its end.
     enum class Found : std::uint8_t {
         same,
-        another,    // the command in its place is another one, or the device reported other versions meanwhile
-        unconfirmed,    // no answer. As far as is known it is the same device; or nothing of it arrives, and it may hear: the command may be LAND
-        unknown,    // no answer, but it is heard, and was away since: it may be another device
+        another,        // the command in its place is another one, or the device reported other versions meanwhile
+        unconfirmed,    // no answer from a device that was not away, or that is silent but may hear: the command may be LAND
+        unknown,        // no answer, but it is heard, and was away since: it may be another device
     };
 
     /// `cache` must outlive this; it learns that the command is confirmed.

@@ -81,7 +81,8 @@ enum class Taken : std::uint8_t {
 
 /// There is one of these for each device, shared by all askers together with its window. At most Window::max_size requests are on
 /// their way, and at most one that writes or upgrades. Two that the same answer would end are sent one after the other.
-/// A command, and a request that is urgent, waits neither for a place in the window, nor for the end of another one or of a write. The oldest of equal commands gets the first acknowledgement, and Evidence::may_be_of_equal.
+/// A command, and a request that is urgent, waits neither for a place in the window, nor for the end of another one or of a write.
+/// The oldest of equal commands gets the first acknowledgement, and Evidence::may_be_of_equal.
 /// A request of an asker that yields goes behind all others. Such a request that was sent before is sent again nevertheless: another one may
 /// wait for its end.
 ///

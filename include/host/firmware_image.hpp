@@ -38,8 +38,9 @@ private:
     Read read_;
 };
 
-/// Why a file, or what is behind its header, is probably no firmware: it begins, perhaps behind padding, as a text, a form, Intel HEX, a
-/// Motorola S-record, an executable of another system, UF2, PDF, a picture, an archive or a compressed file does. A clause, with how to convert it where that is possible; empty: nothing speaks against it.
+/// Why a file, or what is behind its header, is probably not firmware: it begins, perhaps after padding, like a text, a form, Intel HEX, a
+/// Motorola S-record, a program of another system, UF2, PDF, a picture, an archive or a compressed file. A clause, with how to convert it
+/// where that is possible; empty: it may be firmware.
 std::string looks_unlike_firmware(const FirmwareBytes& file);
 
 struct FirmwareImage {

@@ -180,7 +180,8 @@ void ControlDoor::name_network() {
     network_door_.hosts = settings_.hosts;
 }
 
-// Codes that were made with tokens of before end with them. The name of the cookie stays while the program runs: a browser whose token is still there stays signed in.
+// One-time codes end with the tokens for which they were made. The name of the cookie stays while the program runs: a browser whose token
+// is still there stays signed in.
 bool ControlDoor::use(Files files) {
     codes_ = {};
     if (!files.fault.empty()) return shut(std::move(files.fault));

@@ -12,8 +12,9 @@
 
 namespace anogate {
 
-/// Of each form at most one code is valid: for five minutes, for one use, and until another one is made. Three wrong digits void the
-/// digits, whichever clients they came from; login() tries none from a client that is slowed down. Wrong codes of links void nothing: these are too long to be guessed.
+/// Of each form at most one code is valid: for five minutes, for one use, and until another one is made. Three wrong tries void the digits,
+/// whichever clients they came from; login() tries none from a client that is slowed down. Wrong codes of links void nothing: these are
+/// too long to be guessed.
 class SignInCodes {
 public:
     enum class Form : std::uint8_t {

@@ -259,7 +259,7 @@ const Exchange* Device::next_to_send(TimePoint now) const noexcept {
     return fresh == waiting_.end() ? nullptr : &*fresh;
 }
 
-// Commands are in front of all that waits.
+// Commands and urgent requests are in front of all that waits.
 const Exchange* Device::first_of_all() const noexcept {
     if (!waiting_.empty() && goes_first(waiting_.front())) return &waiting_.front();
     const auto again = std::find_if(sent_.begin(), sent_.end(),
@@ -286,8 +286,8 @@ bool Device::may_be_deaf_to(const Exchange& exchange) const noexcept {
     return exchange.waits_long();
 }
 
-// Flushes before `next` where that is needed and may be done now. Only a second try waits for that, and no command does. Whoever flushes
-// meanwhile does it for `next` as well, so that it waits once.
+// Flushes before `next` where that is needed and allowed now. Only a second try waits until it is allowed, and a command never does. A flush
+// for another request meanwhile serves `next` as well, so it waits once.
 bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     if (!flush_ || !may_be_deaf_to(next)) return false;
     const Flush flush = flush_(next.frame());

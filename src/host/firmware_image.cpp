@@ -256,7 +256,7 @@ std::string looks_unlike_firmware(const FirmwareBytes& whole) {
     if (!body.empty() && padding(body, 0, erased) == body.size()) return "this is erased flash: every byte is 0xFF";
     const FirmwareBytes file = content_of(content_of(body, '\0'), erased);
     std::vector<std::uint8_t> bytes(std::min(file.size(), looked_at));
-    if (bytes.empty() || !file.read(0, bytes)) return {};    // whoever reads all of it says so
+    if (bytes.empty() || !file.read(0, bytes)) return {};    // reading all of it will fail, and say so
     const std::string_view begin{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     const std::string_view text = without_mark(begin);
     const std::string converts = "; convert it: arm-none-eabi-objcopy ";

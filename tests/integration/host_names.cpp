@@ -54,8 +54,9 @@ TEST_F(HostNames, a_name_that_is_none_yet_is_said_and_asked_for_again) {
 TEST_F(HostNames, a_udp_peer_that_gets_another_address_is_followed) {
     BareLinkHost host{50ms};
     UdpPeer before{"127.0.0.2:0"}, after{"127.0.0.3:" + std::to_string(before.local().port)};
-    hosts->set("127.0.0.2 fc.test\n");
-    anogate::UdpLink link{anogate::LinkId{0}, udp("fc", "fc.test:" + std::to_string(before.local().port)), host.context()};
+    hosts->set("127.0.0.2 fc.test other.test\n");
+    const std::string port = ":" + std::to_string(before.local().port);
+    anogate::UdpLink link{anogate::LinkId{0}, udp("fc", "fc.test" + port), host.context()};
     link.start();
     const auto reaches = [&](UdpPeer& peer) {
         return host.until([&] {
@@ -65,12 +66,19 @@ TEST_F(HostNames, a_udp_peer_that_gets_another_address_is_followed) {
     };
     ASSERT_TRUE(reaches(before));
     EXPECT_EQ(host.ups, 1);
-    hosts->set("");
-    host.io.run_for(3s);
-    EXPECT_EQ(host.ups, 1) << "a name server that is down moves nobody";
+    hosts->set("127.0.0.2 other.test\n");
+    anogate::UdpLink other{anogate::LinkId{1}, udp("other", "other.test" + port), host.context()};
+    other.start();
+    int moves = 0;    // of the other one: both are looked up equally often
+    ASSERT_TRUE(host.until([&] {
+        if (host.ups == moves + 2) hosts->set(++moves % 2 == 1 ? "127.0.0.3 other.test\n" : "127.0.0.2 other.test\n");
+        return moves == 4;
+    })) << host.ups;
+    EXPECT_EQ(link.facts().at(1).second, anogate::LinkFacts::value_type::second_type{"127.0.0.2" + port})
+        << "a name without an answer moves nobody";
+    other.stop();
     hosts->set("127.0.0.3 fc.test\n");
     EXPECT_TRUE(reaches(after));
-    EXPECT_EQ(host.ups, 2);
     link.stop();
 }
 
@@ -145,7 +153,7 @@ TEST(SlowNames, cost_the_loop_nothing_and_do_not_delay_the_end) {
     const auto start = ano::Clock::now();
     daemon.signal(SIGTERM);
     daemon.wait();
-    EXPECT_LT(ano::Clock::now() - start, 5s);
+    EXPECT_LT(ano::Clock::now() - start, 10s) << "the lookup takes 15 s";
 }
 
 }    // namespace

@@ -15,8 +15,8 @@ using ano::TimePoint;
 
 constexpr unsigned sends = 3;
 constexpr Duration between_sends = std::chrono::milliseconds{300};
-constexpr Duration for_answers = std::chrono::milliseconds{
-    800};    // after the last send; together less than 1.5 s, and the time of zero bytes
+// After the last send; together less than 1.5 s, and the time of zero bytes.
+constexpr Duration for_answers = std::chrono::milliseconds{800};
 
 class Scan final : public Work {
 public:
