@@ -42,18 +42,21 @@ void check_relay(Draft& draft, const std::vector<Network>& own) {
 void note_open_ports(Draft& draft) {
     std::string names;
     const Origin* first = nullptr;
+    bool can_be_forged = false;
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
-        if (reach_of(draft.settings.links[i]) != Reach::whole_networks) continue;
+        const LinkSettings& link = draft.settings.links[i];
+        if (reach_of(link) != Reach::whole_networks) continue;
         if (!first) first = &draft.links[i];
-        names += (names.empty() ? "" : ", ") + in_quotes(draft.settings.links[i].name);
+        names += (names.empty() ? "" : ", ") + in_quotes(link.name);
+        can_be_forged = can_be_forged || link.kind->carries != Carries::bytes;
     }
     if (first)
         draft.warnings.push_back(
             {first->key("address"),
-             "note: " + names +
-                 ": who is in a network of this computer may send commands here, and sender "
-                 "addresses can be forged; in a network with strangers, bind one address, name who may in 'allow', "
-                 "and take WireGuard (config/README.md: On a shared Wi-Fi)"});
+             "note: " + names + ": who is in a network of this computer may send commands here" +
+                 (can_be_forged ? ", and sender addresses can be forged" : "") +
+                 "; in a network with strangers, bind one address, name who may in 'allow', and take " +
+                 (can_be_forged ? "WireGuard (config/README.md: On a shared Wi-Fi)" : "tls-listen or WireGuard")});
 }
 
 }    // namespace anogate

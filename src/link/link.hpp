@@ -25,7 +25,8 @@ class LinkHost {
 public:
     /// A new channel of `link`; nullptr when all 64 are in use. Valid until close_channel(); its outbox starts closed.
     virtual Channel* open_channel(Link& link, std::string peer) = 0;
-    virtual void close_channel(Channel& channel) = 0;
+    /// `why` is for the log: what its peer did; may be empty.
+    virtual void close_channel(Channel& channel, std::string_view why) = 0;
 
     /// To be called for each good frame received by `channel`, with its `arrived_at` set before.
     virtual void receive(Channel& channel, ano::FrameView frame) = 0;

@@ -109,6 +109,10 @@ ssize_t StreamSession::write_some(std::span<const iovec> pieces) {
     return ::writev(fd(), pieces.data(), static_cast<int>(pieces.size()));
 }
 
+void StreamSession::write_later() {
+    descriptor_.when_writable([this] { write(); });
+}
+
 void StreamSession::tell_sent(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes) {
     for (const auto frame : frames) {
         if (bytes == 0) return;
@@ -136,7 +140,7 @@ bool StreamSession::write_raw_first() {
             raw_.erase(raw_.begin(), raw_.begin() + n);
             pacing_.sent(static_cast<std::size_t>(n), context_.host.now());
         } else if (n == 0 || errno == EAGAIN) {
-            descriptor_.when_writable([this] { write(); });
+            write_later();
             return false;
         } else if (errno != EINTR) {
             failed(errno);
@@ -155,7 +159,7 @@ bool StreamSession::write_held() {
     }
     if (!holds_bytes()) return true;
     channel_->outbox.set_congested();
-    descriptor_.when_writable([this] { write(); });
+    write_later();
     return false;
 }
 
@@ -182,7 +186,7 @@ void StreamSession::write() {
             if (!raw_.empty() && !write_raw_first()) return;    // it waited for the end of a frame
         } else if (n == 0 || errno == EAGAIN) {
             outbox.set_congested();
-            descriptor_.when_writable([this] { write(); });
+            write_later();
             return;
         } else if (errno != EINTR) {
             return failed(errno);

@@ -58,6 +58,8 @@ protected:
     virtual ssize_t write_some(std::span<const iovec> pieces);
     /// write_some() has taken bytes that the system has not: it is called again, also with nothing, when more can be written.
     virtual bool holds_bytes() const { return false; }
+    /// write_some() took nothing (EAGAIN): write() is to be called when it may take more.
+    virtual void write_later();
     /// Bytes in the driver that are not on the wire yet; 0 where asking is expensive.
     virtual std::size_t held_by_driver() const { return 0; }
     /// A good frame came.

@@ -34,7 +34,7 @@ public:
     ~LinkSocket() override {
         if (!channel_) return;
         link_.sockets_[index(channel_->id)] = nullptr;
-        host().close_channel(*channel_);
+        host().close_channel(*channel_, {});
     }
 
     void opened(http::WebSocket& socket) override {
@@ -83,7 +83,7 @@ public:
     void leave(const std::string& why) {
         Channel* const channel = std::exchange(channel_, nullptr);
         alive_.reset();
-        host().close_channel(*channel);
+        host().close_channel(*channel, why);
         socket_->close(policy_violation, why);
     }
 

@@ -277,9 +277,9 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     return channel;
 }
 
-void Gateway::close_channel(Channel& channel) {
+void Gateway::close_channel(Channel& channel, std::string_view why) {
     const Link& link = *links_by_id_[index(channel.link)];
-    if (state(link).up) peer_log_.went(link.name(), channel.peer, now_);
+    if (state(link).up) peer_log_.went(link.name(), channel.peer, why, now_);
     if (tells_loss_) tells_loss_(channel.id);
     forwarder_.close_channel(channel);
 }

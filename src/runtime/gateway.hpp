@@ -97,7 +97,7 @@ public:
     void change(Settings settings, Difference difference, Duration patience, std::function<void()> on_changed);
 
     Channel* open_channel(Link& link, std::string peer) override;
-    void close_channel(Channel& channel) override;
+    void close_channel(Channel& channel, std::string_view why) override;
     void receive(Channel& from, ano::FrameView frame) override;
     void flush() override;
     void link_up(Link& link) override;

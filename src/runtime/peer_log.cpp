@@ -16,8 +16,8 @@ void PeerLog::came(const std::string& link, const std::string& peer, ano::TimePo
     if (may_say(now)) log_info("{}: peer {}", link, peer);
 }
 
-void PeerLog::went(const std::string& link, const std::string& peer, ano::TimePoint now) {
-    if (may_say(now)) log_info("{}: peer {} is gone", link, peer);
+void PeerLog::went(const std::string& link, const std::string& peer, std::string_view why, ano::TimePoint now) {
+    if (may_say(now)) log_info("{}: peer {} is gone{}{}", link, peer, why.empty() ? "" : ": ", why);
 }
 
 void PeerLog::finish() {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace anogate {
 
@@ -14,7 +15,8 @@ public:
     explicit PeerLog(AlarmClock& alarms) : rest_{alarms, [this] { tell_rest(); }} {}
 
     void came(const std::string& link, const std::string& peer, ano::TimePoint now);
-    void went(const std::string& link, const std::string& peer, ano::TimePoint now);
+    /// `why` may be empty.
+    void went(const std::string& link, const std::string& peer, std::string_view why, ano::TimePoint now);
     /// At the end of the program: logs the rest at once.
     void finish();
 

@@ -103,8 +103,9 @@ struct SlowWire {
 constexpr int rounds = 5;
 constexpr int urgent_a_round = 60;
 
-/// Milliseconds from sending an urgent frame to its arrival, each 50 ms, behind telemetry of twice the rate of the line.
-std::vector<double> ages_of_urgent(const Socket& host, support::TcpPeer& device, ano::FrameParser& parser) {
+/// Milliseconds from sending an urgent frame to its arrival, each 50 ms, behind frames of `size` bytes, one a millisecond: at least twice
+/// what the line carries.
+std::vector<double> ages_of_urgent(const Socket& host, support::TcpPeer& device, ano::FrameParser& parser, std::size_t size) {
     std::map<std::uint64_t, steady_clock::time_point> sent;
     std::vector<double> ages;
     const auto read = [&] {
@@ -124,7 +125,7 @@ std::vector<double> ages_of_urgent(const Socket& host, support::TcpPeer& device,
     };
     auto next = steady_clock::now();
     for (std::uint64_t turn = 0; turn < 50 * urgent_a_round; ++turn) {
-        std::vector<std::uint8_t> bulk(500);
+        std::vector<std::uint8_t> bulk(size);
         std::vector<std::uint8_t> flood(bulk.size() + ano::overhead);
         ano::encode(flood, 0x30, target, 0xF1, bulk);
         host.send(flood);
@@ -138,6 +139,35 @@ std::vector<double> ages_of_urgent(const Socket& host, support::TcpPeer& device,
     const auto until = steady_clock::now() + 1s;
     while (ages.size() < urgent_a_round && steady_clock::now() < until) read();
     return ages;
+}
+
+void measure_urgent_behind(Run& run, std::size_t size) {
+    const std::string what = "TCP at 2 Mbit/s, cubic: age of an urgent frame behind a flood of " + std::to_string(size) +
+                             " bytes each, 99th percentile, ms";
+    if (const std::string why = support::no_namespaces(); !why.empty()) return run.table.skip(what, why);
+    std::vector<double> late, middle;
+    for (int round = 0; round < rounds; ++round) {
+        const SlowWire wire;    // a new connection: the first seconds count as well
+        const support::Inside inside{wire.here};
+        const GatewayProcess gateway{run.anogated,
+                                     {"tcp-listen:10.9.0.1:9000,name=bridge,max_data=2000",
+                                      "udp-listen:127.0.0.1:0,name=in,max_data=2000", "--route", "0x42=bridge"}};
+        support::TcpPeer device;
+        {
+            const support::Inside far{wire.there};
+            device = support::TcpPeer{"10.9.0.1:9000"};
+        }
+        must(static_cast<bool>(device), "connect");
+        Socket host;
+        host.connect(gateway.port("in"));
+        ano::FrameParser parser{{.max_data = 2000}};
+        const std::vector<double> ages = ages_of_urgent(host, device, parser, size);
+        must(ages.size() + 2 >= urgent_a_round, "urgent frames were lost");
+        late.push_back(quantile(ages, 0.99));
+        middle.push_back(quantile(ages));
+    }
+    run.table.measure(what, late, at_most(60));
+    run.table.measure("… median", middle, no_goal);
 }
 
 }    // namespace
@@ -165,30 +195,7 @@ void measure_tcp(Run& run) {
 }
 
 void measure_tcp_urgent(Run& run) {
-    const std::string what = "TCP at 2 Mbit/s, cubic: age of an urgent frame behind a flood, 99th percentile, ms";
-    if (const std::string why = support::no_namespaces(); !why.empty()) return run.table.skip(what, why);
-    const SlowWire wire;
-    const support::Inside inside{wire.here};
-    const GatewayProcess gateway{
-        run.anogated, {"tcp-listen:10.9.0.1:9000,name=bridge", "udp-listen:127.0.0.1:0,name=in", "--route", "0x42=bridge"}};
-    support::TcpPeer device;
-    {
-        const support::Inside far{wire.there};
-        device = support::TcpPeer{"10.9.0.1:9000"};
-    }
-    must(static_cast<bool>(device), "connect");
-    Socket host;
-    host.connect(gateway.port("in"));
-    ano::FrameParser parser{{}};
-    std::vector<double> late, middle;
-    for (int round = 0; round < rounds; ++round) {
-        const std::vector<double> ages = ages_of_urgent(host, device, parser);
-        must(ages.size() + 2 >= urgent_a_round, "urgent frames were lost");
-        late.push_back(quantile(ages, 0.99));
-        middle.push_back(quantile(ages));
-    }
-    run.table.measure(what, late, at_most(60));
-    run.table.measure("… median", middle, no_goal);
+    for (const std::size_t size : {500, 1000, 1900}) measure_urgent_behind(run, size);
 }
 
 // Half of them refuse, and half do not answer at all.

@@ -11,10 +11,14 @@
 
 #include <gtest/gtest.h>
 
+#include <poll.h>
+
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace tls_tests {
@@ -186,6 +190,64 @@ TEST_F(Tls, the_end_of_a_frame_that_a_slow_wire_does_not_take_at_once_arrives) {
     const Bytes image = frame(0xDC, 0xFE, 0xF1, Bytes(60000));
     host.send(ground->port("u"), image);
     EXPECT_TRUE(air->until([&] { return air->count("t", "frames_in") == 1; })) << air->link("t");
+}
+
+TEST_F(Tls, a_handshake_takes_a_step_a_record_however_its_bytes_come) {
+    TcpListener listener;
+    TcpPeer client{listener.port()}, server;
+    ASSERT_TRUE(wait_until([&] { return listener.accept(server); }));
+    anogate::TlsContext context{{dir / "gateway.pem", dir / "gateway-key.pem", dir / "ca.pem", anogate::TlsVerify::peer},
+                                anogate::TlsContext::Side::listens};
+    const auto tls = context.connection(server.fd(), {});
+    ASSERT_TRUE(tls);
+    pollfd readable{server.fd(), POLLIN, 0};
+    const Bytes record = Bytes{22, 3, 1, 0, 100} + Bytes(100, 1);
+    for (std::size_t i = 0; i < record.size(); ++i) {
+        EXPECT_FALSE((*tls)->has_record()) << i;
+        ASSERT_TRUE(client.send(std::span{record}.subspan(i, 1)));
+        if (i >= 5 && i + 1 < record.size()) {
+            EXPECT_EQ(::poll(&readable, 1, 0), 0) << "no event for byte " << i;
+        }
+    }
+    EXPECT_EQ(::poll(&readable, 1, 10'000), 1);
+    EXPECT_TRUE((*tls)->has_record());
+}
+
+TEST_F(Tls, a_connection_that_ends_within_a_record_is_told) {
+    TcpListener listener;
+    TcpPeer client{listener.port()}, server;
+    ASSERT_TRUE(wait_until([&] { return listener.accept(server); }));
+    anogate::TlsContext context{{dir / "gateway.pem", dir / "gateway-key.pem", dir / "ca.pem", anogate::TlsVerify::peer},
+                                anogate::TlsContext::Side::listens};
+    const auto tls = context.connection(server.fd(), {});
+    ASSERT_TRUE(tls);
+    client.send(Bytes{22, 3, 1, 0, 100, 1});
+    EXPECT_FALSE((*tls)->has_record());
+    client.close();
+    EXPECT_TRUE(wait_until([&] { return (*tls)->has_record(); }));
+}
+
+// Passes each byte on by itself.
+TEST_F(Tls, a_handshake_of_single_bytes_succeeds) {
+    listen(ca());
+    TcpListener between;
+    std::atomic<bool> ends{false};
+    std::thread relay{[&, port = ground->port("l")] {
+        TcpPeer near, far{port};
+        while (!ends && !between.accept(near)) std::this_thread::sleep_for(1ms);
+        const auto pass = [](TcpPeer& from, TcpPeer& to) {
+            std::uint8_t byte;
+            if (::recv(from.fd(), &byte, 1, MSG_DONTWAIT) != 1) return false;
+            return to.send({&byte, 1});
+        };
+        while (!ends)
+            if (!pass(near, far) && !pass(far, near)) std::this_thread::sleep_for(100us);
+    }};
+    air.emplace(loop,
+                std::vector<std::string>{"tls:localhost:" + std::to_string(between.port()) + ",name=t" + pair("vehicle") + ca()});
+    EXPECT_TRUE(air->until([&] { return air->count("t", "frames_in") > 10; })) << air->link("t");
+    ends = true;
+    relay.join();
 }
 
 TEST_F(Tls, a_server_that_says_nothing_does_not_delay_the_end) {

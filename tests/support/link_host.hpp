@@ -31,7 +31,7 @@ public:
                                                                anogate::Outbox::Options{}, now()));
         return channels_.back().get();
     }
-    void close_channel(anogate::Channel& channel) override {
+    void close_channel(anogate::Channel& channel, std::string_view) override {
         std::erase_if(channels_, [&](const auto& c) { return c.get() == &channel; });
     }
     void receive(anogate::Channel& channel, ano::FrameView frame) override {

@@ -178,7 +178,7 @@ private:
         if (up_) channels_[i]->channel.outbox.open();
         return &channels_[i]->channel;
     }
-    void close_channel(Channel& channel) override {
+    void close_channel(Channel& channel, std::string_view) override {
         gone_skipped_ += channel.parser.counters().skipped_bytes;
         gone_given_up_ += offered_and_not_sent(channel);
         channels_[index(channel.id)].reset();

@@ -70,13 +70,18 @@ private:
         heard_.set(frame.source());
         StreamSession::take(frame);
     }
-    void read_ended(int) override { link_.end(*this); }
-    void failed(int) override {
+    void read_ended(int error) override { link_.end(*this, cause_of(error)); }
+    void failed(int error) override {
         if (!is_opened_ && !tls_fault().empty()) {
             link_.failed_handshakes_.add(link_.context_.host.now());
             link_.last_fault_ = tls_fault();
         }
-        link_.end(*this);
+        link_.end(*this, cause_of(error));
+    }
+    std::string cause_of(int error) const {
+        if (const std::string fault = tls_fault(); !fault.empty()) return "TLS: " + fault;
+        if (error == 0 || error == ECONNRESET || error == EPIPE) return "it closed the connection";
+        return error == ETIMEDOUT ? "it acknowledged nothing for too long" : error_text(error);
     }
 
     bool is_trusted_;
@@ -158,7 +163,7 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
         if (!made) {
             failed_handshakes_.add(now);
             last_fault_ = made.error().text;
-            return context_.host.close_channel(*channel);
+            return context_.host.close_channel(*channel, last_fault_);
         }
         encrypted = std::move(*made);
     }
@@ -166,7 +171,7 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
         const bool is_trusted = tcp.trusted_any || contains(tcp.trusted, peer.address);
         connections_.push_back(std::make_unique<Connection>(*this, peer, is_trusted, *channel));
     } catch (const std::bad_alloc&) {
-        context_.host.close_channel(*channel);
+        context_.host.close_channel(*channel, {});
         throw;
     }
     connections_.back()->encrypt_by(std::move(encrypted));
@@ -181,7 +186,7 @@ bool TcpListenLink::make_place(const IpAddress& address, TimePoint now) {
     for (const auto& one : connections_) all.push_back(one->facts());
     const bool is_trusted = tcp.trusted_any || contains(tcp.trusted, address);
     const ConnectionPlaces::Place place = places_.place_for(all, address, is_trusted, now);
-    if (place.gives_way) end(*connections_[*place.gives_way]);
+    if (place.gives_way) end(*connections_[*place.gives_way], "its place was needed, and it sent no frame");
     return place.free;
 }
 
@@ -200,13 +205,13 @@ bool TcpListenLink::has_rival(const Connection& from, std::uint8_t source) {
     for (std::size_t i = connections_.size(); i-- > 0;) {
         Connection& other = *connections_[i];
         if (&other == &from || other.address != from.address || other.since > from.since || !other.has_heard(source)) continue;
-        if (now - other.heard_at() >= one_exchange) end(other);
+        if (now - other.heard_at() >= one_exchange) end(other, "its device connected anew");
         else has = true;
     }
     return has;
 }
 
-void TcpListenLink::end(Connection& connection) {
+void TcpListenLink::end(Connection& connection, const std::string& why) {
     const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c.get() == &connection; });
     if (at == connections_.end()) return;
     ended_.push_back(std::move(*at));
@@ -214,17 +219,15 @@ void TcpListenLink::end(Connection& connection) {
     Channel& channel = connection.channel();
     connection.close();
     connection.end_of_input();
-    context_.host.close_channel(channel);
+    context_.host.close_channel(channel, why);
     sweep_.set(context_.host.now());
     accept_on();
 }
 
-void TcpListenLink::end(ChannelId channel) {
+void TcpListenLink::forget_peer(ChannelId channel) {
     const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == channel; });
-    if (at != connections_.end()) end(**at);
+    if (at != connections_.end()) end(**at, {});
 }
-
-void TcpListenLink::forget_peer(ChannelId channel) { end(channel); }
 
 void TcpListenLink::flush(Channel& channel) {
     const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == channel.id; });
@@ -350,6 +353,7 @@ void validate_tls_listener(const LinkSettings& link, LinkFaults& faults) {
 Reach reach_of_tcp(const LinkSettings& link) {
     const TcpListen& listen = link.as<TcpListen>();
     if (listen.local.address.is_loopback()) return Reach::here;
+    if (link.kind->encrypts && listen.tls.verify == TlsVerify::peer) return Reach::network;    // of those with a certificate
     return listen.local.address.is_any() && (listen.allow_any || listen.allow.empty()) ? Reach::whole_networks : Reach::network;
 }
 

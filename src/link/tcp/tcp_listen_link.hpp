@@ -48,8 +48,8 @@ private:
     bool make_place(const IpAddress& address, TimePoint now);
     bool is_allowed(const IpAddress& address, TimePoint now);
     bool has_rival(const Connection& from, std::uint8_t source);
-    void end(Connection& connection);
-    void end(ChannelId channel);
+    /// `why` is for the log.
+    void end(Connection& connection, const std::string& why);
 
     LinkContext context_;
     Descriptor listener_;

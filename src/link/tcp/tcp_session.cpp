@@ -15,7 +15,8 @@ TcpSession::TcpSession(const LinkContext& context)
                           is_late_ = true;
                           failed(ETIMEDOUT);
                       }},
-      read_on_{context.alarms, [this] { read_again(); }} {}
+      read_on_{context.alarms, [this] { read_again(); }},
+      write_on_{context.alarms, [this] { write(); }} {}
 
 TcpSession::~TcpSession() { step_.stop(ano::TimePoint::min()); }
 
@@ -23,13 +24,15 @@ void TcpSession::encrypt_by(std::shared_ptr<TlsConnection> tls) {
     step_.stop(ano::TimePoint::min());
     handshake_.reset();
     tls_ = std::move(tls);
-    is_late_ = false;
+    is_late_ = wants_record_ = false;
     handshake_ends_.cancel();
 }
 
 void TcpSession::close() noexcept {
     handshake_ends_.cancel();
     read_on_.cancel();
+    write_on_.cancel();
+    in_flight_limit_ = {};
     step_.stop(ano::TimePoint::min());
     outstanding_ = 0;
     StreamSession::close();
@@ -43,10 +46,12 @@ std::string TcpSession::tls_fault() const {
 StreamSession::Opening TcpSession::go_on_opening() {
     if (!tls_) return Opening::done;
     if (!handshake_ends_.is_set()) handshake_ends_.set(context_.host.now() + handshake_patience);
+    if (wants_record_ && !tls_->has_record()) return Opening::wants_to_read;
+    wants_record_ = false;
     if (!handshake_ && begin_step()) return Opening::waits;
     if (!handshake_) handshake_ = tls_->go_on();
     switch (*std::exchange(handshake_, std::nullopt)) {
-    case TlsConnection::Handshake::wants_to_read: return Opening::wants_to_read;
+    case TlsConnection::Handshake::wants_to_read: wants_record_ = true; return Opening::wants_to_read;
     case TlsConnection::Handshake::wants_to_write: return Opening::wants_to_write;
     case TlsConnection::Handshake::done: handshake_ends_.cancel(); return Opening::done;
     case TlsConnection::Handshake::failed: break;
@@ -86,10 +91,22 @@ ssize_t TcpSession::read_some(std::span<std::uint8_t> room) {
     return n;
 }
 
+bool TcpSession::waits_for_acknowledgement() {
+    const TimePoint now = context_.host.now();
+    const Duration wait = in_flight_limit_.wait(outstanding_, now, [this] { return round_trip(fd()); });
+    if (wait > Duration::zero()) write_on_.set(now + wait);
+    else write_on_.cancel();
+    return write_on_.is_set();
+}
+
+void TcpSession::write_later() {
+    if (!write_on_.is_set()) StreamSession::write_later();
+}
+
 ssize_t TcpSession::write_some(std::span<const iovec> pieces) {
     not_acknowledged_for();
     std::size_t bytes = not_sent(fd());
-    if (bytes >= max_not_sent && !pieces.empty()) {
+    if (!pieces.empty() && (waits_for_acknowledgement() || bytes >= max_not_sent)) {
         errno = EAGAIN;
         return -1;
     }

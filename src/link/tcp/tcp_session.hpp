@@ -1,6 +1,7 @@
 // A TCP connection as a stream of frames, encrypted or not.
 #pragma once
 #include <link/stream_session.hpp>
+#include <link/tcp/in_flight_limit.hpp>
 #include <link/tcp/tls_context.hpp>
 #include <sys/errand.hpp>
 
@@ -27,9 +28,11 @@ public:
 protected:
     Opening go_on_opening() override;
     ssize_t read_some(std::span<std::uint8_t> room) override;
-    /// Keeps what the kernel has not sent below about 2 KiB, so that urgent frames pass in our queue. The socket option for that
-    /// (TCP_NOTSENT_LOWAT) delays only the event that it can be written: a write beyond it is still taken.
+    /// Keeps what the kernel has not sent below about 2 KiB, and what is on the way within InFlightLimit, so that urgent frames pass the
+    /// others in our queue. The socket option for the first (TCP_NOTSENT_LOWAT) delays only the event that it can be written: a write
+    /// beyond it is still taken.
     ssize_t write_some(std::span<const iovec> pieces) override;
+    void write_later() override;
     bool holds_bytes() const override { return tls_ && tls_->unsent() > 0; }
     /// Bytes that the other end has not acknowledged.
     std::size_t not_acknowledged() const;
@@ -39,12 +42,15 @@ protected:
 
 private:
     bool begin_step();
+    bool waits_for_acknowledgement();
 
     std::shared_ptr<TlsConnection> tls_;                   // with the thread that works at its handshake
     Errand step_;                                          // of the handshake: milliseconds of computing
     std::optional<TlsConnection::Handshake> handshake_;    // what the last step came to
+    bool wants_record_ = false;                            // before the next step
     bool is_late_ = false;                                 // the handshake took too long
-    Alarm handshake_ends_, read_on_;
+    Alarm handshake_ends_, read_on_, write_on_;
+    InFlightLimit in_flight_limit_;
     mutable std::size_t outstanding_ = 0;    // bytes, as last seen
     mutable TimePoint outstanding_since_{};
 };

@@ -3,8 +3,8 @@
 #include <sys/errors.hpp>
 
 #include <linux/sockios.h>
+#include <linux/tcp.h>    // its tcp_info has the shortest round trip, that of netinet/tcp.h has not
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
@@ -91,5 +91,12 @@ Accepted accept_tcp(int listener) noexcept {
 std::size_t not_sent(int fd) noexcept { return queued(fd, SIOCOUTQNSD); }
 
 std::size_t unacknowledged(int fd) noexcept { return queued(fd, SIOCOUTQ); }
+
+InFlightLimit::RoundTrip round_trip(int fd) noexcept {
+    tcp_info info{};
+    socklen_t size = sizeof info;
+    if (::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
+    return {std::chrono::microseconds{info.tcpi_rtt}, std::chrono::microseconds{info.tcpi_min_rtt}};
+}
 
 }    // namespace anogate

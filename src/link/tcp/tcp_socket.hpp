@@ -3,6 +3,7 @@
 #include <ano/time.hpp>
 #include <gateway/ip.hpp>
 #include <link/link_error.hpp>
+#include <link/tcp/in_flight_limit.hpp>
 #include <sys/unique_fd.hpp>
 
 #include <chrono>
@@ -36,5 +37,7 @@ Accepted accept_tcp(int listener) noexcept;
 std::size_t not_sent(int fd) noexcept;
 /// Bytes that were given to the kernel, and the other end has not acknowledged.
 std::size_t unacknowledged(int fd) noexcept;
+/// Zero where nothing has been measured.
+InFlightLimit::RoundTrip round_trip(int fd) noexcept;
 
 }    // namespace anogate

@@ -7,6 +7,9 @@
 #include <openssl/x509v3.h>
 
 #include <fcntl.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -21,6 +24,8 @@ namespace {
 
 constexpr std::size_t most_per_write = 16 * 1024;
 constexpr int records_per_read = 32;
+constexpr int record_header = 5, max_record = 16 * 1024 + 256;    // RFC 8446, 5.1
+constexpr int max_handshake_steps = 64;                           // each may cost a thread; a usual handshake has about five
 
 using Context = std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)>;
 
@@ -82,6 +87,7 @@ struct TlsConnection::Parts {
     std::unique_ptr<SSL, void (*)(SSL*)> ssl{nullptr, ::SSL_free};
     std::vector<std::uint8_t> taken{};    // given to OpenSSL, and not on the wire yet: it must get the same bytes again
     std::string fault{};
+    int steps = 0;            // of the handshake
     bool has_more = false;    // read() has left off before the socket had no more
 };
 
@@ -93,6 +99,11 @@ bool TlsConnection::has_more() const noexcept { return parts_->has_more || ::SSL
 std::size_t TlsConnection::unsent() const noexcept { return parts_->taken.size(); }
 
 TlsConnection::Handshake TlsConnection::go_on() {
+    if (++parts_->steps > max_handshake_steps) {
+        parts_->fault = "the handshake takes too many steps";
+        errno = ECONNABORTED;
+        return Handshake::failed;
+    }
     ::ERR_clear_error();
     SSL* const ssl = parts_->ssl.get();
     const int result = ::SSL_do_handshake(ssl);
@@ -115,6 +126,20 @@ TlsConnection::Handshake TlsConnection::go_on() {
     ::ERR_clear_error();
     errno = ECONNABORTED;
     return Handshake::failed;
+}
+
+bool TlsConnection::has_record() {
+    const int fd = parts_->socket.get();
+    std::array<std::uint8_t, record_header> header{};
+    const ssize_t seen = ::recv(fd, header.data(), header.size(), MSG_PEEK | MSG_DONTWAIT);
+    int needed = record_header, waiting = 0;
+    if (seen == record_header) needed += std::min(header[3] << 8 | header[4], max_record);
+    pollfd ended{fd, POLLRDHUP, 0};
+    const bool has = (seen <= 0 && errno != EAGAIN) || ::ioctl(fd, FIONREAD, &waiting) != 0 || waiting >= needed ||
+                     ::poll(&ended, 1, 0) != 0;
+    const int low_water = has ? 1 : needed;
+    ::setsockopt(fd, SOL_SOCKET, SO_RCVLOWAT, &low_water, sizeof low_water);
+    return has;
 }
 
 // Not more than some records, as each may be of one byte.

@@ -26,6 +26,8 @@ public:
     enum class Handshake { done, wants_to_read, wants_to_write, failed };
     /// To be called again when the socket can be read or written, as the result asks. `failed`: fault() says why.
     Handshake go_on();
+    /// After wants_to_read: go_on() has a whole record, or the end of input, to work on. While there is none the socket reports nothing.
+    bool has_record();
     const std::string& fault() const noexcept;
 
     /// As read() and writev(). What write() has taken may still wait here; the next call sends it first.

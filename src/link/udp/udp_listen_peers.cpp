@@ -96,7 +96,7 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
         if (far) peer->far = std::make_unique<FarPeer>(now);
         peers_.push_back(std::move(peer));
     } catch (const std::bad_alloc&) {
-        context_.host.close_channel(*channel);
+        context_.host.close_channel(*channel, {});
         throw;
     }
     channel->heard_at = now;         // its first frame may still wait behind a false header
@@ -167,7 +167,7 @@ void UdpListenLink::forget(Peer& peer) {
     book_.remove(channel.id);
     check_.forget(peer.endpoint);
     std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });
-    context_.host.close_channel(channel);
+    context_.host.close_channel(channel, {});
 }
 
 void UdpListenLink::forget_peer(ChannelId channel) {

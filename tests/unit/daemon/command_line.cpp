@@ -207,10 +207,15 @@ TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {
               "commands here, and sender addresses can be forged; in a network with strangers, bind one address, name who may in "
               "'allow', "
               "and take WireGuard (config/README.md: On a shared Wi-Fi)\n");
-    for (const char* link : {"udp-listen:127.0.0.1:5", "udp-listen:192.168.1.5:5", "udp-listen:0.0.0.0:5,allow=10.77.0.0/24",
-                             "udp-listen:0.0.0.0:5,interface=wg0", "udp:192.168.1.5:5"})
+    for (const char* link :
+         {"udp-listen:127.0.0.1:5", "udp-listen:192.168.1.5:5", "udp-listen:0.0.0.0:5,allow=10.77.0.0/24",
+          "udp-listen:0.0.0.0:5,interface=wg0", "udp:192.168.1.5:5", "tcp-listen:0.0.0.0:5,allow=10.77.0.0/24"})
         EXPECT_EQ(said({link}), "") << link;
     EXPECT_EQ(line_of({"udp-listen:0.0.0.0:5"}).warnings, "") << "only a check says it";
+    EXPECT_EQ(said({"tcp-listen:0.0.0.0:5,name=bridge"}),
+              "anogated: LINK 'tcp-listen:0.0.0.0:5,name=bridge': note: 'bridge': who is in a network of this computer may send "
+              "commands here; in a network with strangers, bind one address, name who may in 'allow', and take tls-listen or "
+              "WireGuard\n");
 }
 
 TEST(CommandLine, a_check_has_nothing_to_say_of_the_examples) {

@@ -14,7 +14,8 @@ using namespace std::chrono_literals;
 class Peers : public testing::Test {
 protected:
     std::vector<std::string> after(int times, ano::TimePoint now) {
-        for (int i = 0; i < times; ++i) i % 2 ? peers.went("ground", "p", now) : peers.came("ground", "p", now);
+        for (int i = 0; i < times; ++i)
+            i % 2 ? peers.went("ground", "p", "it closed the connection", now) : peers.came("ground", "p", now);
         return lines.take();
     }
     void until_the_alarm() {
@@ -35,7 +36,7 @@ TEST_F(Peers, come_and_go_in_thirty_two_lines_in_five_seconds_and_one_for_the_re
         const auto said = after(32 + more, now);
         ASSERT_EQ(said.size(), 32u);
         EXPECT_EQ(said[0], "ground: peer p");
-        EXPECT_EQ(said[1], "ground: peer p is gone");
+        EXPECT_EQ(said[1], "ground: peer p is gone: it closed the connection");
         until_the_alarm();
         EXPECT_EQ(lines.take(), Lines{"peers came or went " + std::to_string(more) + " times more"})
             << "and the next five seconds have lines of their own";

@@ -3,6 +3,7 @@
 #include <anoctl/text/table.hpp>
 #include "web_certificate.hpp"
 
+#include <gateway/host_spec.hpp>
 #include <http/client/certificate.hpp>
 
 #include <ano_json/text.hpp>
@@ -28,8 +29,8 @@ struct CertificateCommand {
     int run(Streams& streams) const {
         const Computer computer = this_computer();
         const std::string whose = name.empty() ? computer.name : name;
-        const bool is_file_name = !whose.empty() && whose.front() != '.' && whose.find('/') == std::string::npos;
-        if (!is_file_name) throw UsageError{ano::in_quotes(whose) + " is not the name of a computer"};
+        if (!anogate::is_host_name(whose) && !anogate::IpAddress::parse(whose))
+            throw UsageError{ano::in_quotes(whose) + " is not a host name or an IP address"};
         const fs::path folder = fs::absolute(into.value_or(certificate_folder())).lexically_normal();
         if (!fs::is_directory(folder)) throw Failure{"there is no folder " + folder.string() + "; give another one by --into"};
 

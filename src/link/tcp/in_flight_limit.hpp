@@ -1,0 +1,61 @@
+// How much of a connection may be on the way, so that an urgent frame is not long behind it.
+#pragma once
+#include <ano/time.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+
+namespace anogate {
+
+/// Bytes that TCP sends faster than the slowest line on the way carries them wait there, where no frame can pass another. So about as
+/// much is sent as waits `most_waiting` there, or one round trip where that is longer. Once a minute all of it has to arrive: only then
+/// the kernel can measure the round trip of a line on which nothing waits.
+class InFlightLimit {
+public:
+    static constexpr std::size_t least = 8 * 1024;    // always allowed: 33 ms at 2 Mbit/s
+    static constexpr std::size_t most = 64 * 1024;    // the send buffer
+    static constexpr std::size_t nearly_none = 2 * 1024;
+    static constexpr ano::Duration most_waiting = std::chrono::milliseconds{25};
+    static constexpr ano::Duration between_drains = std::chrono::minutes{1};
+
+    /// As the kernel measured them: smoothed, and the shortest of the last minutes.
+    struct RoundTrip {
+        ano::Duration now{}, shortest{};
+    };
+
+    /// Zero: more may be sent while `in_flight` bytes are not acknowledged. Otherwise ask again after that time. `measure` returns the
+    /// RoundTrip; it is called only when it matters.
+    template <typename Measure>
+    ano::Duration wait(std::size_t in_flight, ano::TimePoint now, Measure measure) {
+        if (in_flight <= nearly_none) drained_at_ = now;
+        const bool drains = now - drained_at_ > between_drains;
+        if (in_flight <= least && !drains) return {};
+        const RoundTrip trip = measure();
+        adapt(in_flight, trip, now);
+        const std::size_t goal = drains ? nearly_none : limit_;
+        if (in_flight <= goal) return {};
+        const auto excess = static_cast<double>(in_flight - goal) / static_cast<double>(in_flight);
+        const auto time = std::chrono::duration_cast<ano::Duration>(trip.now * excess);
+        return std::clamp<ano::Duration>(time, std::chrono::milliseconds{1}, std::chrono::milliseconds{100});
+    }
+
+    std::size_t limit() const noexcept { return limit_; }
+
+private:
+    // Towards what makes the round trip as long as it may be; not again before the last change can be seen in it.
+    void adapt(std::size_t in_flight, const RoundTrip& trip, ano::TimePoint now) noexcept {
+        const ano::Duration visible_after = std::max(trip.now, trip.shortest + most_waiting);
+        if (trip.now <= ano::Duration::zero() || in_flight < limit_ / 2 || now - adapted_at_ < visible_after) return;
+        const ano::Duration aim = std::max(2 * trip.shortest, trip.shortest + most_waiting);
+        const double factor = std::clamp(static_cast<double>(aim.count()) / static_cast<double>(trip.now.count()), 0.5, 1.25);
+        limit_ = std::clamp(static_cast<std::size_t>(static_cast<double>(limit_) * factor), least, most);
+        adapted_at_ = now;
+    }
+
+    std::size_t limit_ = least;
+    ano::TimePoint adapted_at_{};
+    ano::TimePoint drained_at_{};
+};
+
+}    // namespace anogate
