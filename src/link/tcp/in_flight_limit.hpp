@@ -13,10 +13,10 @@ namespace anogate {
 /// the kernel can measure the round trip of a line on which nothing waits.
 class InFlightLimit {
 public:
-    static constexpr std::size_t least = 8 * 1024;    // always allowed: 33 ms at 2 Mbit/s
+    static constexpr std::size_t least = 6 * 1024;    // always allowed: 25 ms at 2 Mbit/s
     static constexpr std::size_t most = 64 * 1024;    // the send buffer
     static constexpr std::size_t nearly_none = 2 * 1024;
-    static constexpr ano::Duration most_waiting = std::chrono::milliseconds{25};
+    static constexpr ano::Duration most_waiting = std::chrono::milliseconds{20};
     static constexpr ano::Duration between_drains = std::chrono::minutes{1};
 
     /// As the kernel measured them: smoothed, and the shortest of the last minutes.
@@ -45,7 +45,7 @@ public:
 private:
     // Towards what makes the round trip as long as it may be; not again before the last change can be seen in it.
     void adapt(std::size_t in_flight, const RoundTrip& trip, ano::TimePoint now) noexcept {
-        const ano::Duration visible_after = std::max(trip.now, trip.shortest + most_waiting);
+        const ano::Duration visible_after = std::max(trip.now, 3 * most_waiting);
         if (trip.now <= ano::Duration::zero() || in_flight < limit_ / 2 || now - adapted_at_ < visible_after) return;
         const ano::Duration aim = std::max(2 * trip.shortest, trip.shortest + most_waiting);
         const double factor = std::clamp(static_cast<double>(aim.count()) / static_cast<double>(trip.now.count()), 0.5, 1.25);
