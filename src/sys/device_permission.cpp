@@ -78,9 +78,11 @@ std::string missing_permission(const fs::path& root, const std::string& device, 
     if ((bits & both) == both) return {};
     const DeviceGroup group = group_of(root, s.st_gid);
     if (group.name == "tty" && device.starts_with("/dev/pts/")) return "it is a pseudo-terminal of another user's program";
-    if (group.name == "tty")
-        return "a login sits on it: sudo systemctl disable --now serial-getty@" + fs::path{device}.filename().string() +
-               ", and restart";
+    if (group.name == "tty") {
+        const std::string port = fs::path{device}.filename().string();
+        const std::string service = port.starts_with("ttyTHS") ? "nvgetty" : "serial-getty@" + port;    // nvgetty: on a Jetson
+        return "a login sits on it: sudo systemctl disable --now " + service + ", and restart";
+    }
     if (s.st_uid == user.uid) return "it is yours, and its mode forbids it: chmod u+rw " + device;
     if (s.st_uid != 0 && ((s.st_mode >> 3) & both) != both)
         return "it belongs to " + name_of(s.st_uid) + ", whose mode keeps others out: sudo chmod a+rw " + device;

@@ -275,6 +275,9 @@ TEST(Ports, say_which_permission_is_missing_and_how_to_get_it) {
     computer.file("etc/group", "tty:x:" + std::to_string(group) + ":");
     fs::permissions(node, fs::perms{0620});
     EXPECT_EQ(missing(stranger), "a login sits on it: sudo systemctl disable --now serial-getty@ttyUSB0, and restart");
+    fs::rename(node, node.parent_path() / "ttyTHS1");
+    EXPECT_EQ(missing_permission(computer.root(), "/dev/ttyTHS1", stranger),
+              "a login sits on it: sudo systemctl disable --now nvgetty, and restart");
 }
 
 TEST(Ports, for_people_fit_80_columns_and_no_name_is_cut) {
