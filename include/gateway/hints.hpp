@@ -31,7 +31,10 @@ enum class SharedSource : std::uint8_t {
     one_device,     // on two cables, as far as is known
     two_devices,    // with the same id
     two_peers,      // of this link
+    claims_pinned,    // another link claims an address that is pinned
 };
+/// What to do about it, for hints and the log alike.
+std::string_view advice_on(SharedSource shared);
 
 /// The texts that depend on the kind of a link, each with its id.
 struct LinkHints {
