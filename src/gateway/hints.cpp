@@ -170,7 +170,9 @@ Hint trouble_in(const LinkFigures& link, bool with_time) {
             "frames were refused for a second each time their sender asked as a listening gateway does: is there one, or does "
             "somebody forge its address? Restrict `allow` or `interface`, or use WireGuard"};
     if (link.no_place > 0)
-        return {"no_place", "strangers were refused, the places of peers are taken: raise max_peers or max_per_address"};
+        return {"no_place",
+                "strangers were refused, the places of peers are taken: name the operators' network in `trusted`, or raise "
+                "max_peers or max_per_address"};
     if (link.no_memory > 0)
         return {"no_memory", "senders were refused for lack of memory: free some, or raise the memory limit of the service"};
     if (link.sent.held_back > 0)
@@ -219,7 +221,8 @@ std::string_view advice_on(SharedSource shared) {
     case SharedSource::two_devices: return "one device? give the links one `group`; two devices? give one of them another id";
     case SharedSource::two_peers: return "`conflicts` in the status says who; two devices? give one of them another id";
     case SharedSource::claims_pinned:
-        return "frames from there are not taken for its own; one device? give the links one `group`; two devices? give the other one another id";
+        return "frames from there are not taken for its own; one device? give the links one `group`; two devices? give the other "
+               "one another id";
     }
     return {};
 }

@@ -104,9 +104,11 @@ void GatewayDevices::tell_unknown(const Channel& from, std::uint8_t source) {
     const std::string here = words_of(gateway_.name(from.link), from.peer);
     if (!service_.hear_unknown(source, here, gateway_.time())) return;
     const Place& last = places_[source];
-    log_warning("{0} is heard on {1} and not on {2}, where it was: it is not known to be the same device, and stays lost. If it is the same: "
-                "anoctl routes --forget {0}",
-                ano::hex_byte(source), here, words_of(last.link, last.peer));
+    log_warning(
+        "{0} is heard on {1} and not on {2}, where it was: it is not known to be the same device, and stays lost. If it is the "
+        "same: "
+        "anoctl routes --forget {0}",
+        ano::hex_byte(source), here, words_of(last.link, last.peer));
 }
 
 // A frame that is not of the device itself gets into no log, and neither raises an alarm nor ends one.

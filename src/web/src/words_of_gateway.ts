@@ -30,7 +30,7 @@ export const hints: Record<string, string> = {
   text: "收到的是文本而不是帧：把设备改为输出 V8，或用 anoctl terminal 查看；内容是“{text}”",
   above_max_data: "帧太长被拒收：调大这条链路的 max_data",
   other_gateway: "拒绝了另一个网关的监听端口：要连接两个网关，其中一边用 udp: 指向另一边",
-  no_place: "拒绝了陌生的对端，位置已满：调大 max_peers 或 max_per_address",
+  no_place: "拒绝了陌生的对端，位置已满：把操作员的网络写进 trusted，或者调大 max_peers 或 max_per_address",
   no_memory: "内存不足，拒绝了发送方：腾出内存，或调高服务的内存上限",
   suspended: "发送方像监听网关那样发来询问，每次有一秒拒收它的帧：那里有网关，还是有人伪造地址？请限制 allow 或 interface，或使用 WireGuard",
   held_back: "本机网段之外的一个对端在回答之前收到的很少：把它的网段写进 trusted",
