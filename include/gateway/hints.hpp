@@ -28,10 +28,13 @@ struct Hint {
 /// A source that is heard on this link and on a link of another group, or from two peers of this link.
 enum class SharedSource : std::uint8_t {
     none,
-    one_device,     // on two cables, as far as is known
-    two_devices,    // with the same id
-    two_peers,      // of this link
+    one_device,       // on two cables, as far as is known
+    two_devices,      // with the same id
+    two_peers,        // of this link
+    claims_pinned,    // another link claims an address that is pinned
 };
+/// What to do about it, for hints and the log alike.
+std::string_view advice_on(SharedSource shared);
 
 /// The texts that depend on the kind of a link, each with its id.
 struct LinkHints {

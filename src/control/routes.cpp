@@ -116,8 +116,9 @@ http::Response forget_route(const std::string& word, Gateway& gateway, DeviceSer
     const auto called = ano::address_called(word);
     if (const auto* fault = std::get_if<ano::JsonFault>(&called)) return http::error(400, fault->what);
     const auto address = std::get<std::uint8_t>(called);
-    if (!gateway.forget(address)) return http::error(404, ano::hex_byte(address) + " was not heard: there is nothing to forget");
-    devices.forget_values(address);
+    const bool was_known = gateway.forget(address), was_watched = devices.forget_values(address);
+    if (!was_known && !was_watched)
+        return http::error(404, ano::hex_byte(address) + " was not heard: there is nothing to forget");
     return json(line_of({{"address", ano::hex_byte(address)}, {"forgotten", true}}));
 }
 

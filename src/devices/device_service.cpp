@@ -577,15 +577,19 @@ void DeviceService::tell_back(std::uint8_t source, TimePoint now) {
     await_feeds();
 }
 
+bool DeviceService::hear_unknown(std::uint8_t source, const std::string& place, TimePoint now) {
+    if (!losses_.hear_elsewhere(source, place)) return false;
+    alarms_.look_soon(now);
+    await_feeds();
+    return true;
+}
+
 std::vector<WatchedDevice> DeviceService::watched(TimePoint now) {
     std::vector<WatchedDevice> all;
-    std::array<std::optional<TimePoint>, 256> heard_at;
-    for (const HeardAddress& one : heard(now)) heard_at[one.address] = one.heard_at;
     for (unsigned a = 1; a < ano::address::broadcast; ++a) {
         const auto address = static_cast<std::uint8_t>(a);
         if (ano::address::is_host(address)) continue;
-        if (known_[address]) heard_at[address] = std::max(heard_at[address], known_[address]->heard_at);
-        if (const auto device = losses_.device(address, heard_at[address], now)) all.push_back(*device);
+        if (auto device = losses_.device(address, now)) all.push_back(*std::move(device));
     }
     return all;
 }
@@ -603,10 +607,12 @@ void DeviceService::look_for_alarms(TimePoint now) {
     await_feeds();
 }
 
-void DeviceService::forget_values(std::uint8_t address) {
+bool DeviceService::forget_values(std::uint8_t address) {
+    const bool was_watched = losses_.device(address, net_.now()).has_value();
     losses_.forget(address);
     alarms_.forget(address, net_.now());
     await_feeds();
+    return was_watched;
 }
 
 void DeviceService::run_feeds(TimePoint now) {

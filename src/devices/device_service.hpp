@@ -142,15 +142,20 @@ public:
     void hear_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now);
     /// To be called for each frame `mode` that passes where its source is at home, whether or not the service listens.
     void hear_mode(ano::FrameView frame, ano::TimePoint now);
-    /// To be called for each other frame that passes where its source is at home, whether or not the service listens.
+    /// The same for each other frame.
     void hear_telemetry(std::uint8_t source, std::uint8_t id, ano::TimePoint now);
+    /// A frame came by `place` in the name of a device that stays_lost(), and is not known to be from it. True: that is news, until it is
+    /// heard.
+    bool hear_unknown(std::uint8_t source, const std::string& place, ano::TimePoint now);
+    /// As LossWatch::stays_lost().
+    bool stays_lost(std::uint8_t address) const noexcept { return losses_.stays_lost(address); }
     /// Vehicles, and devices that sent telemetry, until forget_values(); by address.
     std::vector<WatchedDevice> watched(ano::TimePoint now);
     /// Those of them that are not heard any more, for those who did not see how they were lost. One that was locked is told for
     /// AlarmFeed::tells_locked, any other one until it is heard again or forget_values().
     std::vector<WatchedDevice> lost(ano::TimePoint now);
-    /// The device was switched off: none of its values is in alarm until it comes again, and it is not lost.
-    void forget_values(std::uint8_t address);
+    /// The device was switched off: none of its values is in alarm until it comes again, and it is not lost. False: it was not watched.
+    bool forget_values(std::uint8_t address);
     AlarmFeed& alarms() noexcept { return alarms_; }
     /// To be called when a client of alarms() joins.
     void look_for_alarms(ano::TimePoint now);

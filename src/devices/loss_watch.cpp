@@ -6,8 +6,10 @@
 namespace anogate {
 
 void LossWatch::hear(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept {
-    if (!is_telemetry(id)) return;
     Life& life = lives_[address];
+    life.heard_at = now;
+    life.elsewhere.clear();
+    if (!is_telemetry(id)) return;
     if (now - life.at > rarest_telemetry) life.intervals = 0;
     else if (!life.sends_telemetry()) ++life.intervals;
     life.at = now;
@@ -22,18 +24,24 @@ void LossWatch::hear_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoin
     life.flag = flag;
 }
 
-ano::Duration LossWatch::Life::allowed_silence(ano::TimePoint heard_at) const noexcept {
+bool LossWatch::hear_elsewhere(std::uint8_t address, const std::string& place) {
+    std::string& elsewhere = lives_[address].elsewhere;
+    const bool is_news = elsewhere.empty();
+    elsewhere = place;
+    return is_news;
+}
+
+ano::Duration LossWatch::Life::allowed_silence() const noexcept {
     if (!flag) return rarest_telemetry;
     const ano::Duration period = *std::max_element(mode_intervals.begin(), mode_intervals.end());
     return mode_count < periods || heard_at - mode_at > patience + period ? lost_after : patience + period;
 }
 
-std::optional<WatchedDevice> LossWatch::device(std::uint8_t address, std::optional<ano::TimePoint> heard_at,
-                                               ano::TimePoint now) const noexcept {
+std::optional<WatchedDevice> LossWatch::device(std::uint8_t address, ano::TimePoint now) const {
     const Life& life = lives_[address];
     if (!life.flag && !life.sends_telemetry()) return std::nullopt;
-    const ano::TimePoint at = std::max(life.at, heard_at.value_or(life.at)), lost_at = at + life.allowed_silence(at);
-    return WatchedDevice{address, at, life.flag, lost_at, now >= lost_at};
+    const ano::TimePoint lost_at = life.heard_at + life.allowed_silence();
+    return WatchedDevice{address, life.heard_at, life.flag, lost_at, now >= lost_at, life.elsewhere};
 }
 
 }    // namespace anogate

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace anogate {
 
@@ -17,11 +18,13 @@ struct WatchedDevice {
     std::optional<std::uint8_t> flag{};    // `sflag`: locked, unlocked, airborne; std::nullopt: it never sent a mode
     ano::TimePoint lost_at{};              // if it is not heard until then
     bool is_lost = false;
+    std::string elsewhere{};    // LossWatch::hear_elsewhere()
 
     bool was_locked() const noexcept { return flag && *flag == 0; }
     /// The same for who is told whether it is heard, and of a lost one, its last state.
     bool is_same(const WatchedDevice& other) const noexcept {
-        return address == other.address && is_lost == other.is_lost && (!is_lost || flag == other.flag);
+        return address == other.address && is_lost == other.is_lost &&
+               (!is_lost || (flag == other.flag && elsewhere == other.elsewhere));
     }
 };
 
@@ -38,27 +41,36 @@ public:
     /// Devices send such messages by themselves: those of the protocol, and flexible ones.
     static constexpr bool is_telemetry(std::uint8_t id) noexcept { return (id > 0 && id < 0x60) || (id >= 0xF1 && id <= 0xFA); }
 
-    /// A frame that is no `mode`.
+    /// Any frame that is no `mode`.
     void hear(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept;
     void hear_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoint now) noexcept;
+    /// A frame in its name came by `place`, and it is not known to be from it: no sign of life. True: that is news, until it is heard.
+    bool hear_elsewhere(std::uint8_t address, const std::string& place);
     void forget(std::uint8_t address) noexcept { lives_[address] = {}; }
 
-    /// `heard_at`: when another frame of it came; std::nullopt: not known. Returns std::nullopt if it sent neither `mode` nor telemetry.
-    std::optional<WatchedDevice> device(std::uint8_t address, std::optional<ano::TimePoint> heard_at,
-                                        ano::TimePoint now) const noexcept;
+    /// It is told as lost until it is heard again, so a frame from another place must not end that. A vehicle that was locked may have been
+    /// connected elsewhere.
+    bool stays_lost(std::uint8_t address) const noexcept {
+        const Life& life = lives_[address];
+        return life.flag ? *life.flag != 0 : life.sends_telemetry();
+    }
+    /// Returns std::nullopt if it sent neither `mode` nor telemetry.
+    std::optional<WatchedDevice> device(std::uint8_t address, ano::TimePoint now) const;
 
 private:
     struct Life {
         static constexpr std::uint8_t enough = 2;
         bool sends_telemetry() const noexcept { return intervals >= enough; }
-        ano::Duration allowed_silence(ano::TimePoint heard_at) const noexcept;
+        ano::Duration allowed_silence() const noexcept;
 
+        ano::TimePoint heard_at{};             // any frame
         ano::TimePoint at{};                   // of the last mode or telemetry
         std::uint8_t intervals = 0;            // between frames of telemetry, up to `enough`
         std::optional<std::uint8_t> flag{};    // of the last mode
         ano::TimePoint mode_at{};
         std::array<ano::Duration, periods> mode_intervals{};
         std::size_t mode_count = 0;    // of its intervals
+        std::string elsewhere;
     };
 
     std::array<Life, 256> lives_{};

@@ -269,6 +269,7 @@ void tell_loss(Json& json, DeviceService& service, const WatchedDevice& device, 
     if (const auto info = service.info(device.address)) json["name"] = service.texts(device.address).shown(info->name);
     json["age"] = std::round(std::chrono::duration<double>(now - device.heard_at).count() * 10) / 10;
     if (device.flag) json["sflag"] = *device.flag;
+    if (!device.elsewhere.empty()) json["elsewhere"] = device.elsewhere;
 }
 
 void add_watch_routes(http::Routes& routes, DeviceService& service) {

@@ -89,14 +89,13 @@ Hint contradiction(std::uint8_t address, ano::EulerSigns attitude) {
 }
 
 Hint shared_by(SharedSource shared) {
+    const auto hint = [shared](std::string_view id, std::string what) -> Hint { return {id, what.append(advice_on(shared))}; };
     switch (shared) {
     case SharedSource::none: break;
-    case SharedSource::one_device:
-        return {"one_device_on_two_links",
-                "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id"};
-    case SharedSource::two_devices: return {"two_devices_one_id", "two devices have the same id: give one of them another"};
-    case SharedSource::two_peers:
-        return {"two_peers_one_device", "two peers speak as one device: `conflicts` in the status says who"};
+    case SharedSource::one_device: return hint("one_device_on_two_links", "the same frames by two links: ");
+    case SharedSource::two_devices: return hint("two_devices_one_id", "different frames of one id by two links: ");
+    case SharedSource::two_peers: return hint("two_peers_one_device", "two peers speak as one device: ");
+    case SharedSource::claims_pinned: return hint("pinned_address_claimed", "a pinned address is claimed by another link: ");
     }
     return {};
 }
@@ -171,7 +170,9 @@ Hint trouble_in(const LinkFigures& link, bool with_time) {
             "frames were refused for a second each time their sender asked as a listening gateway does: is there one, or does "
             "somebody forge its address? Restrict `allow` or `interface`, or use WireGuard"};
     if (link.no_place > 0)
-        return {"no_place", "strangers were refused, the places of peers are taken: raise max_peers or max_per_address"};
+        return {"no_place",
+                "strangers were refused, the places of peers are taken: name the operators' network in `trusted`, or raise "
+                "max_peers or max_per_address"};
     if (link.no_memory > 0)
         return {"no_memory", "senders were refused for lack of memory: free some, or raise the memory limit of the service"};
     if (link.sent.held_back > 0)
@@ -212,6 +213,19 @@ Hint trouble_or_end(const LinkFigures& link, bool with_time) {
 }
 
 }    // namespace
+
+std::string_view advice_on(SharedSource shared) {
+    switch (shared) {
+    case SharedSource::none: break;
+    case SharedSource::one_device:
+    case SharedSource::two_devices: return "one device? give the links one `group`; two devices? give one of them another id";
+    case SharedSource::two_peers: return "`conflicts` in the status says who; two devices? give one of them another id";
+    case SharedSource::claims_pinned:
+        return "frames from there are not taken for its own; one device? give the links one `group`; two devices? give the other "
+               "one another id";
+    }
+    return {};
+}
 
 Hint unknown_device(std::uint8_t address) {
     const std::string device = ano::hex_byte(address);

@@ -15,27 +15,27 @@ std::string names_of(const Gateway& gateway, LinkSet links) {
 
 }    // namespace
 
+SharedSource meaning_of(const Gateway& gateway, const Conflict& conflict) {
+    const Forwarder& forwarder = gateway.forwarder();
+    if (!conflict.links.has_several()) return SharedSource::two_peers;
+    const LinkSet pinned = forwarder.router().pinned(conflict.address);
+    if (!pinned.empty() && !(conflict.links - pinned).empty()) return SharedSource::claims_pinned;
+    const bool is_one = forwarder.same_device().met(conflict.address) && !forwarder.same_device().differ(conflict.address);
+    return is_one ? SharedSource::one_device : SharedSource::two_devices;
+}
+
 std::string conflict_text(const Gateway& gateway, const Conflict& conflict) {
     const LinkSet pinned = gateway.forwarder().router().pinned(conflict.address);
-    std::string who;
     const Forwarder::Claimant* const by = gateway.forwarder().claimant(conflict);
-    if (by != nullptr) who = gateway.name(by->link) + (by->peer.empty() ? "" : " (" + by->peer + ")");
-    if (!pinned.empty() && by != nullptr)
-        return fmt::format("0x{:02X} is pinned to {}, and is claimed by {}: frames from there are not taken for its own. {}",
-                           conflict.address, names_of(gateway, pinned), who,
-                           pinned.contains(by->link)
-                               ? "Another device? give it another id"
-                               : "The same device? give the links one `group`; another one? give it another id");
-    const std::string names = names_of(gateway, conflict.links);
-    if (!who.empty()) who.insert(0, ", claimed by ");
-    if (!pinned.empty())
-        return fmt::format(
-            "0x{:02X} is heard on {}: the same device? give the links one `group`; two devices? give one of them another id",
-            conflict.address, names);
-    return fmt::format(
-        "0x{:02X} is heard on {}{}: the same device? give the links one `group`; two devices? give one of them another "
-        "id; neither? pin it: --route 0x{:02X}=LINK",
-        conflict.address, names, who, conflict.address);
+    const SharedSource meaning = meaning_of(gateway, conflict);
+    std::string text = fmt::format("0x{:02X} is {} {}", conflict.address, pinned.empty() ? "heard on" : "pinned to",
+                                   names_of(gateway, pinned.empty() ? conflict.links : pinned));
+    if (by != nullptr) text += ", claimed by " + gateway.name(by->link) + (by->peer.empty() ? "" : " (" + by->peer + ")");
+    else if (!pinned.empty()) text += ", heard on " + names_of(gateway, conflict.links);
+    text.append(": ").append(advice_on(meaning));
+    if (pinned.empty() && meaning != SharedSource::two_peers)
+        text += fmt::format("; neither? pin it: --route 0x{:02X}=LINK", conflict.address);
+    return text;
 }
 
 std::string move_text(const Gateway& gateway, const Router::Moved& moved) {

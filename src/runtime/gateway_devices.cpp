@@ -46,6 +46,12 @@ ano::Encoding encoding_of(TextEncoding encoding) {
 // A file of keep(), of devices: a note, or alarm limits.
 bool is_kept_name(std::string_view name) { return is_note(name) || address_of_limits_file(name); }
 
+// Of a peer in a network: a program that starts again has another port.
+std::string_view host_of(const Channel& channel) { return std::string_view{channel.peer}.substr(0, channel.peer.rfind(':')); }
+std::string words_of(const std::string& link, std::string_view peer) {
+    return peer.empty() ? link : link + " (" + std::string{peer} + ")";
+}
+
 bool is_for_good(ReceiveCause cause) { return cause == &ReceiveCounters::denied_in || cause == &ReceiveCounters::inhibited; }
 bool is_for_good(SendCause cause) { return cause == &SendCounters::denied_out || cause == &SendCounters::too_big; }
 
@@ -73,27 +79,54 @@ GatewayDevices::~GatewayDevices() {
     gateway_.on_loss({});
 }
 
-// A frame from where the device is not at home is none of that device: it gets into no log, and neither raises an alarm nor ends one.
+bool GatewayDevices::Place::has(const Gateway& gateway, const Channel& channel) const {
+    const std::string& its_group = gateway.settings(channel.link).group;
+    return its_group.empty() ? link == gateway.name(channel.link) && peer == host_of(channel) : group == its_group;
+}
+
+// An address moves when its holder is silent, and in a network anybody can send in the name of a lost device. So a device that stays_lost() is
+// believed only where it was, or by a wire or the link that it is pinned to.
+bool GatewayDevices::is_itself(const Channel& from, std::uint8_t source) {
+    const Router& router = gateway_.forwarder().router();
+    if (router.claims(source, from.id)) return false;
+    Place& last = places_[source];
+    const bool is_at_home = router.heard_at(source, from.id).has_value();
+    if (ano::address::is_host(source) || (last.link.empty() && !is_at_home)) return true;
+    if (last.has(gateway_, from)) return true;
+    if (!is_at_home) return false;
+    if (!last.link.empty() && service_.stays_lost(source) && !is_known_origin(gateway_, from, source))
+        return tell_unknown(from, source), false;
+    last = {gateway_.name(from.link), gateway_.settings(from.link).group, std::string{host_of(from)}};
+    return true;
+}
+
+void GatewayDevices::tell_unknown(const Channel& from, std::uint8_t source) {
+    const std::string here = words_of(gateway_.name(from.link), from.peer);
+    if (!service_.hear_unknown(source, here, gateway_.time())) return;
+    const Place& last = places_[source];
+    log_warning(
+        "{0} is heard on {1} and not on {2}, where it was: it is not known to be the same device, and stays lost. If it is the "
+        "same: "
+        "anoctl routes --forget {0}",
+        ano::hex_byte(source), here, words_of(last.link, last.peer));
+}
+
+// A frame that is not of the device itself gets into no log, and neither raises an alarm nor ends one.
 bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView frame) {
-    if (from.id == ourselves) return false;
+    if (from.id == ourselves || !of_.is_itself(from, frame.source())) return false;
     DeviceService& service = of_.service_;
-    const bool is_log = frame.id() == ano::id_of<"log"> || frame.id() == ano::id_of<"log_value">;
-    const bool is_mode = frame.id() == ano::id_of<"mode">;
-    const bool is_watched = service.alarms().watch().wants(frame.source(), frame.id());
-    const bool is_telemetry = LossWatch::is_telemetry(frame.id());
-    if ((!is_log && !is_telemetry && !is_watched) || of_.gateway_.forwarder().router().claims(frame.source(), from.id))
-        return false;
-    if (is_log) {
+    const TimePoint now = of_.gateway_.time();
+    if (frame.id() == ano::id_of<"log"> || frame.id() == ano::id_of<"log_value">) {
         const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
         const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
         const bool is_known = is_known_origin(of_.gateway_, from, frame.source());
         service.hear_log(frame, of_.gateway_.name(from.link), static_cast<std::uint64_t>(ns),
                          is_known ? DeviceLog::Origin::known : DeviceLog::Origin::anybody);
     }
-    if (is_mode) service.hear_mode(frame, of_.gateway_.time());
-    else service.hear_telemetry(frame.source(), frame.id(), of_.gateway_.time());
-    if (is_watched)
-        service.hear_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), of_.gateway_.time());
+    if (frame.id() == ano::id_of<"mode">) service.hear_mode(frame, now);
+    else service.hear_telemetry(frame.source(), frame.id(), now);
+    if (service.alarms().watch().wants(frame.source(), frame.id()))
+        service.hear_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), now);
     return false;
 }
 

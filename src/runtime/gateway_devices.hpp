@@ -80,6 +80,14 @@ private:
     void remember_file(const std::string& folder, const std::string& name);
     void remember_note(const std::string& folder, const std::string& name, std::string text);
     LinkSet links_to(std::uint8_t address, ano::TimePoint now) const;
+    /// Where a device is, as far as that tells it from strangers.
+    struct Place {
+        std::string link, group;
+        std::string peer;    // without its port
+        bool has(const Gateway& gateway, const Channel& channel) const;
+    };
+    bool is_itself(const Channel& from, std::uint8_t source);
+    void tell_unknown(const Channel& from, std::uint8_t source);
 
     Gateway& gateway_;
     Alarm alarm_;
@@ -94,6 +102,7 @@ private:
     std::string refusal_;
     DeviceService service_;    // its destructor calls this object, so only what needs it comes after it
     AlwaysListener always_;
+    std::array<Place, 256> places_;    // by device: where it was last heard as itself; no link: nowhere
 };
 
 }    // namespace anogate

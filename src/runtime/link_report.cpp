@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <ano_json/text.hpp>
 #include <config/link_kind.hpp>
+#include <runtime/conflict_log.hpp>
 #include <runtime/gateway.hpp>
 #include <runtime/link_report.hpp>
 
@@ -16,22 +17,17 @@
 namespace anogate {
 namespace {
 
-SharedSource meaning_of(const Conflict& conflict, const SameDevice& same_device) {
-    if (!conflict.links.has_several()) return SharedSource::two_peers;
-    const bool is_one = same_device.met(conflict.address) && !same_device.differ(conflict.address);
-    return is_one ? SharedSource::one_device : SharedSource::two_devices;
-}
-
 // Of several conflicts of the link, the one that a user mends most easily.
 void set_shared(LinkFigures& f, const Gateway& gateway, const std::vector<Conflict>& conflicts, LinkId link) {
     const auto rank = [](SharedSource one) {
-        return one == SharedSource::two_peers     ? 3
-               : one == SharedSource::one_device  ? 2
-               : one == SharedSource::two_devices ? 1
-                                                  : 0;
+        return one == SharedSource::two_peers       ? 4
+               : one == SharedSource::one_device    ? 3
+               : one == SharedSource::two_devices   ? 2
+               : one == SharedSource::claims_pinned ? 1
+                                                    : 0;
     };
     for (const Conflict& c : conflicts) {
-        const SharedSource meaning = meaning_of(c, gateway.forwarder().same_device());
+        const SharedSource meaning = meaning_of(gateway, c);
         if (!c.links.contains(link) || rank(meaning) <= rank(f.shared)) continue;
         f.shared = meaning;
         f.shared_address = c.address;

@@ -115,7 +115,9 @@ TEST_F(Claims, peer_of_its_own_link_takes_nothing_either) {
         return count(fc, 0xC0) == 1 && !conflict().is_null();
     }));
     EXPECT_EQ(count(attacker, 0xC0), 0u);
-    EXPECT_EQ(daemon.link("air").at("hint"), "two peers speak as one device: `conflicts` in the status says who (0xDC)");
+    EXPECT_EQ(
+        daemon.link("air").at("hint"),
+        "two peers speak as one device: `conflicts` in the status says who; two devices? give one of them another id (0xDC)");
 }
 
 // It says always the same, and the attacker was first.
@@ -168,10 +170,9 @@ TEST_F(Claims, device_that_came_back_elsewhere_is_reached_after_its_silence) {
 TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
     const LogLines log;
     for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
-    EXPECT_EQ(log.take(),
-              "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +
-                  "): the same device? give the links one `group`; two devices? give one of them another id; neither? "
-                  "pin it: --route 0xDC=LINK\n");
+    EXPECT_EQ(log.take(), "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +
+                              "): one device? give the links one `group`; two devices? give one of them another id; neither? "
+                              "pin it: --route 0xDC=LINK\n");
 }
 
 // It answers no question, so that it loses its address; but not without a word.
@@ -224,8 +225,15 @@ TEST(Replugged, device_is_reached_at_its_new_port_at_once) {
 TEST(PinnedAddress, never_moves) {
     RunningGateway daemon{settings_of({udp_listen("ground"), udp_listen("air")}, {}, {{0xDC, 0xDC, "air"}})};
     UdpPeer attacker;
+    const LogLines log;
     attacker.send(daemon.port("ground"), broadcast(1));
     ASSERT_TRUE(daemon.until([&] { return !daemon.status().at("conflicts").empty(); }));
+    const std::string advice =
+        "frames from there are not taken for its own; one device? give the links one `group`; two devices? give "
+        "the other one another id";
+    EXPECT_EQ(log.take(), "0xDC is pinned to air, claimed by ground (" + attacker.local().text() + "): " + advice + "\n");
+    for (const char* link : {"ground", "air"})
+        EXPECT_EQ(daemon.link(link).at("hint"), "a pinned address is claimed by another link: " + advice + " (0xDC)") << link;
     EXPECT_EQ(daemon.status().at("conflicts").at(0).at("claimed_by").at("peer"), attacker.local().text());
     EXPECT_EQ(daemon.route("0xDC").at("via"), "pinned");
 }

@@ -266,5 +266,70 @@ TEST_P(ForgedBeside, answers_of_a_value_and_to_a_write_are_not_believed) {
 INSTANTIATE_TEST_SUITE_P(At, ForgedBeside, testing::Values(true, false),
                          [](const auto& pinned) { return pinned.param ? "a_pinned_address" : "a_learned_address"; });
 
+/// A vehicle in the network, lost in flight, and a stranger on another link or on the same one.
+class LostVehicle : public testing::TestWithParam<const char*> {
+protected:
+    void SetUp() override {
+        ASSERT_TRUE(daemon.until_answers());
+        for (int i = 0; i < 3; ++i) say(vehicle, "air", 2);
+        ASSERT_TRUE(daemon.until([&](const json&) { return lost().size() == 1; }));
+    }
+    void say(UdpPeer& from, const std::string& link, std::uint8_t state) {
+        auto to = from.local();
+        to.port = daemon.port(link);
+        from.send(to, frame(0xDC, 0xFF, 0x06, {1, state, 0, 0, 0}));
+    }
+    /// Until the gateway has an opinion of what it sends.
+    json lost_while_it_sends(UdpPeer& who, const std::string& link) {
+        json all;
+        daemon.until([&](const json&) {
+            say(who, link, 1);
+            all = lost();
+            return all.empty() || all.at(0).contains("elsewhere");
+        });
+        return all;
+    }
+    json lost() { return json::parse(asked(socket, "GET", "/devices").body).value("lost", json::array()); }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED,
+                  socket,
+                  {"udp-listen:0.0.0.0:0,name=air", "udp-listen:0.0.0.0:0,name=ground"},
+                  {"STATE_DIRECTORY=" + (dir / "state")}};
+    UdpPeer vehicle{"127.0.0.2:0"}, stranger{"127.0.0.3:0"};
+};
+
+TEST_P(LostVehicle, does_not_look_alive_by_what_a_stranger_sends) {
+    const std::string where = std::string{GetParam()} + " (" + stranger.local().text() + ")";
+    const json still = lost_while_it_sends(stranger, GetParam());
+    ASSERT_EQ(still.size(), 1u);
+    EXPECT_EQ(still.at(0).at("elsewhere"), where);
+    EXPECT_EQ(still.at(0).at("sflag"), 2);
+    EXPECT_TRUE(daemon.until_says("0xDC is heard on " + where +
+                                  " and not on air (127.0.0.2), where it was: it is not known to be "
+                                  "the same device, and stays lost. If it is the same: anoctl routes --forget 0xDC\n"))
+        << daemon.output();
+    say(vehicle, "air", 2);
+    EXPECT_TRUE(daemon.until([&](const json&) { return lost().empty(); })) << "it is back";
+}
+
+TEST_P(LostVehicle, is_heard_by_its_new_address_once_the_user_says_that_it_is_the_same) {
+    ASSERT_EQ(lost_while_it_sends(stranger, GetParam()).size(), 1u);
+    EXPECT_EQ(asked(socket, "DELETE", "/routes/0xDC").status, 200u);
+    EXPECT_TRUE(lost_while_it_sends(stranger, GetParam()).empty());
+    for (int i = 0; i < 3; ++i) say(stranger, GetParam(), 2);
+    ASSERT_TRUE(daemon.until([&](const json&) { return lost().size() == 1; }));
+    EXPECT_FALSE(lost().at(0).contains("elsewhere"));
+}
+
+TEST_P(LostVehicle, is_heard_at_another_port_of_its_own_host) {
+    UdpPeer again{"127.0.0.2:0"};
+    EXPECT_TRUE(lost_while_it_sends(again, "air").empty()) << "its program has begun again";
+}
+
+INSTANTIATE_TEST_SUITE_P(At, LostVehicle, testing::Values("ground", "air"),
+                         [](const auto& link) { return link.param == std::string{"air"} ? "its_own_link" : "another_link"; });
+
 }    // namespace
 }    // namespace forged_answers_tests

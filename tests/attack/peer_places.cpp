@@ -101,10 +101,36 @@ TEST_F(Strangers, that_command_leave_a_place_for_a_trusted_network) {
     link.as<anogate::UdpListenSettings>().trusted = {*anogate::Network::parse("10.0.0.40/32")};
     start(link);
     for (int i = 0; i < 16; ++i) stranger(10 + i).send(to(), frame(0xFE, 0xDC, 0xC0, {16, 9, 0}));
-    ASSERT_TRUE(until([&] { return places() + daemon->count("ground", "denied_in") == 16; }));
+    ASSERT_TRUE(until([&] { return daemon->count("ground", "bytes_in") == 16 * command(0).size(); }));
     EXPECT_EQ(places(), 14u);
     fc->forget();
     EXPECT_EQ(seven_commands(stranger(40)), 7u);
+}
+
+TEST_F(Strangers, that_command_keep_no_command_of_an_operator_out) {
+    start();
+    for (int i = 0; i < 30; ++i) stranger(10 + i);
+    UdpPeer& pilot = stranger(40);
+    const auto sent_and_read = [&](auto&& send, std::size_t datagrams) {
+        const auto before = daemon->count("ground", "bytes_in");
+        send();
+        return until([&] { return daemon->count("ground", "bytes_in") >= before + datagrams * command(0).size(); });
+    };
+    for (std::uint8_t n = 0; n < 20; ++n) {
+        ASSERT_TRUE(sent_and_read(
+            [&] {
+                for (std::size_t i = 0; i < 30; ++i) peers[i]->send(to(), frame(0xFE, 0xDC, 0xC0, {16, 9, 0}));
+            },
+            30));
+        EXPECT_EQ(places(), 16u);
+        std::this_thread::sleep_for(1ms);
+        ASSERT_TRUE(sent_and_read([&] { pilot.send(to(), command(n)); }, 1));
+    }
+    std::size_t through = 0;
+    for (const Bytes& one : split(fc->heard()).frames)
+        for (std::uint8_t n = 0; n < 20; ++n) through += one == command(n) ? 1 : 0;
+    EXPECT_EQ(through, 20u);
+    EXPECT_TRUE(daemon->counters_add_up());
 }
 
 TEST_F(Strangers, whose_one_datagram_is_forged_get_no_minute_of_telemetry) {

@@ -186,9 +186,13 @@ TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
         a.write(frame(0xDE, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 0}));
         b.write(frame(0xDE, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 1}));
         daemon->run_for(5ms);
-        return daemon->link("a").at("hint") == "two devices have the same id: give one of them another (0xDE)";
+        return daemon->link("a").at("hint") ==
+               "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+               "another id (0xDE)";
     }));
-    EXPECT_EQ(daemon->link("b").at("hint"), "two devices have the same id: give one of them another (0xDE)");
+    EXPECT_EQ(daemon->link("b").at("hint"),
+              "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+              "another id (0xDE)");
     EXPECT_EQ(daemon->link("c").at("hint"), "");
 }
 
@@ -402,10 +406,12 @@ TEST(Gateway, hints_of_two_conflicts_name_the_address_and_those_of_one_are_the_s
         b.write(telemetry(0xDD, 0));
         c.write(telemetry(0xDD, 0));
         daemon.run_for(5ms);
-        return hint("a").starts_with("two devices") && hint("b").find("0xDD") != std::string::npos;
+        return hint("a").starts_with("different frames") && hint("b").find("0xDD") != std::string::npos;
     })) << hint("a")
         << " / " << hint("b");
-    EXPECT_EQ(hint("a"), "two devices have the same id: give one of them another (0xDE)");
+    EXPECT_EQ(hint("a"),
+              "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+              "another id (0xDE)");
     EXPECT_EQ(hint("b"), hint("c"));
     EXPECT_TRUE(hint("b").starts_with("the same frames by two links: one device?")) << hint("b");
 }

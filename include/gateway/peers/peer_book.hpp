@@ -54,6 +54,8 @@ public:
     static constexpr std::uint32_t enough_refusals = 3;
     static constexpr Duration refused_for = std::chrono::seconds{5};
 
+    /// How long the last host to come that commands keeps its place at least: a flood of them must cost little.
+    static constexpr Duration turn = std::chrono::microseconds{500};
     /// Frames within this time belong to one exchange.
     static constexpr Duration exchange = std::chrono::seconds{1};
 
@@ -68,7 +70,8 @@ public:
     /// that came once from an address that keeps at least as many places as the stranger's address would have. If its address has
     /// max_of_address places, it takes the place of a peer of that address. Programs of this machine take places from each other,
     /// the longest silent first, but one that came once does not take that of one that came again. Peers of a lower rank take none of
-    /// the places that are kept for a higher one.
+    /// the places that are kept for a higher one. Where places are kept, a host that sends a command always gets one: the last to come
+    /// of those that command gives way, so that a crowd of them takes turns, and whoever was there before stays.
     Place place_for(const Endpoint& stranger, TimePoint now, Rank rank = Rank::ordinary);
 
     /// `near`: it is in a network of our interfaces. It counts as heard at `now`, since its first frame may be reported a little later.
@@ -114,7 +117,7 @@ private:
         bool once = true;        // it sent a single datagram
         Rank rank = Rank::ordinary;
         TimePoint heard_at{};
-        TimePoint exchange_began{};
+        TimePoint exchange_began{};    // when it came
         bool came_again = false;       // more than one exchange
         std::uint32_t refusals = 0;    // since it was last heard
         TimePoint first_refused_at{};
@@ -136,6 +139,7 @@ private:
     Peer& peer(ChannelId id) noexcept { return peers_[index(id)]; }
     bool has_free_place(Rank rank) const noexcept;
     bool may_give_way(const Peer& p, Rank to) const noexcept;
+    std::optional<ChannelId> last_that_commands(TimePoint now) const noexcept;
     std::size_t count(Rank at_least) const noexcept;
     bool may_listen(const Peer& p) const noexcept { return p.near && p.is_host; }
     bool is_silent(const Peer& p, TimePoint now) const noexcept { return now - p.heard_at >= options_.timeout; }

@@ -23,7 +23,15 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
         if (!gives_way && !is_of_us) continue;
         if (!longest_silent || p.heard_at < peer(*longest_silent).heard_at) longest_silent = id;
     }
+    if (!longest_silent && rank == Rank::commands && !address_full && options_.kept > 0) longest_silent = last_that_commands(now);
     return {longest_silent.has_value(), longest_silent};
+}
+
+std::optional<ChannelId> PeerBook::last_that_commands(TimePoint now) const noexcept {
+    std::optional<ChannelId> last;
+    for (const ChannelId id : used_)
+        if (peer(id).rank == Rank::commands && (!last || peer(id).exchange_began >= peer(*last).exchange_began)) last = id;
+    return last && now - peer(*last).exchange_began >= turn ? last : std::nullopt;
 }
 
 bool PeerBook::has_free_place(Rank rank) const noexcept {

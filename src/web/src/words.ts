@@ -18,6 +18,7 @@ export const words = {
   no_data_for: ["no data for {time}", "{time}没有数据"],
   no_data_of: ["No data from {name}", "{name} 没有数据"],
   last_state: ["last state: {state}", "最后状态：{state}"],
+  heard_elsewhere: ["heard on {where}, where it is not known to be the same", "在 {where} 听到，但无法确认是同一个设备"],
   state_ago: ["{state} {time} ago", "{time}前{state}"],
   lost_more: ["{n} more devices send no data", "另有 {n} 个设备没有数据"],
   open_job: ["Open {page}", "打开{page}"],

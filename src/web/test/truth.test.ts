@@ -75,6 +75,24 @@ test("a device that others know to be lost is lost until it is heard again", () 
   assert.deepEqual([brief.isLost(71, 0), brief.heardAt], [true, 70]);
 });
 
+test("a device that is heard where it is not known to be the same stays lost, as the gateway tells", () => {
+  const presence = new Presence();
+  send(presence, 0x06, 0.1, 0, 10);
+  const last = presence.heardAt;
+  send(presence, 0x06, 0.1, 20, 24); // a stranger
+  assert.equal(presence.isLost(24, 0), false);
+  presence.wasLost(last + 0.1, "radio");
+  assert.deepEqual([presence.isLost(24, 0), presence.elsewhere], [true, "radio"]);
+  const at = presence.heardAt;
+  send(presence, 0x06, 0.1, 24, 30);
+  presence.wasLost(last - 0.1, "radio");
+  assert.deepEqual([presence.isLost(30, 0), presence.heardAt], [true, at]);
+  presence.isBack();
+  send(presence, 0x06, 0.1, 30, 31);
+  assert.equal(presence.isLost(31, 0), false);
+  assert.deepEqual(heardDevicesIn({ devices: [{ address: "0x32", lost: true, age: 1, elsewhere: "radio" }] }, 10), [{ device: 50, isLost: true, heardAt: 9, flag: undefined, elsewhere: "radio" }]);
+});
+
 test("the devices of the gateway are read with the time when they were heard; what is none is left out", () => {
   const lost = { address: "0x32", lost: true, name: "Falcon", age: 2.5, sflag: 2 }, heard = { address: "0xDC", lost: false };
   assert.deepEqual(heardDevicesIn({ devices: [lost, heard] }, 100), [{ device: 50, isLost: true, heardAt: 97.5, flag: 2 }, { device: 220, isLost: false, heardAt: 100, flag: undefined }]);

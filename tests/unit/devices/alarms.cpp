@@ -354,20 +354,44 @@ TEST_F(LostVehicles, are_lost_after_a_silence_that_their_own_period_allows) {
         TimePoint now{1h};
         for (std::size_t i = 0; i <= LossWatch::periods; ++i) watch.hear_mode(0xDC, 2, now += period);
         const TimePoint last = now;
-        EXPECT_FALSE(watch.device(0xDC, std::nullopt, last + period + 899ms)->is_lost);
-        EXPECT_TRUE(watch.device(0xDC, std::nullopt, last + period + 900ms)->is_lost);
-        EXPECT_EQ(watch.device(0xDC, std::nullopt, last)->lost_at, last + period + 900ms);
-        EXPECT_FALSE(watch.device(0xDC, last + 500ms, last + period + 1s)->is_lost) << "another frame of it came";
-        EXPECT_EQ(watch.device(0xDC, last + period + 1s, last)->lost_at, last + period + 1s + LossWatch::lost_after) << "alone";
+        EXPECT_FALSE(watch.device(0xDC, last + period + 899ms)->is_lost);
+        EXPECT_TRUE(watch.device(0xDC, last + period + 900ms)->is_lost);
+        EXPECT_EQ(watch.device(0xDC, last)->lost_at, last + period + 900ms);
+        watch.hear(0xDC, 0xE1, last + 500ms);
+        EXPECT_FALSE(watch.device(0xDC, last + period + 1s)->is_lost) << "another frame of it came";
+        watch.hear(0xDC, 0xE1, last + period + 1s);
+        EXPECT_EQ(watch.device(0xDC, last)->lost_at, last + period + 1s + LossWatch::lost_after) << "alone";
         watch.hear_mode(0xDC, 2, now += 1min);    // no period
-        EXPECT_EQ(watch.device(0xDC, std::nullopt, now)->lost_at, now + period + 900ms);
+        EXPECT_EQ(watch.device(0xDC, now)->lost_at, now + period + 900ms);
         watch.forget(0xDC);
-        EXPECT_FALSE(watch.device(0xDC, last, now));
+        EXPECT_FALSE(watch.device(0xDC, now));
     }
     LossWatch brief;
     brief.hear_mode(0xDC, 2, TimePoint{1h});
-    EXPECT_EQ(brief.device(0xDC, std::nullopt, TimePoint{1h})->lost_at, TimePoint{1h} + LossWatch::lost_after);
-    EXPECT_FALSE(brief.device(0xDD, TimePoint{1h}, TimePoint{1h}));
+    EXPECT_EQ(brief.device(0xDC, TimePoint{1h})->lost_at, TimePoint{1h} + LossWatch::lost_after);
+    brief.hear(0xDD, 0xE1, TimePoint{1h});
+    EXPECT_FALSE(brief.device(0xDD, TimePoint{1h}));
+}
+
+// In a network anybody can send in the name of a lost vehicle.
+TEST_F(LostVehicles, stay_lost_while_they_are_only_heard_where_they_are_not_known) {
+    EXPECT_FALSE(net.service.stays_lost(0xDC)) << "it was never heard";
+    say(0);
+    EXPECT_FALSE(net.service.stays_lost(0xDC)) << "it was locked, and may be connected elsewhere";
+    say(2);
+    EXPECT_TRUE(net.service.stays_lost(0xDC));
+    net.pass(3s);
+    EXPECT_TRUE(net.service.hear_unknown(0xDC, "radio", net.time));
+    EXPECT_FALSE(net.service.hear_unknown(0xDC, "radio", net.time)) << "once";
+    EXPECT_EQ(lost(), (Json::array({{{"address", "0xDC"}, {"age", 3.0}, {"sflag", 2}, {"elsewhere", "radio"}}})));
+    say(2);
+    EXPECT_EQ(lost(), Json::array());
+    EXPECT_TRUE(net.service.hear_unknown(0xDC, "radio", net.time)) << "it was heard meanwhile";
+    EXPECT_TRUE(net.service.forget_values(0xDC));
+    EXPECT_FALSE(net.service.forget_values(0xDC));
+    EXPECT_FALSE(net.service.stays_lost(0xDC));
+    for (int i = 0; i < 3; ++i) net.service.hear_telemetry(0x51, 0x51, net.time);
+    EXPECT_TRUE(net.service.stays_lost(0x51)) << "it has no state that says it is on the ground";
 }
 
 // "lost DC 2 1.5, heard DD": of the last line.

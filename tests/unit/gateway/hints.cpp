@@ -107,14 +107,23 @@ TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
               "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id")
         << "it matters more than damage";
     link.shared = SharedSource::two_peers;
-    EXPECT_EQ(hint(link), "two peers speak as one device: `conflicts` in the status says who");
+    EXPECT_EQ(hint(link),
+              "two peers speak as one device: `conflicts` in the status says who; two devices? give one of them another id");
     link.shared = SharedSource::two_devices;
-    EXPECT_EQ(hint(link), "two devices have the same id: give one of them another");
+    EXPECT_EQ(hint(link),
+              "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+              "another id");
+    link.shared = SharedSource::claims_pinned;
+    EXPECT_EQ(hint(link),
+              "a pinned address is claimed by another link: frames from there are not taken for its own; one device? give the "
+              "links one "
+              "`group`; two devices? give the other one another id");
 }
 
 // What is said at the links of one conflict, which share its meaning and ring, whatever else each of them has.
 TEST(Hint, two_of_one_conflict_never_contradict_each_other) {
-    const std::string meanings[] = {"ring", "one_device_on_two_links", "two_devices_one_id", "two_peers_one_device"};
+    const std::string meanings[] = {"ring", "one_device_on_two_links", "two_devices_one_id", "two_peers_one_device",
+                                    "pinned_address_claimed"};
     const auto is_meaning = [&](std::string_view id) {
         return std::find(std::begin(meanings), std::end(meanings), id) != std::end(meanings);
     };
@@ -132,7 +141,8 @@ TEST(Hint, two_of_one_conflict_never_contradict_each_other) {
         if (other == 6) link.untaken_for = std::chrono::seconds{9};
         return link;
     };
-    for (const SharedSource shared : {SharedSource::one_device, SharedSource::two_devices, SharedSource::two_peers})
+    for (const SharedSource shared :
+         {SharedSource::one_device, SharedSource::two_devices, SharedSource::two_peers, SharedSource::claims_pinned})
         for (const bool ring : {false, true})
             for (const int one : others)
                 for (const int other : others) {
@@ -146,7 +156,9 @@ TEST(Hint, of_a_source_on_two_links_names_its_address) {
     LinkFigures link = line_that_sent(1000);
     link.shared = SharedSource::two_devices;
     link.shared_address = 0xDC;
-    EXPECT_EQ(hint(link), "two devices have the same id: give one of them another (0xDC)");
+    EXPECT_EQ(hint(link),
+              "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+              "another id (0xDC)");
     EXPECT_EQ(find_hint(link).args.at(0), (std::pair<std::string_view, Hint::Value>{"device", std::string{"0xDC"}}));
 }
 

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <string>
+
 namespace anogate::peer_book_tests {
 namespace {
 
@@ -364,6 +367,58 @@ TEST(PeerBook, a_peer_that_becomes_one_that_commands_needs_no_kept_place) {
     EXPECT_FALSE(book.place_for(laptop, start).free);
     book.commanded(a);
     EXPECT_TRUE(book.place_for(laptop, start).free);
+}
+
+// So its command gets through, however many others command, and whoever was there before stays.
+TEST(PeerBook, the_last_host_that_commands_gives_way_to_another_one) {
+    using enum PeerBook::Rank;
+    Book book{PeerBook::Options{60s, 3, 3, 1, 0}};
+    book.join_once(a, phone, host, start, commands);
+    book.join_once(b, laptop, host, start + 1s, commands);
+    book.join_once(c, at("10.0.0.1:1"), host, start + 2s, commands);
+    const TimePoint now = start + 3s;
+    for (const ChannelId id : {a, b, c}) book.heard(id, host, now);
+    EXPECT_EQ(book.place_for(at("10.0.0.2:1"), now, commands).gives_way, c);
+    EXPECT_FALSE(book.place_for(at("10.0.0.2:1"), now).free) << "not to one that only listens";
+    book.remove(c);
+    book.join_once(c, at("10.0.0.2:1"), host, now, commands);
+    EXPECT_FALSE(book.place_for(at("10.0.0.1:1"), now + PeerBook::turn - 1us, commands).free) << "a flood costs little";
+    EXPECT_EQ(book.place_for(at("10.0.0.1:1"), now + PeerBook::turn, commands).gives_way, c);
+    Book with_trusted{PeerBook::Options{60s, 2, 2, 1, 1}};
+    with_trusted.join_once(a, phone, host, start, commands);
+    with_trusted.join_once(b, laptop, host, start + 1s, trusted);
+    with_trusted.heard(a, host, now);
+    EXPECT_EQ(with_trusted.place_for(at("10.0.0.2:1"), now, commands).gives_way, a) << "no trusted one";
+}
+
+// 30 addresses, each five times a second, all at once or one after the other.
+TEST(PeerBook, a_late_operator_gets_his_commands_through_a_crowd_that_commands) {
+    using enum PeerBook::Rank;
+    for (const Duration apart : std::initializer_list<Duration>{0ms, 1ms, 6ms}) {
+        Book book{PeerBook::Options{60s, 16, 4, 4, 0}};
+        std::array<Endpoint, 17> who;
+        std::size_t places = 0;
+        const auto sends = [&](const Endpoint& from, TimePoint now) {
+            for (std::size_t i = 0; i < places; ++i)
+                if (who[i] == from) return book.heard(ChannelId{static_cast<std::uint8_t>(i)}, host, now), true;
+            const auto place = book.place_for(from, now, commands);
+            if (!place.free) return false;
+            const std::size_t at = place.gives_way ? anogate::index(*place.gives_way) : places++;
+            if (place.gives_way) book.remove(*place.gives_way);
+            who[at] = from;
+            book.join_once(ChannelId{static_cast<std::uint8_t>(at)}, from, host, now, commands);
+            return true;
+        };
+        int through = 0;
+        for (int ms = 0; ms < 6000; ++ms) {
+            const TimePoint now = start + std::chrono::milliseconds{ms};
+            for (int i = 0; i < 30; ++i)
+                if (std::chrono::milliseconds{ms % 200} == apart * i)
+                    sends(at(("10.0.1." + std::to_string(i + 1) + ":1").c_str()), now);
+            if (ms >= 3000 && ms < 5000 && ms % 100 == 37) through += sends(at("10.0.0.1:1"), now) ? 1 : 0;
+        }
+        EXPECT_GE(through, 18) << apart.count();
+    }
 }
 
 TEST(PeerBook, on_this_machine_too_who_came_once_does_not_drive_out_who_came_again) {

@@ -39,27 +39,30 @@ const sameLoss = 1; // seconds between what the gateway and the page know of whe
 export class Presence {
   heardAt = Number.NEGATIVE_INFINITY;
   private lostAt: number | undefined; // as others know
+  /** Where frames in its name come from that are no sign of life, as others know; it stays lost until isBack(). */
+  elsewhere: string | undefined;
   private readonly beats = new Map<number, Beat>(); // of telemetry
   private readonly logs = new Map<number, Beat>();
   private readonly recent: number[] = [];
 
   hear(id: number, now: number): void {
-    this.heardAt = Math.max(this.heardAt, now);
+    if (this.elsewhere === undefined) this.heardAt = Math.max(this.heardAt, now);
     this.recent.push(now);
     if (this.recent.length > 2000) this.recent.splice(0, 1000);
     if (isTelemetry(id) || isLog(id)) entryOf(isLog(id) ? this.logs : this.beats, id, () => new Beat()).add(now);
   }
 
   /** Others know that it was heard last at that time, and is lost since: here nobody listened, or not for long enough to know. */
-  wasLost(at: number): void {
-    if (this.heardAt > at + sameLoss) return; // it is heard again
-    if (this.heardAt < at - sameLoss) this.heardAt = at;
+  wasLost(at: number, elsewhere?: string): void {
+    this.elsewhere = elsewhere;
+    if (this.heardAt > at + sameLoss && elsewhere === undefined) return; // it is heard again
+    if (Math.abs(this.heardAt - at) > sameLoss) this.heardAt = at;
     this.lostAt = this.heardAt;
   }
 
   /** Others know that it is heard, though here nobody listens. */
   isBack(): void {
-    this.lostAt = undefined;
+    this.lostAt = this.elsewhere = undefined;
   }
 
   /** Of its most frequent telemetry. While it has none, of its log: if it had some, or logs all the time. undefined: it sends nothing by itself,

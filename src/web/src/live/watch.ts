@@ -61,6 +61,7 @@ export function lastStateOf(device: number): { flag: number; at: number } | unde
   const one = all.get(device);
   return one?.flag === undefined ? undefined : { flag: one.flag, at: one.presence.heardAt };
 }
+export const elsewhereOf = (device: number): string | undefined => all.get(device)?.presence.elsewhere;
 export const flagOf = (device: number): number | undefined => all.get(device)?.flag;
 
 function take(record: FrameRecord, at: number): void {
@@ -122,14 +123,14 @@ const sameVisit = 5; // seconds between what two visits know of when a device wa
 /** The gateway knows the devices that were lost while this page was hidden, or before it was opened. A vehicle that was locked then was switched
  * off: that is no news. */
 function takeHeard(heard: HeardDevice[]): void {
-  for (const { device, isLost, heardAt, flag } of heard) {
+  for (const { device, isLost, heardAt, flag, elsewhere } of heard) {
     if (!isLost) {
       all.get(device)?.presence.isBack();
       continue;
     }
     const one = watched(device), isNew = one.presence.heardAt === Number.NEGATIVE_INFINITY;
-    one.presence.wasLost(heardAt);
-    one.flag = document.hidden ? (flag ?? one.flag) : (one.flag ?? flag);
+    one.presence.wasLost(heardAt, elsewhere);
+    one.flag = document.hidden || elsewhere !== undefined ? (flag ?? one.flag) : (one.flag ?? flag);
     const dismissed = Number(remembered(`lost.${device}`)) || 0, age = seconds() - heardAt;
     if (isNew && (flag === 0 || Date.now() / 1000 - age - dismissed < sameVisit)) one.dismissedAt = one.presence.heardAt;
   }
@@ -140,7 +141,7 @@ function takeHeard(heard: HeardDevice[]): void {
 function seeNoFrames(): void {
   for (const device of lostDevices.get()) {
     const presence = all.get(device)?.presence;
-    presence?.wasLost(presence.heardAt);
+    presence?.wasLost(presence.heardAt, presence.elsewhere);
   }
   since = Number.POSITIVE_INFINITY;
 }

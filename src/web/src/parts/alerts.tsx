@@ -7,7 +7,7 @@ import { contact, seconds, status, table } from "../live/gateway";
 import { inPeoplesUnits } from "../live/latest";
 import { type Alarm, fieldOf, messageOf, type Limit } from "../live/limits";
 import { useStore, useTick } from "../live/store";
-import { ageOf, alarms, dismissAlarm, dismissLost, dismissRed, flagOf, lostNews, oldAfter, redLines, silence, sounding } from "../live/watch";
+import { ageOf, alarms, dismissAlarm, dismissLost, dismissRed, elsewhereOf, flagOf, lostNews, oldAfter, redLines, silence, sounding } from "../live/watch";
 import { hashOf, pageOfDevice } from "../route";
 import { DeviceText, tx } from "./device_text";
 
@@ -33,12 +33,13 @@ function Line({ kind, children, device }: { kind: string; children: ComponentChi
 }
 
 function LostLine({ device }: { device: number }) {
-  const state = stateWord(flagOf(device));
+  const state = stateWord(flagOf(device)), elsewhere = elsewhereOf(device);
   return (
     <Line kind="lost" device={device}>
       <span>
         <a href={hashOf({ page: pageOfDevice, device })}><b><DeviceText text={called(device)} /></b></a>{" "}
         <b>{t("no_data_for", { time: inWords(ageOf(device) ?? 0) })}</b>{state && <> · {t("last_state", { state })}</>}
+        {elsewhere !== undefined && <> · {t("heard_elsewhere", { where: elsewhere })}</>}
       </span>
       <button type="button" onClick={() => dismissLost(device)}>{t("dismiss")}</button>
     </Line>
