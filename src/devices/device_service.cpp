@@ -577,11 +577,10 @@ void DeviceService::tell_back(std::uint8_t source, TimePoint now) {
     await_feeds();
 }
 
-bool DeviceService::hear_unknown(std::uint8_t source, const std::string& place, TimePoint now) {
-    if (!losses_.hear_elsewhere(source, place)) return false;
+void DeviceService::hear_elsewhere(std::uint8_t source, const std::string& place, TimePoint now) {
+    losses_.hear_elsewhere(source, place);
     alarms_.look_soon(now);
     await_feeds();
-    return true;
 }
 
 std::vector<WatchedDevice> DeviceService::watched(TimePoint now) {

@@ -144,9 +144,10 @@ public:
     void hear_mode(ano::FrameView frame, ano::TimePoint now);
     /// The same for each other frame.
     void hear_telemetry(std::uint8_t source, std::uint8_t id, ano::TimePoint now);
-    /// A frame came by `place` in the name of a device that stays_lost(), and is not known to be from it. True: that is news, until it is
-    /// heard.
-    bool hear_unknown(std::uint8_t source, const std::string& place, ano::TimePoint now);
+    /// A frame came by `place` in the name of a device that stays_lost(), and is not known to be from it: it is told with this place
+    /// until it is heard.
+    void hear_elsewhere(std::uint8_t source, const std::string& place, ano::TimePoint now);
+    bool is_told_elsewhere(std::uint8_t source) const noexcept { return losses_.is_told_elsewhere(source); }
     /// As LossWatch::stays_lost().
     bool stays_lost(std::uint8_t address) const noexcept { return losses_.stays_lost(address); }
     /// Vehicles, and devices that sent telemetry, until forget_values(); by address.

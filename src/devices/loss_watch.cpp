@@ -24,13 +24,6 @@ void LossWatch::hear_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoin
     life.flag = flag;
 }
 
-bool LossWatch::hear_elsewhere(std::uint8_t address, const std::string& place) {
-    std::string& elsewhere = lives_[address].elsewhere;
-    const bool is_news = elsewhere.empty();
-    elsewhere = place;
-    return is_news;
-}
-
 ano::Duration LossWatch::Life::allowed_silence() const noexcept {
     if (!flag) return rarest_telemetry;
     const ano::Duration period = *std::max_element(mode_intervals.begin(), mode_intervals.end());

@@ -44,8 +44,10 @@ public:
     /// Any frame that is no `mode`.
     void hear(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept;
     void hear_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoint now) noexcept;
-    /// A frame in its name came by `place`, and it is not known to be from it: no sign of life. True: that is news, until it is heard.
-    bool hear_elsewhere(std::uint8_t address, const std::string& place);
+    /// A frame in its name came by `place`, and it is not known to be from it: no sign of life, but told until it is
+    /// heard.
+    void hear_elsewhere(std::uint8_t address, const std::string& place) { lives_[address].elsewhere = place; }
+    bool is_told_elsewhere(std::uint8_t address) const noexcept { return !lives_[address].elsewhere.empty(); }
     void forget(std::uint8_t address) noexcept { lives_[address] = {}; }
 
     /// It is told as lost until it is heard again, so a frame from another place must not end that. A vehicle that was locked may have been

@@ -30,8 +30,10 @@ std::string conflict_text(const Gateway& gateway, const Conflict& conflict) {
     const SharedSource meaning = meaning_of(gateway, conflict);
     std::string text = fmt::format("0x{:02X} is {} {}", conflict.address, pinned.empty() ? "heard on" : "pinned to",
                                    names_of(gateway, pinned.empty() ? conflict.links : pinned));
-    if (by != nullptr) text += ", claimed by " + gateway.name(by->link) + (by->peer.empty() ? "" : " (" + by->peer + ")");
-    else if (!pinned.empty()) text += ", heard on " + names_of(gateway, conflict.links);
+    if (by != nullptr)
+        text += (pinned.empty() ? ", claimed by " : ", and is claimed by ") + gateway.name(by->link) +
+                (by->peer.empty() ? "" : " (" + by->peer + ")");
+    else if (!pinned.empty()) text += ", and is heard on " + names_of(gateway, conflict.links);
     text.append(": ").append(advice_on(meaning));
     if (pinned.empty() && meaning != SharedSource::two_peers)
         text += fmt::format("; neither? pin it: --route 0x{:02X}=LINK", conflict.address);

@@ -26,6 +26,7 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -101,18 +102,18 @@ bool GatewayDevices::is_itself(const Channel& from, std::uint8_t source) {
 }
 
 void GatewayDevices::tell_unknown(const Channel& from, std::uint8_t source) {
-    const std::string here = words_of(gateway_.name(from.link), from.peer);
-    if (!service_.hear_unknown(source, here, gateway_.time())) return;
-    const Place& last = places_[source];
+    if (service_.is_told_elsewhere(source)) return;
+    const std::string here = words_of(gateway_.name(from.link), from.peer), name = ano::hex_byte(source);
+    service_.hear_elsewhere(source, here, gateway_.time());
     log_warning(
-        "{0} is heard on {1} and not on {2}, where it was: it is not known to be the same device, and stays lost. If it is the "
+        "{} is heard on {} and not on {}, where it was: it is not known to be the same device, and stays lost. If it is the "
         "same: "
-        "anoctl routes --forget {0}",
-        ano::hex_byte(source), here, words_of(last.link, last.peer));
+        "anoctl routes --forget {}",
+        name, here, words_of(places_[source].link, places_[source].peer), name);
 }
 
 // A frame that is not of the device itself gets into no log, and neither raises an alarm nor ends one.
-bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView frame) {
+bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView frame) try {
     if (from.id == ourselves || !of_.is_itself(from, frame.source())) return false;
     DeviceService& service = of_.service_;
     const TimePoint now = of_.gateway_.time();
@@ -127,6 +128,8 @@ bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView 
     else service.hear_telemetry(frame.source(), frame.id(), now);
     if (service.alarms().watch().wants(frame.source(), frame.id()))
         service.hear_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), now);
+    return false;
+} catch (const std::bad_alloc&) {    // ignores the frame
     return false;
 }
 

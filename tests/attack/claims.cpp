@@ -231,7 +231,7 @@ TEST(PinnedAddress, never_moves) {
     const std::string advice =
         "frames from there are not taken for its own; one device? give the links one `group`; two devices? give "
         "the other one another id";
-    EXPECT_EQ(log.take(), "0xDC is pinned to air, claimed by ground (" + attacker.local().text() + "): " + advice + "\n");
+    EXPECT_EQ(log.take(), "0xDC is pinned to air, and is claimed by ground (" + attacker.local().text() + "): " + advice + "\n");
     for (const char* link : {"ground", "air"})
         EXPECT_EQ(daemon.link(link).at("hint"), "a pinned address is claimed by another link: " + advice + " (0xDC)") << link;
     EXPECT_EQ(daemon.status().at("conflicts").at(0).at("claimed_by").at("peer"), attacker.local().text());

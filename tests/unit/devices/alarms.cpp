@@ -381,12 +381,12 @@ TEST_F(LostVehicles, stay_lost_while_they_are_only_heard_where_they_are_not_know
     say(2);
     EXPECT_TRUE(net.service.stays_lost(0xDC));
     net.pass(3s);
-    EXPECT_TRUE(net.service.hear_unknown(0xDC, "radio", net.time));
-    EXPECT_FALSE(net.service.hear_unknown(0xDC, "radio", net.time)) << "once";
+    net.service.hear_elsewhere(0xDC, "radio", net.time);
+    EXPECT_TRUE(net.service.is_told_elsewhere(0xDC));
     EXPECT_EQ(lost(), (Json::array({{{"address", "0xDC"}, {"age", 3.0}, {"sflag", 2}, {"elsewhere", "radio"}}})));
     say(2);
     EXPECT_EQ(lost(), Json::array());
-    EXPECT_TRUE(net.service.hear_unknown(0xDC, "radio", net.time)) << "it was heard meanwhile";
+    EXPECT_FALSE(net.service.is_told_elsewhere(0xDC)) << "it was heard";
     EXPECT_TRUE(net.service.forget_values(0xDC));
     EXPECT_FALSE(net.service.forget_values(0xDC));
     EXPECT_FALSE(net.service.stays_lost(0xDC));
