@@ -128,7 +128,7 @@ TEST_F(Strangers, that_command_keep_no_command_of_an_operator_out) {
     }
     std::size_t through = 0;
     for (const Bytes& one : split(fc->heard()).frames)
-        for (std::uint8_t n = 0; n < 20; ++n) through += one == command(n) ? 1 : 0;
+        for (std::uint8_t n = 0; n < 20; ++n) through += one == command(n) ? 1u : 0u;
     EXPECT_EQ(through, 20u);
     EXPECT_TRUE(daemon->counters_add_up());
 }
