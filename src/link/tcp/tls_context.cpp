@@ -1,3 +1,4 @@
+#include <link/tcp/record_ends.hpp>
 #include <link/tcp/tls_context.hpp>
 #include <sys/errors.hpp>
 #include <sys/unique_fd.hpp>
@@ -8,7 +9,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,8 +24,7 @@ namespace {
 
 constexpr std::size_t most_per_write = 16 * 1024;
 constexpr int records_per_read = 32;
-constexpr int record_header = 5, max_record = 16 * 1024 + 256;    // RFC 8446, 5.1
-constexpr int max_handshake_steps = 64;                           // each may cost a thread; a usual handshake has about five
+constexpr int max_handshake_steps = 64;    // each may cost a thread; a usual handshake has about five
 
 using Context = std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)>;
 
@@ -80,6 +79,13 @@ std::string use_files(SSL_CTX* context, const LinkCertificates& files) {
     return {};
 }
 
+// Bytes that OpenSSL read from the socket.
+long note_read(BIO* bio, int what, const char* bytes, std::size_t, int, long, int result, std::size_t* size) {
+    if (what == (BIO_CB_READ | BIO_CB_RETURN) && result > 0)
+        reinterpret_cast<RecordEnds*>(::BIO_get_callback_arg(bio))->took({reinterpret_cast<const std::uint8_t*>(bytes), *size});
+    return result;
+}
+
 }    // namespace
 
 struct TlsConnection::Parts {
@@ -87,6 +93,7 @@ struct TlsConnection::Parts {
     std::unique_ptr<SSL, void (*)(SSL*)> ssl{nullptr, ::SSL_free};
     std::vector<std::uint8_t> taken{};    // given to OpenSSL, and not on the wire yet: it must get the same bytes again
     std::string fault{};
+    RecordEnds records{};     // of the handshake
     int steps = 0;            // of the handshake
     bool has_more = false;    // read() has left off before the socket had no more
 };
@@ -107,7 +114,10 @@ TlsConnection::Handshake TlsConnection::go_on() {
     ::ERR_clear_error();
     SSL* const ssl = parts_->ssl.get();
     const int result = ::SSL_do_handshake(ssl);
-    if (result == 1) return Handshake::done;
+    if (result == 1) {
+        ::BIO_set_callback_ex(::SSL_get_rbio(ssl), nullptr);
+        return Handshake::done;
+    }
     const int error = errno;
     switch (::SSL_get_error(ssl, result)) {
     case SSL_ERROR_WANT_READ: return Handshake::wants_to_read;
@@ -128,17 +138,17 @@ TlsConnection::Handshake TlsConnection::go_on() {
     return Handshake::failed;
 }
 
+// The kernel also reports the end of input, and less than the record when it has no memory for more.
 bool TlsConnection::has_record() {
     const int fd = parts_->socket.get();
-    std::array<std::uint8_t, record_header> header{};
-    const ssize_t seen = ::recv(fd, header.data(), header.size(), MSG_PEEK | MSG_DONTWAIT);
-    int needed = record_header, waiting = 0;
-    if (seen == record_header) needed += std::min(header[3] << 8 | header[4], max_record);
-    pollfd ended{fd, POLLRDHUP, 0};
-    const bool has = (seen <= 0 && errno != EAGAIN) || ::ioctl(fd, FIONREAD, &waiting) != 0 || waiting >= needed ||
-                     ::poll(&ended, 1, 0) != 0;
-    const int low_water = has ? 1 : needed;
+    std::array<std::uint8_t, RecordEnds::header_size> waiting{};
+    const ssize_t seen = ::recv(fd, waiting.data(), waiting.size(), MSG_PEEK | MSG_DONTWAIT);
+    int low_water = parts_->records.missing(std::span{waiting}.first(static_cast<std::size_t>(std::max<ssize_t>(seen, 0))));
     ::setsockopt(fd, SOL_SOCKET, SO_RCVLOWAT, &low_water, sizeof low_water);
+    pollfd readable{fd, POLLIN, 0};
+    const bool has = ::poll(&readable, 1, 0) != 0;
+    low_water = 1;
+    if (has) ::setsockopt(fd, SOL_SOCKET, SO_RCVLOWAT, &low_water, sizeof low_water);
     return has;
 }
 
@@ -241,6 +251,8 @@ Opened<std::shared_ptr<TlsConnection>> TlsContext::connection(int fd, const std:
     parts->ssl.reset(::SSL_new(loaded_->context.get()));
     SSL* const ssl = parts->ssl.get();
     if (!ssl || ::SSL_set_fd(ssl, parts->socket.get()) != 1) return NotOpened{LinkError{"tls", openssl_fault(), {}}};
+    ::BIO_set_callback_ex(::SSL_get_rbio(ssl), note_read);
+    ::BIO_set_callback_arg(::SSL_get_rbio(ssl), reinterpret_cast<char*>(&parts->records));
     if (side_ == Side::listens) {
         ::SSL_set_accept_state(ssl);
     } else {
