@@ -31,7 +31,7 @@ Hint or_hello(const LinkFigures& link, Hint hint) {
 Hint nothing_at_all(const LinkFigures& link) {
     if (link.listens && link.channels == 0)
         return {"no_peer_yet",
-                link.has_connections ? "nobody has connected yet" : "no peer yet: a peer is known after its first whole frame"};
+                link.has_connections ? "nobody is connected" : "no peer yet: a peer is known after its first whole frame"};
     return {link.words.nothing_yet.id, std::string{link.words.nothing_yet.text}};
 }
 
