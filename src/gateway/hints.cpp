@@ -217,8 +217,9 @@ Hint trouble_or_end(const LinkFigures& link, bool with_time) {
 std::string_view advice_on(SharedSource shared) {
     switch (shared) {
     case SharedSource::none: break;
-    case SharedSource::one_device:
-    case SharedSource::two_devices: return "one device? give the links one `group`; two devices? give one of them another id";
+    // a group would drop what a device sends back that a host with its address has sent
+    case SharedSource::two_devices: return "two devices? give one of them another id";
+    case SharedSource::one_device: return "one device? give the links one `group`; two devices? give one of them another id";
     case SharedSource::two_peers: return "`conflicts` in the status says who; two devices? give one of them another id";
     case SharedSource::claims_pinned:
         return "frames from there are not taken for its own; one device? give the links one `group`; two devices? give the other "

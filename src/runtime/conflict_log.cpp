@@ -36,7 +36,7 @@ std::string conflict_text(const Gateway& gateway, const Conflict& conflict) {
     else if (!pinned.empty()) text += ", and is heard on " + names_of(gateway, conflict.links);
     text.append(": ").append(advice_on(meaning));
     if (pinned.empty() && meaning != SharedSource::two_peers)
-        text += fmt::format("; neither? pin it: --route 0x{:02X}=LINK", conflict.address);
+        text += fmt::format("; or pin it: --route 0x{:02X}=LINK", conflict.address);
     return text;
 }
 

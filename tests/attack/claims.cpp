@@ -171,8 +171,7 @@ TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
     const LogLines log;
     for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
     EXPECT_EQ(log.take(), "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +
-                              "): one device? give the links one `group`; two devices? give one of them another id; neither? "
-                              "pin it: --route 0xDC=LINK\n");
+                              "): two devices? give one of them another id; or pin it: --route 0xDC=LINK\n");
 }
 
 // It answers no question, so that it loses its address; but not without a word.

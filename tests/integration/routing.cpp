@@ -187,11 +187,11 @@ TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
         b.write(frame(0xDE, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 1}));
         daemon->run_for(5ms);
         return daemon->link("a").at("hint") ==
-               "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+               "different frames of one id by two links: two devices? give one of them "
                "another id (0xDE)";
     }));
     EXPECT_EQ(daemon->link("b").at("hint"),
-              "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+              "different frames of one id by two links: two devices? give one of them "
               "another id (0xDE)");
     EXPECT_EQ(daemon->link("c").at("hint"), "");
 }
@@ -410,7 +410,7 @@ TEST(Gateway, hints_of_two_conflicts_name_the_address_and_those_of_one_are_the_s
     })) << hint("a")
         << " / " << hint("b");
     EXPECT_EQ(hint("a"),
-              "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+              "different frames of one id by two links: two devices? give one of them "
               "another id (0xDE)");
     EXPECT_EQ(hint("b"), hint("c"));
     EXPECT_TRUE(hint("b").starts_with("the same frames by two links: one device?")) << hint("b");

@@ -11,7 +11,7 @@ export const hints: Record<string, string> = {
   no_address: "有设备用 {source} 发送，它不是设备地址，因此只能收到广播：给设备设 ID，或者用 alias 给它一个",
   port_id_hides_device: "发不到设备 {device}：它的地址也是一条链路的端口 ID，改掉其中一个",
   one_device_on_two_links: "两条链路收到相同的帧：是一个设备？给两条链路设同一个 group；是两个设备？给其中一个换 ID（{device}）",
-  two_devices_one_id: "两条链路收到同一个 ID 的不同帧：是一个设备？给两条链路设同一个 group；是两个设备？给其中一个换 ID（{device}）",
+  two_devices_one_id: "两条链路收到同一个 ID 的不同帧：如果是两个设备，给其中一个换 ID（{device}）",
   two_peers_one_device: "两个对端以同一个设备的身份说话：“需要处理”里写明是哪个设备；是两个设备？给其中一个换 ID（{device}）",
   pinned_address_claimed: "另一条链路以固定了链路的地址的名义说话：那里来的帧不采用；是一个设备？给两条链路设同一个 group；是两个设备？给那个设备换 ID（{device}）",
   no_host_takes: "在本页面显示，没有别的上位机接收：上位机先发点什么就会收到，或者写明它在哪里：--route 0xFE=链路",

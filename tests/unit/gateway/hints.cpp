@@ -111,7 +111,7 @@ TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
               "two peers speak as one device: `conflicts` in the status says who; two devices? give one of them another id");
     link.shared = SharedSource::two_devices;
     EXPECT_EQ(hint(link),
-              "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+              "different frames of one id by two links: two devices? give one of them "
               "another id");
     link.shared = SharedSource::claims_pinned;
     EXPECT_EQ(hint(link),
@@ -157,7 +157,7 @@ TEST(Hint, of_a_source_on_two_links_names_its_address) {
     link.shared = SharedSource::two_devices;
     link.shared_address = 0xDC;
     EXPECT_EQ(hint(link),
-              "different frames of one id by two links: one device? give the links one `group`; two devices? give one of them "
+              "different frames of one id by two links: two devices? give one of them "
               "another id (0xDC)");
     EXPECT_EQ(find_hint(link).args.at(0), (std::pair<std::string_view, Hint::Value>{"device", std::string{"0xDC"}}));
 }

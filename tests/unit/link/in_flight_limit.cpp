@@ -17,6 +17,7 @@ public:
     Line(double bytes_per_second, ano::Duration way) : rate_{bytes_per_second}, way_{way} {}
 
     void change_rate(double bytes_per_second) { rate_ = bytes_per_second; }
+    void change_way(ano::Duration way) { way_ = way; }
 
     void run(ano::Duration time) {
         longest_wait_ = {};
@@ -30,8 +31,7 @@ public:
     /// Of a packet in the last run(): behind others, before the line.
     ano::Duration longest_wait() const { return longest_wait_; }
     double bytes() const { return static_cast<double>(arrived_); }
-    std::size_t in_flight() const { return in_flight_; }
-    std::size_t limit() const { return limit_.limit(); }
+    std::size_t times_empty() const { return times_empty_; }
 
 private:
     struct Packet {
@@ -54,6 +54,7 @@ private:
             trip_.shortest = trip_.shortest == ano::Duration::zero() ? took : std::min(trip_.shortest, took);
             trip_.now = trip_.now == ano::Duration::zero() ? took : trip_.now + (took - trip_.now) / 8;
             in_flight_ -= first.size;
+            times_empty_ += in_flight_ == 0 ? 1 : 0;
             arrived_ += first.size;
         }
     }
@@ -63,7 +64,7 @@ private:
     InFlightLimit limit_;
     std::deque<Packet> packets_;
     InFlightLimit::RoundTrip trip_;
-    std::size_t in_flight_ = 0, arrived_ = 0;
+    std::size_t in_flight_ = 0, arrived_ = 0, times_empty_ = 0;
     ano::TimePoint now_{1h}, free_at_{};
     ano::Duration longest_wait_{};
 };
@@ -106,20 +107,41 @@ TEST(InFlightLimit, follows_a_line_that_becomes_slower_and_faster) {
     EXPECT_GE(line.bytes(), 0.95 * 5 * 20 * mbit);
 }
 
-TEST(InFlightLimit, lets_the_line_run_empty_once_a_minute) {
-    Line line{2 * mbit, 2ms};
-    std::size_t seen = 0;
-    for (int i = 0; i < 130'000; ++i) {
-        line.run(1ms);
-        if (i > 1'000 && line.in_flight() <= InFlightLimit::nearly_none + 1000) seen += seen % 2 == 0 ? 1 : 0;
-        else if (i > 1'000 && line.in_flight() > 6000) seen += seen % 2;
-    }
-    EXPECT_EQ(seen, 4u);    // twice empty, and full again
+TEST(InFlightLimit, follows_a_way_that_becomes_longer_although_the_kernel_remembers_the_shorter_one) {
+    Line line{8 * mbit, 5ms};
+    line.run(5s);
+    line.change_way(150ms);
+    line.run(20s);
+    line.run(20s);
+    EXPECT_GE(line.bytes(), 0.8 * 20 * std::min(8 * mbit, InFlightLimit::most / 0.15));
+    line.change_way(5ms);
+    line.run(2min);
+    line.run(20s);
+    EXPECT_LE(line.longest_wait(), 60ms);
+}
+
+TEST(InFlightLimit, a_slow_line_is_busy) {
+    Line line{0.1 * mbit, 5ms};
+    line.run(5s);
+    line.run(2min);
+    EXPECT_GE(line.bytes(), 0.95 * 120 * 0.1 * mbit);
+}
+
+TEST(InFlightLimit, all_has_to_arrive_once_a_minute_and_then_the_next_write) {
+    Line line{4 * mbit, 2ms};
+    line.run(5s);
+    const std::size_t before = line.times_empty();
+    line.run(50s);
+    EXPECT_EQ(line.times_empty(), before);
+    line.run(80s);
+    EXPECT_EQ(line.times_empty(), before + 4);
 }
 
 TEST(InFlightLimit, does_not_ask_for_the_round_trip_while_little_is_on_the_way) {
     InFlightLimit limit;
-    EXPECT_EQ(limit.wait(InFlightLimit::least, ano::TimePoint{30s}, []() -> InFlightLimit::RoundTrip { throw 1; }), 0s);
+    const auto thrown = []() -> InFlightLimit::RoundTrip { throw 1; };
+    EXPECT_EQ(limit.wait(0, ano::TimePoint{30s}, thrown), 0s);
+    EXPECT_EQ(limit.wait(InFlightLimit::least, ano::TimePoint{31s}, thrown), 0s);
 }
 
 TEST(InFlightLimit, asks_again_soon_while_nothing_is_acknowledged) {
