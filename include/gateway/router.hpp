@@ -204,10 +204,10 @@ private:
     bool is_cut_off(ChannelSet known) const noexcept;
     LinkSet links_of(ChannelSet channels) const noexcept;
     ChannelSet channels_of(LinkSet links) const noexcept;
-    void decide(Route& route, std::uint8_t destination, ChannelSet from, ano::Intent intent, TimePoint now);
+    void decide(Route& route, std::uint8_t destination, ano::Intent intent, TimePoint now);
     void to_namesakes(Route& route, std::uint8_t address, ChannelId from, ano::Intent intent);
     bool to_last_home(Route& route, std::uint8_t destination);
-    void add_unknown(Route& route, std::uint8_t destination, ChannelSet from, ano::Intent intent);
+    void add_unknown(Route& route, std::uint8_t destination, ano::Intent intent);
     ChannelSet devices();
     ChannelSet places_of(ChannelSet channels) const noexcept;
     ChannelSet places_of_devices_alone() { return places_of(devices()) - places_of_hosts(); }

@@ -174,7 +174,7 @@ Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destinatio
 Route Router::spread(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now, ano::Intent intent) {
     Route route;
     route.new_conflict = untold_;
-    decide(route, destination, from, intent, now);
+    decide(route, destination, intent, now);
     route.channels.erase(from);
     if (source == destination && route.channels.empty() && route.absent.empty()) to_namesakes(route, source, from, intent);
     if (grouped_) {
@@ -187,7 +187,7 @@ Route Router::spread(ChannelId from, std::uint8_t source, std::uint8_t destinati
 
 Route Router::find(LinkId from, std::uint8_t destination, TimePoint now, ano::Intent intent) {
     Route route;
-    decide(route, destination, {}, intent, now);
+    decide(route, destination, intent, now);
     if (grouped_) keep_one_of_each_group(route, from, now);
     guard(route, destination);
     return route;
@@ -201,8 +201,8 @@ void Router::guard(Route& route, std::uint8_t destination) const noexcept {
     route.guarded = spread ? route.guarded | route.channels : ChannelSet{};
 }
 
-// Decides who gets the frame. It may still contain `from`, the channel that it came by.
-void Router::decide(Route& route, std::uint8_t destination, ChannelSet from, ano::Intent intent, TimePoint now) {
+// Decides who gets the frame; the channel that it came by may be among them.
+void Router::decide(Route& route, std::uint8_t destination, ano::Intent intent, TimePoint now) {
     if (destination == address::broadcast) {
         route.via = Via::broadcast;
         route.channels = broadcast_;
@@ -222,9 +222,9 @@ void Router::decide(Route& route, std::uint8_t destination, ChannelSet from, ano
         route.via = Via::learned;
         route.channels = heard;
         route.host_is_down = address::is_host(destination) && is_cut_off(heard);
-        if (route.host_is_down) add_unknown(route, destination, from, intent);    // the host may listen elsewhere now
+        if (route.host_is_down) add_unknown(route, destination, intent);    // the host may listen elsewhere now
     } else if (intent != ano::Intent::acts || !to_last_home(route, destination)) {
-        add_unknown(route, destination, from, intent);
+        add_unknown(route, destination, intent);
     }
 }
 
@@ -233,7 +233,7 @@ void Router::to_namesakes(Route& route, std::uint8_t address, ChannelId from, an
     if (route.via != Via::learned && route.via != Via::pinned) return;
     route.channels = (known_[address] | also_[address] | first_[address]) - from;
     if (!route.channels.empty()) return;
-    add_unknown(route, address, from, intent);
+    add_unknown(route, address, intent);
     route.channels.erase(from);
 }
 
@@ -257,14 +257,13 @@ bool Router::to_last_home(Route& route, std::uint8_t destination) {
 
 // Adds to the route the channels for frames to addresses that were never heard. Some devices act on every frame, whatever its
 // address: a flooded frame that acts never gets to places where only other devices are, unless there is only one such place.
-void Router::add_unknown(Route& route, std::uint8_t destination, ChannelSet from, ano::Intent intent) {
+void Router::add_unknown(Route& route, std::uint8_t destination, ano::Intent intent) {
     if (unknown_ == Unknown::drop) return;
     route.via = Via::unknown;
     if (unknown_ == Unknown::link) return to_links(route, unknown_links_);
     ChannelSet flooded = flooded_;
     if (address::is_host(destination)) flooded -= places_of_devices_alone();
-    else if (intent == ano::Intent::acts)
-        flooded -= places_of_devices_alone() - the_only_place(places_of(devices()) - places_of(from));
+    else if (intent == ano::Intent::acts) flooded -= places_of_devices_alone() - the_only_place(places_of(devices()));
     route.channels |= flooded;
 }
 

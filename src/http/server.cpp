@@ -13,6 +13,9 @@ namespace anogate::http {
 namespace {
 
 constexpr long max_large_bodies = 2;
+// Handshakes that wait for their turn. Each costs a millisecond of the loop: those of one client must not fill the queue, behind which
+// others would wait in the kernel.
+constexpr std::ptrdiff_t max_handshakes = 8, max_handshakes_per_client = 6;    // a browser opens six
 constexpr ano::Duration memory_stays = std::chrono::milliseconds{1};
 constexpr ano::Duration finish_look = std::chrono::milliseconds{5};
 
@@ -48,7 +51,7 @@ Expected<std::uint16_t> Server::start(const Network& network) {
         admit(network_settings_.tls ? network_settings_.tls->stream(std::move(socket), std::move(door))
                                     : stream_of(std::move(socket), std::move(door)));
     };
-    const auto may_come = [this] { return !handshakes_wait() && has_place(network_); };
+    const auto may_come = [this] { return handshakes(nullptr) < max_handshakes && has_place(network_); };
     network_listener_ = std::make_unique<Listener>(io_, std::move(made->fd), made->family, may_come, admit_one);
     return made->port;
 }
@@ -209,13 +212,15 @@ bool Server::has_place(Room& room) {
     return descriptors_left() > 0 && (!is_full(room, all.size()) || who_leaves(room, all));
 }
 
-// Each costs a millisecond of the loop. Others wait in the kernel's queue, where they cost nothing when they leave.
-bool Server::handshakes_wait() {
-    constexpr int most = 8;
-    int wait = 0;
-    for_each_session([&wait](const auto& session) { wait += session->awaits_handshake() ? 1 : 0; });
-    return wait >= most;
+// How many wait for their turn, of all or of one client.
+std::ptrdiff_t Server::handshakes(const Party* of) {
+    std::ptrdiff_t wait = 0;
+    for_each_session(
+        [&](const auto& session) { wait += session->awaits_handshake() && (!of || session->party() == *of) ? 1 : 0; });
+    return wait;
 }
+
+bool Server::may_shake_hands(const Party& party) { return handshakes(&party) < max_handshakes_per_client; }
 
 bool Server::make_place(Room& room) {
     if (!has_descriptors())    // links have taken what was left to them

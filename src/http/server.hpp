@@ -103,7 +103,7 @@ private:
     bool is_full(const Room& room, std::size_t visitors) const;
     std::optional<std::size_t> who_leaves(const Room& room, const std::vector<Visitor>& visitors) const;
     bool has_place(Room& room);
-    bool handshakes_wait();
+    std::ptrdiff_t handshakes(const Party* of);
     bool make_place(Room& room);
     void make_room(Room& room, std::size_t at_least);
     void send_away(Room& room, std::size_t place);
@@ -120,6 +120,7 @@ private:
     tl::expected<Access, Response> judge(Request& request) override;
     std::optional<Response> crowded_out(const Party& party, Access access) override;
     bool may_control(const Party& party, const Request* head) override;
+    bool may_shake_hands(const Party& party) override;
     std::optional<Response> no_room_to_stay(const Party& party, Access access, bool streams) override;
     Response answer(Request& request) override;
     tl::expected<BodyRoom, Response> room_for_body(Request& head) override;

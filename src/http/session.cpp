@@ -42,7 +42,7 @@ void Session::start() {
     if (by_address_) may_ = Access::control;
     const bool hello_first = stream_->await_hello([self = shared_from_this()](error_code ec) {
         if (!self->stream_) return;
-        if (ec) return self->close();
+        if (ec || !self->owner_.may_shake_hands(self->party_)) return self->close();
         self->awaits_handshake_ = true;
         self->owner_.wait_for_turn(self, self->party_, self->may_.value_or(Access::open));
     });

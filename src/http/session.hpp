@@ -49,6 +49,8 @@ public:
     virtual std::optional<Response> crowded_out(const Party& party, Access access) = 0;
     /// Whether a request with this head, or nullptr, the next one of the party, is likely to be one that may control. What decides is judge().
     virtual bool may_control(const Party& party, const Request* head) = 0;
+    /// Whether one more handshake of the party may wait for its turn.
+    virtual bool may_shake_hands(const Party& party) = 0;
     /// Before an answer that stays: a stream, or one that waits for a job (`streams` is false). The answer that refuses it; std::nullopt: go on.
     virtual std::optional<Response> no_room_to_stay(const Party& party, Access access, bool streams) = 0;
     /// Takes what it needs out of `request`.
@@ -76,6 +78,7 @@ public:
     void start();
     /// Its turn: the request is answered, or the handshake begins.
     void take_turn();
+    const Party& party() const noexcept { return party_; }
     bool awaits_handshake() const noexcept { return stream_ && awaits_handshake_; }
     /// Closes at once; destroys the producer or the user of the WebSocket.
     void close();

@@ -10,6 +10,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -282,6 +283,30 @@ TEST_F(EncryptedDoor, stands_junk_and_silence) {
     for (const int fd : silent) ::close(fd);
     EXPECT_EQ(curl("-k -H 'Authorization: Bearer " + looks + "' https://localhost:" + port + "/status"), "200");
     EXPECT_TRUE(daemon->until_answers());
+}
+
+// They are all there at once, as the gateway was stopped meanwhile.
+TEST_F(EncryptedDoor, few_handshakes_of_one_client_wait) {
+    const auto number = static_cast<std::uint16_t>(std::stoi(port));
+    const std::string hello = hello_of_client();
+    daemon->signal(SIGSTOP);
+    std::vector<anogate::UniqueFd> all;
+    for (int i = 0; i < 50; ++i) {
+        all.emplace_back(connect_tcp(number, "127.70.0.1"));
+        ASSERT_TRUE(all.back());
+        ::send(all.back().get(), hello.data(), hello.size(), MSG_NOSIGNAL);
+    }
+    daemon->signal(SIGCONT);
+    int refused = 0;
+    for (const auto& one : all) {
+        pollfd answered{one.get(), POLLIN, 0};
+        ASSERT_EQ(::poll(&answered, 1, 20'000), 1);
+        char byte = 0;
+        refused += ::recv(one.get(), &byte, 1, MSG_DONTWAIT) == 1 ? 0 : 1;
+    }
+    EXPECT_GE(refused, 5);
+    EXPECT_GE(50 - refused, 6);
+    EXPECT_EQ(curl("-k -H 'Authorization: Bearer " + acts + "' https://localhost:" + port + "/status"), "200");
 }
 
 // Each hello costs us a signature, and its sender nothing.

@@ -141,6 +141,8 @@ TEST(TcpConnector, does_not_connect_to_itself) {
         ASSERT_TRUE(host.until([&] { return !ended.empty(); }));
         ASSERT_EQ(ended, "refused");
     }
+    connector.stop();
+    EXPECT_NO_THROW(TcpListener{"127.0.0.1:40000"}) << "a server may begin at once";
 }
 
 TEST_F(Tcp, a_name_is_resolved_and_every_address_of_it_is_tried) {

@@ -87,7 +87,11 @@ void Connector::try_next() {
 void Connector::has_ended(Try& attempt) {
     int error = connect_error(attempt.descriptor.fd());
     // Where nothing listens at a port that the kernel gives to who connects, it may join a socket to itself.
-    if (error == 0 && local_endpoint(attempt.descriptor.fd()) == attempt.endpoint) error = ECONNREFUSED;
+    if (error == 0 && local_endpoint(attempt.descriptor.fd()) == attempt.endpoint) {
+        error = ECONNREFUSED;
+        const linger at_once{1, 0};    // or the port would not be free for a minute
+        ::setsockopt(attempt.descriptor.fd(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    }
     UniqueFd fd{error == 0 ? ::fcntl(attempt.descriptor.fd(), F_DUPFD_CLOEXEC, 0) : -1};
     const int why = error == 0 ? errno : error;
     if (fd) {

@@ -344,6 +344,8 @@ void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
 void validate_tls_listener(const LinkSettings& link, LinkFaults& faults) {
     validate_tcp_listener(link, faults);
     const LinkCertificates& tls = link.as<TcpListen>().tls;
+    if (tls.certificate.empty()) faults.error("certificate", "'certificate' is missing: 'anoctl certificate' makes one");
+    if (tls.key.empty()) faults.error("key", "'key' is missing: the file with the key of the certificate");
     if (tls.verify == TlsVerify::peer && tls.ca.empty())
         faults.error("ca",
                      "'ca' is missing: the file of the certificate that signed those of the peers; or verify=none, if anybody "

@@ -130,8 +130,13 @@ TlsConnection::Handshake TlsConnection::go_on() {
     default:
         const long verified = ::SSL_get_verify_result(ssl);
         const bool was_refused_by_us = verified != X509_V_OK;
-        parts_->fault = was_refused_by_us ? std::string{"its certificate: "} + ::X509_verify_cert_error_string(verified)
-                                          : openssl_fault();
+        if (verified == X509_V_ERR_HOSTNAME_MISMATCH || verified == X509_V_ERR_IP_ADDRESS_MISMATCH)
+            parts_->fault =
+                "its certificate is for other names: connect to one of them, or make one for this name by "
+                "'anoctl certificate NAME'";
+        else
+            parts_->fault = was_refused_by_us ? std::string{"its certificate: "} + ::X509_verify_cert_error_string(verified)
+                                              : openssl_fault();
     }
     ::ERR_clear_error();
     errno = ECONNABORTED;

@@ -52,7 +52,7 @@ TEST_F(Acts, go_to_the_only_place_with_devices) {
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
     hear(1, 0x02);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
-    expect(act(3, unknown, 0x30), channels({0, 1, 2}), Via::unknown);    // a device: its own place does not count
+    expect(act(3, unknown, 0x30), channels({0, 2}), Via::unknown);    // a device: its own place leads to devices as well
 }
 
 TEST_F(Acts, get_to_where_hosts_are_as_well) {
