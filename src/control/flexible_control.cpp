@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -31,8 +32,11 @@ http::Response answer(const Gateway& gateway, std::optional<std::string> not_kep
 }
 
 http::Response faulty(const std::vector<ano::JsonFault>& faults) {
+    constexpr std::size_t most = 20;
     Json lines = Json::array();
-    for (const ano::JsonFault& fault : faults) lines.push_back((fault.pointer.empty() ? "" : fault.pointer + ": ") + fault.what);
+    for (std::size_t i = 0; i < std::min(faults.size(), most); ++i)
+        lines.push_back((faults[i].pointer.empty() ? "" : faults[i].pointer + ": ") + faults[i].what);
+    if (faults.size() > most) lines.push_back("and " + std::to_string(faults.size() - most) + " more faults");
     http::Response response;
     response.status = 422;
     response.body = line_of(

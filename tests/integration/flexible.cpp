@@ -138,6 +138,11 @@ TEST_F(Flexible, faulty_layouts_change_nothing_and_are_named_by_their_place) {
     ASSERT_EQ(refused.at("faults").size(), 2u) << refused;
     EXPECT_TRUE(refused.at("faults").at(0).get<std::string>().starts_with("/flexible/0/id: ")) << refused;
     EXPECT_TRUE(refused.at("faults").at(1).get<std::string>().starts_with("/flexible/1/fields/0/type: ")) << refused;
+    json many = {{"id", "0xF1"}};
+    for (int i = 0; i < 2000; ++i) many["k" + std::to_string(i)] = 0;
+    const json told = json::parse(put(json::array({many}).dump()).body).at("faults");
+    ASSERT_EQ(told.size(), 21u) << "the first ones, and how many more there are";
+    EXPECT_TRUE(told.back().get<std::string>().ends_with(" more faults")) << told.back();
     EXPECT_EQ(put("5").status, 400u);
     EXPECT_EQ(put("{").status, 400u);
     EXPECT_EQ(fields().at(0).at("name"), "cells");

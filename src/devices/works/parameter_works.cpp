@@ -262,7 +262,7 @@ constexpr std::string_view dry_states[] = {"differs", "unchanged"};
 class Apply final : public ParameterWork {
 public:
     Apply(const WorkPlace& place, const Json& values, ApplyOrder order)
-        : ParameterWork{place}, json_{values.dump()}, order_{order} {}
+        : ParameterWork{place}, wanted_(values), order_{order} {}    // braces would make a list of it
     // The types must be known before; whether the device is still the same is found out with the values.
     void start(TimePoint now) override {
         const auto* const before = known(now);
@@ -286,20 +286,20 @@ private:
         apply(parameters().descriptions(), now);
     }
     bool has_all(const std::vector<ano::host::ParameterInfo>& descriptions) {
-        const Json given = Json::parse(json_);
-        for (const auto& [name, json] : given.items())
+        for (const auto& [name, json] : wanted_.items())
             if (named(descriptions, name).parameter == nullptr) return false;
         return true;
     }
     void apply(const std::vector<ano::host::ParameterInfo>& descriptions, TimePoint now) {
         std::vector<std::pair<std::string, ano::host::AnyValue>> values;
         std::vector<std::optional<std::uint16_t>> ids;
-        const Json given = Json::parse(json_);
-        for (const auto& [name, json] : given.items()) {
+        std::size_t strangers = 0;
+        for (const auto& [name, json] : wanted_.items()) {
             const auto found = named(descriptions, name);
+            if (found.parameter == nullptr) ++strangers;
             if (found.several) return finish(ambiguous(name, descriptions));
             const auto* info = found.parameter;
-            given_.push_back({name, info != nullptr ? info->type : std::nullopt, info != nullptr, {}});
+            given_.push_back({name, json, info != nullptr ? info->type : std::nullopt, info != nullptr, {}});
             const auto value = value_in(json, given_.back().type);
             if (!value) return finish(work_fault(422, ano::in_quotes(name) + " must be a number or a text"));
             const auto wire = texts().wire(*value);
@@ -312,6 +312,7 @@ private:
             ids.push_back(is_unclear ? std::optional{static_cast<std::uint16_t>(info - descriptions.data())} : std::nullopt);
             values.emplace_back(info != nullptr ? info->name : texts().bytes(name).value_or(name), wire.value_or(*value));
         }
+        if (strangers > max_strangers) return finish(no_file_of_it(strangers));
         ano::host::ApplyOptions options{.rollback = order_.rollback,
                                         .dry_run = order_.dry_run,
                                         .also_the_same = order_.also_the_same,
@@ -326,6 +327,16 @@ private:
         apply_ = &next(std::make_unique<ParameterApply>(place().device, &place().cache, values, options));
         apply_->start(now);
     }
+    // Too many to tell each.
+    WorkEnd no_file_of_it(std::size_t strangers) const {
+        constexpr std::size_t max_names = 5;
+        std::string names;
+        std::size_t told = 0;
+        for (const Given& given : given_)
+            if (!given.is_known && told < max_names) names += (told++ == 0 ? "" : ", ") + ano::in_quotes(given.name);
+        return work_fault(
+            422, "nothing was written: no parameters are called " + names + " and " + std::to_string(strangers - told) + " more");
+    }
     // Reports what is half done as well.
     void failed(const Task& task, TimePoint) override {
         WorkEnd end = end_of(*task.end(), texts());
@@ -337,10 +348,11 @@ private:
     void forget_kept() {
         using State = ParameterApply::State;
         if (order_.dry_run) return;
-        Json has = Json::parse(json_);
+        Json has = Json::object();
+        Json::object_t::Container& members = has.get_ref<Json::object_t&>();
         for (std::size_t i = 0; i < given_.size(); ++i)
-            if (const State state = apply_->rows()[i].state; state != State::same && state != State::written)
-                has.erase(given_[i].name);
+            if (const State state = apply_->rows()[i].state; state == State::same || state == State::written)
+                members.emplace_back(given_[i].name, given_[i].wanted);
         forget_written(place(), has);
     }
     Json rows() const {
@@ -370,10 +382,13 @@ private:
         return {{"dry_run", order_.dry_run}, {"parameters", std::move(rows)}};
     }
 
-    std::string json_;
+    static constexpr std::size_t max_strangers = 500;    // names of no parameter: of so many each has a row in the answer
+
+    Json wanted_;
     ApplyOrder order_;
     struct Given {
         std::string name;    // as the client has it
+        Json wanted;
         std::optional<ano::Type> type;
         bool is_known;
         std::optional<std::string> unwritable;    // of a dry run: a text that the encoding of the device lacks

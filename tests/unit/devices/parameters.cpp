@@ -108,6 +108,22 @@ TEST_F(ParameterRoutes, a_name_that_several_have_is_ambiguous_and_their_numbers_
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
 
+// As of another device; with each in a row of the answer the gateway would stand still for a second.
+TEST_F(ParameterRoutes, of_thousands_of_names_that_it_lacks_the_first_are_told_and_the_others_counted) {
+    json values;
+    values["U8"] = 8;
+    for (int i = 0; i < 5000; ++i) values["k" + std::to_string(i)] = 0;
+    for (const char* const flag : {"rollback", "goes_on", "dry_run"}) {
+        const auto told = net.ask("POST", "/devices/0xDC/apply", json{{flag, true}, {"parameters", values}}.dump());
+        EXPECT_EQ(told.status, 422u);
+        const std::string error = told.json.at("error");
+        EXPECT_TRUE(error.starts_with("nothing was written: no parameters are called 'k")) << error;
+        EXPECT_TRUE(error.ends_with(" and 4995 more")) << error;
+        EXPECT_LT(told.json.dump().size(), 1000u);
+    }
+    EXPECT_EQ(fake.parameters[0].value, Bytes{7});
+}
+
 // A file has "NAME#NUMBER" where the name alone does not say which parameter is meant.
 TEST_F(ParameterRoutes, those_that_no_name_tells_apart_are_applied_by_name_and_number) {
     fake.parameters.push_back({0, "U8", "another", {9}});
