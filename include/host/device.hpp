@@ -158,7 +158,8 @@ public:
     std::uint32_t announcements() const noexcept { return announcements_; }
     std::optional<TimePoint> heard_at() const noexcept { return heard_at_; }
     const RoundTrip& round_trip() const noexcept { return round_trip_; }
-    std::size_t window() const noexcept { return window_.size(); }
+    /// So many requests that yield may be on their way at the most: fewer than of others, as a command comes behind them.
+    std::size_t window() const noexcept { return std::min(window_.size(), round_trip_.bearable()); }
     std::size_t on_their_way() const noexcept;
     /// A write or a command is on its way.
     bool awaits_acknowledgement() const noexcept;

@@ -79,7 +79,7 @@ public:
         std::uint64_t number = 0;    // of the sends to the device, from 1
         bool alone = false;          // as in Window
         bool answers = false;        // the device has answered something since the send before
-        bool by_itself = false;      // no other request was on its way
+        std::size_t others = 0;      // requests on their way
     };
     /// To be called when the frame is sent, for the first time or again.
     void send(TimePoint now, const RoundTrip& round_trip, const Send& send) noexcept;

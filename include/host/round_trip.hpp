@@ -3,6 +3,7 @@
 #include <ano/time.hpp>
 
 #include <chrono>
+#include <cstddef>
 #include <optional>
 
 namespace ano::host {
@@ -35,13 +36,21 @@ public:
     static constexpr unsigned losses_in_a_row = 5;
     /// Answers take clearly longer than when the least was on its way.
     bool grows() const noexcept { return smoothed_ && *smoothed_ > 2 * least_ + granularity; }
+    /// A request that was sent once was answered, with `others` on their way when it was sent.
+    void answered_behind(std::size_t others, Duration time) noexcept;
+    /// So many requests that yield may be on their way that one waits for the others no longer than max_wait, by how much each of those has added to
+    /// round trips; at least two. So a command, too, finds a device free soon that needs long for each frame.
+    std::size_t bearable() const noexcept;
+    static constexpr Duration max_wait = std::chrono::milliseconds{40};
     /// SRTT; std::nullopt before the first measurement.
     std::optional<Duration> smoothed() const noexcept { return smoothed_; }
 
 private:
     std::optional<Duration> smoothed_;
     Duration variation_{};
-    Duration least_ = Duration::max();    // measured
+    Duration least_ = Duration::max();                     // measured
+    std::optional<Duration> by_itself_, behind_others_;    // smoothed
+    double others_ = 0;                                    // smoothed, of behind_others_
     int repeated_in_a_row_ = 0;
     bool doubled_ = false;    // since an exchange that was not repeated
 };

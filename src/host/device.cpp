@@ -62,6 +62,7 @@ Taken Device::take(FrameView frame, TimePoint now) {
         return taken == Taken::unasked && missed(frame, now) ? Taken::ended : taken;
     }
     if (met->is_measured()) round_trip_.answered(std::max(now - met->first_sent(), Duration{}), met->sent() > 1);
+    if (met->is_measured() && met->sent() == 1) round_trip_.answered_behind(met->last().others, now - met->first_sent());
     window_.answered(met->last().alone);
     heard_send_ = std::max(heard_send_, met->first_number());
     heard_asker_ = met->asker();
@@ -227,7 +228,8 @@ const Exchange* Device::lost() const noexcept {
 
 bool Device::keeps_back_those_that_yield() const noexcept {
     const auto goes_first = [](const Exchange& e) { return !e.asker()->yields(); };
-    return std::any_of(waiting_.begin(), waiting_.end(), goes_first) || std::any_of(sent_.begin(), sent_.end(), goes_first);
+    return on_their_way() >= window() || std::any_of(waiting_.begin(), waiting_.end(), goes_first) ||
+           std::any_of(sent_.begin(), sent_.end(), goes_first);
 }
 
 // A device that takes one frame at a time loses a command that comes while it answers: questions on their way end first, and no other begins.
@@ -306,9 +308,9 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
 }
 
 Exchange::Send Device::this_send(const Exchange& next) const noexcept {
-    const bool by_itself = on_their_way() == 0;
+    const std::size_t others = on_their_way();
     const bool answers = next.was_sent() && answered_at_ && *answered_at_ > next.last_sent();
-    return {sends_ + 1, window_.is_one_at_a_time() && by_itself, answers, by_itself};
+    return {sends_ + 1, window_.is_one_at_a_time() && others == 0, answers, others};
 }
 
 FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now) {

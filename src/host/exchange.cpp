@@ -34,7 +34,7 @@ Duration Exchange::wait_for_answer(const RoundTrip& round_trip, const Send& send
     if (patience_.wait) return *patience_.wait;
     const bool often = asks_often(round_trip.smoothed().has_value());
     return std::max(patience_.at_least,
-                    often ? RoundTrip::first : round_trip.time_out_after(sent_, send.answers, send.by_itself));
+                    often ? RoundTrip::first : round_trip.time_out_after(sent_, send.answers, send.others == 0));
 }
 
 bool Exchange::waits_on(std::optional<TimePoint> heard_at) noexcept {

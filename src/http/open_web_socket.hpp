@@ -19,13 +19,17 @@ public:
     virtual bool has_last_words() const = 0;
     /// Something waits to be sent, and the client has taken nothing since `time`.
     virtual bool is_stalled_since(ano::TimePoint time) const = 0;
+    /// Its turn: the user hears the message that waits for it.
+    virtual void take_turn() = 0;
 };
 
 /// `request` must have no web_socket_fault(); `early`: bytes that came after it. The result lives as long as the connection and keeps
-/// `place`.
+/// `place`. `wait_for_turn` is called for each message, which the user hears at take_turn(); meanwhile no further one is read. Without it
+/// the user hears each at once.
 std::shared_ptr<OpenWebSocket> open_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
                                                std::string early, std::unique_ptr<WebSocketUser> user,
-                                               const WebSocketLimits& limits, std::shared_ptr<void> place);
+                                               const WebSocketLimits& limits, std::shared_ptr<void> place,
+                                               std::function<void()> wait_for_turn = {});
 
 /// The client's side: `request` has the target and the headers without those of the handshake. `ended` is called once after the user
 /// is destroyed, unless end() came before: with the status 101 if the WebSocket was open, otherwise with the answer, or without one

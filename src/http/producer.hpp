@@ -10,7 +10,7 @@ namespace anogate::http {
 class Producer {
 public:
     enum class Next {
-        part,     // not empty; the next part may be ready at once
+        part,     // the next part may be ready at once. Empty: it takes more turns of the loop to make one
         later,    // no more until `wake` is called; may come with a part
         end,      // no more at all; may come with a part
     };
@@ -18,7 +18,8 @@ public:
 
     /// Called before the first next(). `wake` is cheap and may be called at any time, even after the producer is destroyed.
     virtual void start(std::function<void()> /*wake*/) {}    // NOLINT(performance-unnecessary-value-param): who keeps it moves it
-    /// Writes the next part to the empty `into`. A part should have about 16 KB, since each turn of the loop sends one.
+    /// Writes the next part to the empty `into`. A part should have about 16 KB, since each turn of the loop sends one,
+    /// and should be made within about a millisecond.
     virtual Next next(std::string& into) = 0;
 };
 

@@ -17,6 +17,8 @@ constexpr long max_large_bodies = 2;
 // others would wait in the kernel.
 constexpr std::ptrdiff_t max_handshakes = 8, max_handshakes_per_client = 6;    // a browser opens six
 constexpr ano::Duration memory_stays = std::chrono::milliseconds{1};
+constexpr ano::Duration long_turn = std::chrono::milliseconds{1};
+constexpr ano::Duration max_rest = std::chrono::milliseconds{50};
 constexpr ano::Duration finish_look = std::chrono::milliseconds{5};
 
 /// What links may need is left to them.
@@ -266,19 +268,37 @@ void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {
 }
 
 void Server::wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) {
-    if (turns_.wait(std::move(session), party, access == Access::control)) give_turn();
+    const bool goes_first = access == Access::control;
+    if (turns_.wait(std::move(session), party, goes_first)) give_turn();
+    else if (goes_first) rest_.cancel();
+}
+
+// Behind a long turn of who may not control the loop rests from such turns for the same time: so they have half of it at most, and whatever
+// takes several turns of the loop, such as a command with its answer, is behind one of theirs, not several.
+void Server::give_turn() {
+    if (turns_.has_first() || ano::Clock::now() >= rests_until_) return give_turn_soon();
+    rest_.expires_at(rests_until_);
+    rest_.async_wait([this](error_code) { give_turn_soon(); });
 }
 
 // Posts twice: between the two the loop polls the system, and handlers that became ready run before the second.
-void Server::give_turn() {
+void Server::give_turn_soon() {
     asio::post(io_, [this] {
         asio::post(io_, [this] {
             const auto session = turns_.next();
             const bool more = turns_.is_arranged();
-            if (session) (*session)->take_turn();
+            if (session) take_turn(**session);
             if (more) give_turn();
         });
     });
+}
+
+void Server::take_turn(Session& session) {
+    if (session.awaits_handshake()) return session.take_turn();    // as long as others', and bounded by their number
+    const ano::TimePoint began = ano::Clock::now();
+    session.take_turn();
+    const ano::TimePoint ended = ano::Clock::now();
+    if (session.may() != Access::control && ended - began >= long_turn) rests_until_ = ended + std::min(ended - began, max_rest);
 }
 
 void Server::shut() {

@@ -115,6 +115,8 @@ private:
     void look_whether_finished(ano::TimePoint until);
     void close_those(bool awaiting_answer);
     void give_turn();
+    void give_turn_soon();
+    void take_turn(Session& session);
 
     void wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) override;
     tl::expected<Access, Response> judge(Request& request) override;
@@ -145,6 +147,8 @@ private:
     Room local_{limits_.local}, network_{limits_.network};
     std::deque<Party> controllers_;                   // clients of the network that have controlled, the latest last
     Turns<std::shared_ptr<Session>, Party> turns_;    // sessions with a complete request
+    asio::steady_timer rest_{io_};
+    ano::TimePoint rests_until_{};    // those who may not control have no turn before
     std::deque<std::weak_ptr<Farewell>> farewells_;
 };
 

@@ -306,6 +306,7 @@ void Session::put_body(const std::string& fault) {
 }
 
 void Session::take_turn() {
+    if (const auto socket = web_socket_.lock()) return socket->take_turn();
     if (!stream_) return;
     if (std::exchange(awaits_handshake_, false)) return stream_->has_left() ? close() : await_request();
     if (!owner_.still_has_memory()) return refuse_for_memory();
@@ -340,7 +341,7 @@ void Session::answer(Request& request) {
         if (fault.status == 200) {
             end_deadline();
             web_socket_ = open_web_socket(io_, std::move(stream_), request, std::move(input_), std::move(response.web_socket),
-                                          limits_.web_socket, shared_from_this());
+                                          limits_.web_socket, shared_from_this(), turns_of_web_socket());
             return;
         }
         response = std::move(fault);
@@ -357,6 +358,14 @@ void Session::answer(Request& request) {
     response.later([self = shared_from_this(), head_only](Response known) {    // meanwhile nobody else holds us
         if (self->stream_) self->guarded([&] { self->send(std::move(known), head_only); });
     });
+}
+
+// A message may cost as much as a request. Of those who may control each is heard at once.
+std::function<void()> Session::turns_of_web_socket() {
+    if (may() == Access::control) return {};
+    return [weak = weak_from_this()] {
+        if (auto self = weak.lock()) self->owner_.wait_for_turn(self, self->party_, self->may());
+    };
 }
 
 // read() shows whether the client is still there.
@@ -428,6 +437,7 @@ void Session::next_part() {
     if (!stream_) return;
     if (next == Producer::Next::end) producer_.reset();
     if (!takes_part(producer_ == nullptr)) return close();
+    if (next == Producer::Next::part && body_.empty()) return next_part_soon();
     if (sending_.chunked && !body_.empty()) body_ = chunk(body_);
     if (sending_.chunked && !producer_) body_ += last_chunk;
     part_awaited_ = next == Producer::Next::later && body_.empty();
@@ -437,6 +447,13 @@ void Session::next_part() {
     }
     expect_progress();
     write();
+}
+
+void Session::next_part_soon() {
+    expect_progress();
+    asio::post(io_, [self = shared_from_this()] {
+        if (self->stream_) self->guarded([&] { self->next_part(); });
+    });
 }
 
 // False: it does not keep to the length that was told, which only the end of the connection can tell its client.

@@ -8,6 +8,7 @@
 #include <sys/expected.hpp>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -76,7 +77,7 @@ public:
     Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits);
 
     void start();
-    /// Its turn: the request is answered, or the handshake begins.
+    /// Its turn: the request is answered, the handshake begins, or a message of its WebSocket is heard.
     void take_turn();
     const Party& party() const noexcept { return party_; }
     bool awaits_handshake() const noexcept { return stream_ && awaits_handshake_; }
@@ -118,11 +119,13 @@ private:
     void came_whole();
     void answer(Request& request);
     void await_answer(std::shared_ptr<void> needed);
+    std::function<void()> turns_of_web_socket();
     void send(Response response, bool head_only);
     void write();
     void wrote_some();
     void wrote();
     void next_part();
+    void next_part_soon();
     bool takes_part(bool is_last);
     void wake();
     void refuse(const Response& words);

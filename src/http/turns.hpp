@@ -32,6 +32,8 @@ public:
         return who;
     }
     bool is_arranged() const noexcept { return arranged_; }
+    /// Somebody waits who goes before all others.
+    bool has_first() const noexcept { return !first_.is_empty(); }
     /// A scheduled call of next() still comes and returns std::nullopt.
     void clear() noexcept {
         first_.clear();

@@ -105,13 +105,14 @@ std::string words_of(const error_code& ec, const websocket::close_reason& said) 
 class BeastWebSocket final : public OpenWebSocket, public std::enable_shared_from_this<BeastWebSocket> {
 public:
     BeastWebSocket(asio::io_context& io, std::unique_ptr<Stream> stream, std::string early, std::unique_ptr<WebSocketUser> user,
-                   const WebSocketLimits& limits, std::shared_ptr<void> place)
+                   const WebSocketLimits& limits, std::shared_ptr<void> place, std::function<void()> wait_for_turn = {})
         : socket_{io, std::move(stream), std::move(early)},
           limits_{limits},
           queue_{limits.queue},
           stuck_{io},
           user_{std::move(user)},
-          place_{std::move(place)} {}
+          place_{std::move(place)},
+          wait_for_turn_{std::move(wait_for_turn)} {}
 
     void open(const Request& request) {
         prepare(limits_.stuck);
@@ -187,6 +188,10 @@ public:
         return (writing_ || closing_) && std::max(begun_at_, socket_.next_layer().taken_at()) < time;
     }
 
+    void take_turn() override {
+        if (user_) guarded([this] { heard(); });
+    }
+
 private:
     void prepare(ano::Duration handshake) {
         websocket::stream_base::timeout patience{};
@@ -232,7 +237,7 @@ private:
         socket_.async_read(buffer_, [self = shared_from_this()](error_code ec, std::size_t) {
             if (!self->user_) return;
             if (ec) return self->end_for(ec);
-            self->guarded([&self] { self->heard(); });
+            self->guarded([&self] { self->wait_for_turn_ ? self->wait_for_turn_() : self->heard(); });
         });
     }
 
@@ -293,15 +298,17 @@ private:
     std::function<void(Outcome)> ended_;     // on the client's side
     Answer answer_;                          // on the client's side: to the request
     std::shared_ptr<void> place_;
+    const std::function<void()> wait_for_turn_;
 };
 
 }    // namespace
 
 std::shared_ptr<OpenWebSocket> open_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
                                                std::string early, std::unique_ptr<WebSocketUser> user,
-                                               const WebSocketLimits& limits, std::shared_ptr<void> place) {
+                                               const WebSocketLimits& limits, std::shared_ptr<void> place,
+                                               std::function<void()> wait_for_turn) {
     auto socket = std::make_shared<BeastWebSocket>(io, std::move(stream), std::move(early), std::move(user), limits,
-                                                   std::move(place));
+                                                   std::move(place), std::move(wait_for_turn));
     socket->open(request);
     return socket;
 }

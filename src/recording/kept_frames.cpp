@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t cost_of_part = 256;    // bytes besides the records: twice the size of their containers
 constexpr std::size_t bytes_at_once = 16 * 1024;
+constexpr int records_at_once = 100;    // thousands make no byte yet, where they are packed together
 
 }    // namespace
 
@@ -30,6 +31,7 @@ bool KeptFramesWriting::next(std::string& into) {
         decoding_ = frames_.head.decoding;
     }
     const std::size_t begin = into.size();
+    int records = 0;
     while (part_ < frames_.parts.size()) {
         FramesPart& part = frames_.parts[part_];
         if (!std::exchange(in_part_, true)) {
@@ -39,7 +41,7 @@ bool KeptFramesWriting::next(std::string& into) {
         }
         while (const auto record = take_record(rest_)) {
             writer_->write(as_recorded(*record, *part.names), into);
-            if (into.size() - begin >= bytes_at_once) return true;
+            if (++records == records_at_once || into.size() - begin >= bytes_at_once) return true;
         }
         part = {};    // free what is written
         in_part_ = false;

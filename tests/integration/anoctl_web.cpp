@@ -141,6 +141,34 @@ TEST_F(AnoctlWeb, opens_a_browser_on_this_computer_that_is_signed_in) {
         << without.said;
 }
 
+// The code in it is valid as long as nobody has used it.
+TEST_F(AnoctlWeb, leaves_no_page_with_a_code_when_a_signal_ends_it) {
+    start_with_tokens();
+    for (const char* const folder : {"bin", "home"}) std::filesystem::create_directory(dir.path() / folder);
+    const std::string opener = dir.write("bin/xdg-open", "#!/bin/sh\n");
+    std::filesystem::permissions(opener, std::filesystem::perms{0700});
+    const std::filesystem::path home = dir / "home", old = home / "anogate-0123456789abcdef.html";
+    const std::string other = dir.write("home/anogate-notes.html", "mine");
+    dir.write("home/" + old.filename().string(), "of a program that was killed");
+    const auto pages = [&] {
+        std::size_t count = 0;
+        for (const auto& entry : std::filesystem::directory_iterator{home}) count += entry.path() == other ? 0 : 1;
+        return count;
+    };
+    for (const std::filesystem::path& one : {old, std::filesystem::path{other}})
+        std::filesystem::last_write_time(one, std::filesystem::file_time_type::clock::now() - std::chrono::minutes{6});
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        Process process{ANOCTL,
+                        {"web", "--control", socket, "--open"},
+                        {"PATH=" + (dir / "bin") + ":/usr/bin:/bin", "HOME=" + home.string(), "SUDO_USER="}};
+        ASSERT_TRUE(wait_until([&] { return !std::filesystem::exists(old) && pages() == 1; })) << process.output();
+        process.signal(signal);
+        EXPECT_EQ(process.wait(), 128 + signal);
+        EXPECT_EQ(pages(), 0u) << signal;
+    }
+    EXPECT_TRUE(std::filesystem::exists(other));
+}
+
 TEST_F(AnoctlWeb, shows_a_link_as_a_qr_code_that_signs_in_once) {
     const std::uint16_t port = start_with_tokens();
     const Result shown = web({"--qr"});

@@ -111,6 +111,7 @@ public:
         bool gone = false;
         bool echoes = true;
         bool has_memory = true;    // false: it throws what short memory throws
+        std::function<void()> on_heard;
     };
     explicit Echo(State& state) : state_{state} {}
     ~Echo() override { state_.gone = true; }
@@ -120,6 +121,7 @@ public:
     }
     void heard(std::string_view message, WebSocket::Kind kind) override {
         if (!state_.has_memory) throw std::bad_alloc{};
+        if (state_.on_heard) state_.on_heard();
         if (state_.echoes) state_.socket->send(std::make_shared<const std::string>(message), kind);
     }
     void sent_all() override { ++state_.sent_all; }

@@ -67,6 +67,19 @@ TEST_F(FrameMemoryOfOneLink, has_the_last_frame_at_once) {
     }
 }
 
+// Thousands of frames are packed together: to read them at once would hold up the gateway.
+TEST_F(FrameMemoryOfOneLink, is_made_a_recording_in_steps_of_a_hundred_frames) {
+    for (int n = 0; n < 250; ++n) ASSERT_TRUE(hears(0x03));
+    for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {
+        KeptFramesWriting writing{memory->frames(), format};
+        std::string made;
+        int steps = 1;
+        while (writing.next(made)) ++steps;
+        EXPECT_EQ(steps, 3) << text(format);
+        EXPECT_FALSE(made.empty());
+    }
+}
+
 TEST_F(FrameMemoryOfOneLink, keeps_what_it_has_when_more_or_others_are_to_be_kept) {
     ASSERT_TRUE(hears(0x03));
     memory->change(filter, 120s);

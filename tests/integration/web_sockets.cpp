@@ -286,6 +286,33 @@ TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
     for (Client& pilot : pilots) EXPECT_TRUE(pilot.has_heard("101") && !pilot.is_closed());
 }
 
+// Each message takes as long as a large one with thousands of names.
+TEST_F(JudgingHttpServer, between_messages_of_web_sockets_that_look_a_command_has_its_turn) {
+    std::vector<Client> crowd;
+    for (int i = 0; i < 12; ++i) {
+        crowd.emplace_back(UniqueFd{support::connect_tcp(port)});
+        crowd.back().send(
+            "GET /watch HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+            bearer("only-looks") + "\r\n");
+        ASSERT_TRUE(until([&] { return crowd.back().has_heard("101 Switching"); })) << crowd.back().heard();
+        crowd.back().heard().clear();
+    }
+    int heard = 0;
+    echo.on_heard = [&heard] {
+        ++heard;
+        std::this_thread::sleep_for(10ms);
+    };
+    for (Client& one : crowd) one.send(frame(said_text, "a") + frame(said_text, "b"));
+    Client pilot{UniqueFd{support::connect_tcp(port)}};
+    ASSERT_TRUE(until([&] { return heard > 0; }));
+    pilot.send("GET /short?n=landed HTTP/1.1\r\nHost: 127.0.0.1\r\n" + bearer("may-act") + "\r\n");
+    const int before = heard;
+    EXPECT_TRUE(until([&] { return pilot.has_heard("landed"); }));
+    EXPECT_LE(heard - before, 3);
+    EXPECT_TRUE(until([&] { return heard == 24; })) << heard;
+}
+
 // As many as there are places for streams, of one user: their places are taken as long as they take what they are sent.
 TEST_F(WebSockets, keep_their_places_while_they_are_used) {
     std::vector<Client> watchers;

@@ -4,10 +4,13 @@
 #include <host/parameter_write.hpp>
 
 #include <support/bytes.hpp>
+#include <support/random.hpp>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ano::host::device_tests {
@@ -390,6 +393,45 @@ TEST(Device, the_window_opens_with_the_answers) {
         EXPECT_LE(host.device.on_their_way(), Window::max_size);
     }
     EXPECT_EQ(host.device.on_their_way(), Window::max_size);
+}
+
+/// How many requests are on their way at last to a device with this line, which takes 300 questions one after the other.
+std::size_t on_their_way_at_last(Duration each_way, Duration for_each, Duration jitter = {}) {
+    Host host;
+    host.listener.yield_to_others(true);
+    for (std::uint16_t id = 0; id < 250; ++id) host.ask_value(id);
+    support::Random random{1};
+    std::vector<std::pair<TimePoint, std::uint16_t>> answers;
+    TimePoint now = start, free_at = start;
+    std::size_t most = 0, answered = 0;
+    while (answered < 200) {
+        for (const Bytes& one : host.sent(now)) {
+            free_at = std::max(free_at, now + each_way) + for_each;
+            const auto more = jitter.count() > 0 ? jitter / 1000 * static_cast<int>(random.below(1000u)) : Duration{};
+            answers.emplace_back(free_at + each_way + more, static_cast<std::uint16_t>(FrameView{one}.data()[1]));
+        }
+        if (answered >= 100) most = std::max(most, host.device.on_their_way());
+        const auto next = std::min_element(answers.begin(), answers.end());
+        if (next == answers.end()) break;
+        const auto [at, id] = *next;
+        answers.erase(next);
+        now = std::max(now, at);
+        host.value(id, now);
+        ++answered;
+    }
+    return most;
+}
+
+// Who may only view, and reads all parameters of a slow device, would hold up a command to it.
+TEST(Device, a_question_that_yields_waits_for_others_no_longer_than_40_ms) {
+    EXPECT_EQ(on_their_way_at_last(1ms, 1ms), 8u);
+    EXPECT_EQ(on_their_way_at_last(1ms, 5ms), 8u);
+    EXPECT_EQ(on_their_way_at_last(1ms, 10ms), 5u);
+    EXPECT_EQ(on_their_way_at_last(1ms, 20ms), 3u);
+    EXPECT_EQ(on_their_way_at_last(1ms, 50ms), 2u);
+    EXPECT_EQ(on_their_way_at_last(200ms, 1ms), 8u) << "a long line is no wait";
+    EXPECT_EQ(on_their_way_at_last(200ms, 5ms), 8u);
+    EXPECT_GE(on_their_way_at_last(200ms, 1ms, 60ms), 6u) << "nor is an uneven one";
 }
 
 TEST(Device, writes_go_one_at_a_time_and_questions_pass_them) {

@@ -13,7 +13,10 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <string_view>
 #include <vector>
 
 namespace anoctl {
@@ -31,6 +34,34 @@ std::string home() {
     return home ? home : "";
 }
 
+constexpr std::string_view page_begin = "anogate-", page_end = ".html";
+constexpr std::size_t page_bytes = 8;                    // random ones in the name
+constexpr auto page_serves = std::chrono::minutes{5};    // as long as its code is valid
+
+// Pages of programs that could not remove them.
+void remove_old_pages(const std::string& folder) {
+    std::error_code ec;
+    for (std::filesystem::directory_iterator one{folder, ec}, end; !ec && one != end; one.increment(ec)) {
+        const std::string name = one->path().filename().string();
+        const bool is_one = name.size() == page_begin.size() + 2 * page_bytes + page_end.size() && name.starts_with(page_begin) &&
+                            name.ends_with(page_end);
+        std::error_code unknown;
+        const auto made = is_one ? std::filesystem::last_write_time(one->path(), unknown)
+                                 : std::filesystem::file_time_type::max();
+        if (is_one && !unknown && std::filesystem::file_time_type::clock::now() - made > page_serves)
+            ::unlink(one->path().c_str());
+    }
+}
+
+constexpr int ending_signals[] = {SIGINT, SIGTERM, SIGHUP};
+const char* page_to_remove = nullptr;    // by the function below, which may call little
+
+void remove_page_and_end(int signal) {
+    ::unlink(page_to_remove);
+    ::signal(signal, SIG_DFL);
+    ::raise(signal);
+}
+
 }    // namespace
 
 void open_in_browser(const std::string& url) {
@@ -43,10 +74,18 @@ void open_in_browser(const std::string& url) {
 }
 
 RedirectFile::RedirectFile(const std::string& url) {
-    const auto secret = anogate::random_hex(8);
+    const auto secret = anogate::random_hex(page_bytes);
     const std::string folder = home();
     if (folder.empty() || !secret) throw Failure{"there is no home folder for the page that leads a browser to it"};
-    path_ = folder + "/anogate-" + *secret + ".html";
+    remove_old_pages(folder);
+    path_ = folder + '/' + std::string{page_begin} + *secret + std::string{page_end};
+    page_to_remove = path_.c_str();
+    struct sigaction removal {};
+    removal.sa_handler = remove_page_and_end;
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+        ::sigaction(ending_signals[i], nullptr, &before_[i]);
+        if (before_[i].sa_handler != SIG_IGN) ::sigaction(ending_signals[i], &removal, nullptr);    // nohup ignores one
+    }
     const anogate::UniqueFd fd{::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR)};
     const std::string page = "<!doctype html><meta http-equiv=\"refresh\" content=\"0;url=" + url + "\">\n";
     const passwd* const caller = caller_of_sudo();
@@ -55,9 +94,17 @@ RedirectFile::RedirectFile(const std::string& url) {
     const int error = errno;
     if (written) return;
     if (fd) ::unlink(path_.c_str());
+    end_removal();
     throw Failure{anogate::error_text(path_, error)};
 }
 
-RedirectFile::~RedirectFile() { ::unlink(path_.c_str()); }
+RedirectFile::~RedirectFile() {
+    ::unlink(path_.c_str());
+    end_removal();
+}
+
+void RedirectFile::end_removal() noexcept {
+    for (std::size_t i = 0; i < before_.size(); ++i) ::sigaction(ending_signals[i], &before_[i], nullptr);
+}
 
 }    // namespace anoctl

@@ -1,5 +1,7 @@
 // The browser of the person at this computer.
 #pragma once
+#include <array>
+#include <csignal>
 #include <string>
 
 namespace anoctl {
@@ -8,7 +10,8 @@ namespace anoctl {
 void open_in_browser(const std::string& url);
 
 /// A page in the home of that user which leads the browser to a URL, and which others can't read: the command line of a browser is readable for
-/// every user of the computer. It is not hidden, since a browser from a snap package can't read hidden files. Removed at the end.
+/// every user of the computer. It is not hidden, since a browser from a snap package can't read hidden files. Removed at the end, also when a signal ends the
+/// program; those of earlier programs that were killed are removed at the start. There is one at a time.
 class RedirectFile {
 public:
     explicit RedirectFile(const std::string& url);
@@ -19,7 +22,10 @@ public:
     std::string url() const { return "file://" + path_; }
 
 private:
+    void end_removal() noexcept;
+
     std::string path_;
+    std::array<struct sigaction, 3> before_{};
 };
 
 }    // namespace anoctl
