@@ -10,15 +10,18 @@
 namespace anogate {
 
 /// Bytes that TCP sends faster than the slowest line on the way carries them wait there, where no frame can pass another. So about as
-/// much is sent as waits `most_waiting` there, or one round trip where that is longer. Once a minute all of it has to arrive, and the
-/// next write as well: that shows how long the way is when nothing waits.
+/// much is sent as waits `most_waiting` there, or one round trip where that is longer. Where that limits, nearly all of it has to arrive
+/// once a minute: only then the kernel sees the round trip of a line on which nothing waits.
 class InFlightLimit {
 public:
     static constexpr std::size_t least = 6 * 1024;    // always allowed: 25 ms at 2 Mbit/s
     static constexpr std::size_t most = 64 * 1024;    // the send buffer
     static constexpr ano::Duration most_waiting = std::chrono::milliseconds{20};
-    static constexpr ano::Duration between_probes = std::chrono::minutes{1};
-    static constexpr ano::Duration between_probes_at_least = std::chrono::seconds{15};    // while the limit is `least`
+    static constexpr std::size_t nearly_none = 2 * 1024;
+    static constexpr ano::Duration between_drains = std::chrono::minutes{1};
+    static constexpr ano::Duration between_probes = std::chrono::seconds{15};
+    /// By which an acknowledgement may be late: no sign of a longer way.
+    static constexpr ano::Duration late_acknowledgement = std::chrono::milliseconds{280};
 
     /// As the kernel measured them: smoothed, and the shortest of the last minutes.
     struct RoundTrip {
@@ -29,15 +32,18 @@ public:
     /// RoundTrip; it is called only when it matters.
     template <typename Measure>
     ano::Duration wait(std::size_t in_flight, ano::TimePoint now, Measure measure) {
-        if (in_flight == 0) arrived(now);
-        else if (probe_ == Probe::none && now - probed_at_ > (limit_ == least ? between_probes_at_least : between_probes))
-            probe_ = Probe::empties;
-        if (in_flight <= least && probe_ == Probe::none) return {};
-        if (in_flight == 0) return {};
+        if (in_flight == 0) probed(now);
+        if (in_flight <= nearly_none) {
+            drained_at_ = now;
+            was_limited_ = was_limited_ && probe_ != Probe::none;
+        }
+        const bool drains = was_limited_ && now - drained_at_ > between_drains;
+        if (in_flight == 0 || (in_flight <= least && probe_ == Probe::none && !drains)) return {};
         const RoundTrip trip = measure();
         adapt(in_flight, trip, now);
-        const std::size_t goal = probe_ == Probe::none ? limit_ : 0;
+        const std::size_t goal = probe_ != Probe::none ? 0 : drains ? nearly_none : limit_;
         if (in_flight <= goal) return {};
+        was_limited_ = true;
         const auto excess = static_cast<double>(in_flight - goal) / static_cast<double>(in_flight);
         const auto time = std::chrono::duration_cast<ano::Duration>(trip.now * excess);
         return std::clamp<ano::Duration>(time, std::chrono::milliseconds{1}, std::chrono::milliseconds{100});
@@ -46,16 +52,21 @@ public:
     std::size_t limit() const noexcept { return limit_; }
 
 private:
+    // All has to arrive, and then the next write: the time that takes is the length of the way.
     enum class Probe : std::uint8_t { none, empties, measures };
 
-    void arrived(ano::TimePoint now) noexcept {
-        if (probe_ == Probe::measures) probed_ = now - began_;
+    void probed(ano::TimePoint now) noexcept {
+        if (probe_ == Probe::measures) way_ = now - began_;
         probe_ = probe_ == Probe::empties ? Probe::measures : Probe::none;
         began_ = probed_at_ = now;
     }
-    // The kernel's shortest is of up to five minutes ago: the way may be longer now. An acknowledgement may be 40 ms late.
+    // The kernel's shortest is of up to five minutes ago, and the way may be longer now.
     ano::Duration when_nothing_waits(const RoundTrip& trip) const noexcept {
-        return probed_ > 2 * trip.shortest + std::chrono::milliseconds{60} ? probed_ : trip.shortest;
+        return way_ > 2 * trip.shortest + late_acknowledgement ? way_ : trip.shortest;
+    }
+    void look_for_longer_way(const RoundTrip& trip, ano::TimePoint now) noexcept {
+        const bool seems_longer = limit_ == least && trip.now > 2 * trip.shortest + late_acknowledgement;
+        if (seems_longer && probe_ == Probe::none && now - probed_at_ > between_probes) probe_ = Probe::empties;
     }
     // Towards what makes the round trip as long as it may be; not again before the last change can be seen in it.
     void adapt(std::size_t in_flight, const RoundTrip& trip, ano::TimePoint now) noexcept {
@@ -66,12 +77,14 @@ private:
         const double factor = std::clamp(static_cast<double>(aim.count()) / static_cast<double>(trip.now.count()), 0.5, 1.25);
         limit_ = std::clamp(static_cast<std::size_t>(static_cast<double>(limit_) * factor), least, most);
         adapted_at_ = now;
+        look_for_longer_way(trip, now);
     }
 
     std::size_t limit_ = least;
+    bool was_limited_ = false;    // since nearly all had arrived
     Probe probe_ = Probe::none;
-    ano::Duration probed_{};
-    ano::TimePoint adapted_at_{}, probed_at_{}, began_{};
+    ano::Duration way_{};
+    ano::TimePoint adapted_at_{}, drained_at_{}, probed_at_{}, began_{};
 };
 
 }    // namespace anogate

@@ -14,7 +14,8 @@ namespace {
 // A connection whose packets pass one slow line, one behind the other; its sender always has more.
 class Line {
 public:
-    Line(double bytes_per_second, ano::Duration way) : rate_{bytes_per_second}, way_{way} {}
+    /// `tick`: by which the acknowledgement of a packet is late when no other follows it.
+    Line(double bytes_per_second, ano::Duration way, ano::Duration tick = {}) : rate_{bytes_per_second}, way_{way}, tick_{tick} {}
 
     void change_rate(double bytes_per_second) { rate_ = bytes_per_second; }
     void change_way(ano::Duration way) { way_ = way; }
@@ -22,6 +23,7 @@ public:
     void run(ano::Duration time) {
         longest_wait_ = {};
         arrived_ = 0;
+        least_in_flight_ = SIZE_MAX;
         for (const auto end = now_ + time; now_ < end; now_ += 500us) {
             acknowledge();
             while (limit_.wait(in_flight_, now_, [this] { return trip_; }) == ano::Duration::zero()) send(1000);
@@ -31,7 +33,8 @@ public:
     /// Of a packet in the last run(): behind others, before the line.
     ano::Duration longest_wait() const { return longest_wait_; }
     double bytes() const { return static_cast<double>(arrived_); }
-    std::size_t times_empty() const { return times_empty_; }
+    /// In the last run(), after its first sends.
+    std::size_t least_in_flight() const { return least_in_flight_; }
 
 private:
     struct Packet {
@@ -48,23 +51,24 @@ private:
         in_flight_ += size;
     }
     void acknowledge() {
-        for (; !packets_.empty() && packets_.front().acknowledged <= now_; packets_.pop_front()) {
-            const Packet& first = packets_.front();
-            const auto took = first.acknowledged - first.sent;
+        while (!packets_.empty() && packets_.front().acknowledged + (packets_.size() == 1 ? tick_ : ano::Duration{}) <= now_) {
+            const Packet first = packets_.front();
+            const auto took = (packets_.size() == 1 ? now_ : first.acknowledged) - first.sent;
+            packets_.pop_front();
             trip_.shortest = trip_.shortest == ano::Duration::zero() ? took : std::min(trip_.shortest, took);
             trip_.now = trip_.now == ano::Duration::zero() ? took : trip_.now + (took - trip_.now) / 8;
             in_flight_ -= first.size;
-            times_empty_ += in_flight_ == 0 ? 1 : 0;
+            least_in_flight_ = std::min(least_in_flight_, in_flight_);
             arrived_ += first.size;
         }
     }
 
     double rate_;
-    ano::Duration way_;
+    ano::Duration way_, tick_;
     InFlightLimit limit_;
     std::deque<Packet> packets_;
     InFlightLimit::RoundTrip trip_;
-    std::size_t in_flight_ = 0, arrived_ = 0, times_empty_ = 0;
+    std::size_t in_flight_ = 0, arrived_ = 0, least_in_flight_ = 0;
     ano::TimePoint now_{1h}, free_at_{};
     ano::Duration longest_wait_{};
 };
@@ -110,10 +114,10 @@ TEST(InFlightLimit, follows_a_line_that_becomes_slower_and_faster) {
 TEST(InFlightLimit, follows_a_way_that_becomes_longer_although_the_kernel_remembers_the_shorter_one) {
     Line line{8 * mbit, 5ms};
     line.run(5s);
-    line.change_way(150ms);
+    line.change_way(400ms);
+    line.run(30s);
     line.run(20s);
-    line.run(20s);
-    EXPECT_GE(line.bytes(), 0.8 * 20 * std::min(8 * mbit, InFlightLimit::most / 0.15));
+    EXPECT_GE(line.bytes(), 0.8 * 20 * std::min(8 * mbit, InFlightLimit::most / 0.4));
     line.change_way(5ms);
     line.run(2min);
     line.run(20s);
@@ -127,14 +131,29 @@ TEST(InFlightLimit, a_slow_line_is_busy) {
     EXPECT_GE(line.bytes(), 0.95 * 120 * 0.1 * mbit);
 }
 
-TEST(InFlightLimit, all_has_to_arrive_once_a_minute_and_then_the_next_write) {
+TEST(InFlightLimit, nearly_all_has_to_arrive_once_a_minute) {
     Line line{4 * mbit, 2ms};
     line.run(5s);
-    const std::size_t before = line.times_empty();
+    EXPECT_GT(line.least_in_flight(), InFlightLimit::nearly_none);
     line.run(50s);
-    EXPECT_EQ(line.times_empty(), before);
-    line.run(80s);
-    EXPECT_EQ(line.times_empty(), before + 4);
+    EXPECT_GT(line.least_in_flight(), InFlightLimit::nearly_none);
+    line.run(60s);
+    EXPECT_LE(line.least_in_flight(), InFlightLimit::nearly_none);
+}
+
+TEST(InFlightLimit, a_thin_stream_is_never_held_back) {
+    InFlightLimit limit;
+    ano::TimePoint now{1h};
+    for (int i = 0; i < 100'000; ++i, now += 20ms)
+        ASSERT_EQ(limit.wait(i % 3 == 0 ? 400 : 800, now, [] { return InFlightLimit::RoundTrip{200ms, 200ms}; }), 0s) << i;
+}
+
+// Of its last bytes, as some systems acknowledge them: the way is not longer for that.
+TEST(InFlightLimit, late_acknowledgements_let_no_more_wait) {
+    Line line{2 * mbit, 2ms, 250ms};
+    line.run(5s);
+    line.run(3min);
+    EXPECT_LE(line.longest_wait(), 45ms);
 }
 
 TEST(InFlightLimit, does_not_ask_for_the_round_trip_while_little_is_on_the_way) {
