@@ -178,6 +178,7 @@ public:
         socket_.next_layer().stream().close();
         if (!writing_) queue_.clear();    // otherwise the write in progress still needs the queue
         place_.reset();
+        waits_.reset();    // the caller holds us
         const auto user = std::move(user_);
         user_.reset();
     }
@@ -189,6 +190,7 @@ public:
     }
 
     void take_turn() override {
+        const auto self = std::exchange(waits_, nullptr);
         if (user_) guarded([this] { heard(); });
     }
 
@@ -237,8 +239,14 @@ private:
         socket_.async_read(buffer_, [self = shared_from_this()](error_code ec, std::size_t) {
             if (!self->user_) return;
             if (ec) return self->end_for(ec);
-            self->guarded([&self] { self->wait_for_turn_ ? self->wait_for_turn_() : self->heard(); });
+            self->guarded([&self] { self->wait_for_turn_ ? self->wait() : self->heard(); });
         });
+    }
+
+    // Meanwhile no read that is under way holds us.
+    void wait() {
+        waits_ = shared_from_this();
+        wait_for_turn_();
     }
 
     void heard() {
@@ -299,6 +307,7 @@ private:
     Answer answer_;                          // on the client's side: to the request
     std::shared_ptr<void> place_;
     const std::function<void()> wait_for_turn_;
+    std::shared_ptr<BeastWebSocket> waits_;    // ourselves, as long as a message waits for its turn
 };
 
 }    // namespace
