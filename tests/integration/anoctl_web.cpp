@@ -152,7 +152,7 @@ TEST_F(AnoctlWeb, leaves_no_page_with_a_code_when_a_signal_ends_it) {
     dir.write("home/" + old.filename().string(), "of a program that was killed");
     const auto pages = [&] {
         std::size_t count = 0;
-        for (const auto& entry : std::filesystem::directory_iterator{home}) count += entry.path() == other ? 0 : 1;
+        for (const auto& entry : std::filesystem::directory_iterator{home}) count += entry.path() == other ? 0u : 1u;
         return count;
     };
     for (const std::filesystem::path& one : {old, std::filesystem::path{other}})
