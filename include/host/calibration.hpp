@@ -79,8 +79,6 @@ public:
     static constexpr Duration time_to_verify = std::chrono::minutes{1};
     /// A device from which nothing came for so long, or no samples though other frames did, ends the task.
     static constexpr Duration silent_after = std::chrono::milliseconds{4500};
-    /// Samples may come so much later than answers, as over a radio that sends answers first: those of before a clear or a store don't count.
-    static constexpr Duration most_late = std::chrono::seconds{3};
     /// Of a device that may be silent by then, when the old values are written back.
     static constexpr Duration time_to_answer = std::chrono::milliseconds{400};
     static constexpr unsigned max_restarts = 5;    // of the device; one more ends the task
@@ -201,7 +199,6 @@ private:
     std::vector<AccelerometerCheck> further_checks_, verified_faces_;    // on other faces than this one
     std::optional<CompassCheck> compass_check_;
     TimePoint step_since_{};
-    TimePoint settled_at_{};    // samples count from then on
     std::optional<std::pair<double, double>> residuals_;
     std::function<std::string()> refusal_;
     End why_;    // how it ends when the old values are written back

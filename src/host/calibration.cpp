@@ -227,7 +227,6 @@ void Calibration::clear(TimePoint now) {
 void Calibration::cleared(TimePoint now) {
     if (end() || step_ != Step::clear) return;
     if (clear_->end()->ending != Ending::done) return restore(*clear_->end(), now);
-    settled_at_ = now + most_late;
     watch_.emplace(device(), now);    // from now on, since it may restart at once
     read_values(&Calibration::read_cleared, now);
 }
@@ -299,7 +298,7 @@ void Calibration::hear(FrameView frame, TimePoint now) {
 
 void Calibration::take_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now) {
     if (step_ == Step::verify) {
-        if (is_proven_ || now < settled_at_) return;
+        if (is_proven_) return;
         accelerometer_check_->take(acceleration, rotation);
         return verify(now);
     }
@@ -310,7 +309,7 @@ void Calibration::take_inertial(const Vector& acceleration, const Vector& rotati
 
 void Calibration::take_field(const Vector& field, TimePoint now) {
     if (step_ == Step::verify) {
-        if (is_proven_ || now < settled_at_) return;
+        if (is_proven_) return;
         compass_check_->take(field);
         return verify(now);
     }
@@ -329,7 +328,7 @@ void Calibration::measured(TimePoint now) {
 bool Calibration::is_gone_on(TimePoint now) {
     if (step_ == Step::prove) return is_proven_;
     watch_->sampled(now);
-    return is_restarted(now) || step_ != Step::turn || now < settled_at_;
+    return is_restarted(now) || step_ != Step::turn;
 }
 
 void Calibration::confirm(TimePoint now) {
@@ -457,7 +456,6 @@ void Calibration::written(TimePoint now) {
     if (end() || step_ != Step::write) return;
     if (write_->end()->ending != Ending::done) return restore(*write_->end(), now);
     is_proven_ = false;
-    settled_at_ = now + most_late;
     enter(Step::verify, now);
 }
 
