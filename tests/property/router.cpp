@@ -136,14 +136,13 @@ struct Model {
         }
         return route;
     }
-    Route flooded(ChannelId from, std::uint8_t destination, bool acts) const {
+    Route flooded(std::uint8_t destination, bool acts) const {
         Route route = all(&Router::LinkRule::flood, Via::unknown);
         const bool host = destination == 0xFE || destination == 0xD2;
-        const ChannelSet others = with_devices(false) - from;
-        if (host || (acts && others.has_several())) route.channels -= with_devices(true);
+        if (host || (acts && with_devices(false).has_several())) route.channels -= with_devices(true);
         return route;
     }
-    Route expected(ChannelId from, std::uint8_t destination, bool acts, TimePoint now) const {
+    Route expected(std::uint8_t destination, bool acts, TimePoint now) const {
         if (destination == 0xFF) return all(&Router::LinkRule::broadcast, Via::broadcast);
         if (destination == 0) return {};
         if (destination == settings.id) return {{}, {}, Via::own};
@@ -161,7 +160,7 @@ struct Model {
         if (!heard.empty()) return {heard, {}, Via::learned};
         if (acts && !host)
             if (Route last = last_home(destination, now); last.via == Via::learned) return last;
-        if (settings.unknown == Unknown::flood) return flooded(from, destination, acts);
+        if (settings.unknown == Unknown::flood) return flooded(destination, acts);
         if (settings.unknown == Unknown::link) return to(unknown_link, Via::unknown);
         return {};
     }
@@ -218,7 +217,7 @@ struct Trial {
         const Route got = router->route(from, source, destination, now, acts ? ano::Intent::acts : ano::Intent::informs);
         EXPECT_EQ(support::allocations, before);
 
-        Route expected = model.expected(from, destination, acts, now);
+        Route expected = model.expected(destination, acts, now);
         expected.channels.erase(from);
         EXPECT_FALSE(got.channels.contains(from));
         EXPECT_EQ(got.channels, expected.channels) << "destination " << int{destination} << " via " << text(got.via);
