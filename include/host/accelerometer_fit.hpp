@@ -49,6 +49,9 @@ public:
     static constexpr std::size_t window = 20;           // samples by which stillness is judged
     static constexpr double still_acceleration = 15;    // cm/s², the maximum standard deviation of an axis
     static constexpr double still_rotation = 1.5;       // °/s, the same for rotation
+    /// cm/s², by which the later samples of a face may differ from the earlier ones, beside their noise: else it is measured again. A device
+    /// that smooths its samples still settles, or it is being tilted.
+    static constexpr double drift = 0.5;
     /// cm/s². A larger residual means that the device did not lie level on its faces.
     static constexpr double max_residual = 0.05 * gravity;
 
@@ -84,7 +87,9 @@ private:
         std::size_t count = 0;
         double squares = 0;             // of the lengths
         std::array<Vector, 2> sum{};    // of the samples of each half: every second one belongs to the other
+        Vector first{};                 // the sum of the earlier ones
         Vector mean(std::size_t half) const noexcept;
+        bool drifts() const noexcept;
     };
 
     void judge() noexcept;

@@ -79,6 +79,11 @@ public:
     static constexpr Duration time_to_verify = std::chrono::minutes{1};
     /// A device from which nothing came for so long, or no samples though other frames did, ends the task.
     static constexpr Duration silent_after = std::chrono::milliseconds{4500};
+    /// Samples may come so much later than answers, as over a radio that sends answers first: those of before a clear or a store don't count.
+    static constexpr Duration most_late = std::chrono::seconds{3};
+    /// Samples of an accelerometer that come sooner than that after one another count as one, their mean: what a fast device sends while it is
+    /// turned would look still.
+    static constexpr Duration spacing = std::chrono::milliseconds{15};
     /// Of a device that may be silent by then, when the old values are written back.
     static constexpr Duration time_to_answer = std::chrono::milliseconds{400};
     static constexpr unsigned max_restarts = 5;    // of the device; one more ends the task
@@ -151,6 +156,8 @@ private:
     void take_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now);
     void take_field(const Vector& field, TimePoint now);
     bool is_gone_on(TimePoint now);
+    std::optional<std::pair<Vector, Vector>> mean_with(const Vector& acceleration, const Vector& rotation,
+                                                       TimePoint now) noexcept;
     void verify(TimePoint now);
     void measured(TimePoint now);
     template <class Found, class Samples>
@@ -199,6 +206,10 @@ private:
     std::vector<AccelerometerCheck> further_checks_, verified_faces_;    // on other faces than this one
     std::optional<CompassCheck> compass_check_;
     TimePoint step_since_{};
+    TimePoint settled_at_{};    // samples count from then on
+    TimePoint last_mean_{};
+    Vector acceleration_sum_{}, rotation_sum_{};    // of the samples since then
+    unsigned summed_ = 0;
     std::optional<std::pair<double, double>> residuals_;
     std::function<std::string()> refusal_;
     End why_;    // how it ends when the old values are written back

@@ -93,11 +93,26 @@ void SixFaces::take(const Vector& acceleration, const Vector& rotation) noexcept
     if (!is_still() || !face_) return;
     Gathered& face = gathered_[static_cast<std::size_t>(*face_)];
     if (face.count >= enough) return;
+    const bool is_early = face.count < enough / 2;
     Vector& sum = face.sum[face.count++ % 2];
     for (std::size_t i = 0; i < 3; ++i) {
         sum[i] += acceleration[i];
+        if (is_early) face.first[i] += acceleration[i];
         face.squares += acceleration[i] * acceleration[i];
     }
+    if (face.count == enough && face.drifts()) face = {};
+}
+
+// Three times the standard error of the difference, and `drift`.
+bool SixFaces::Gathered::drifts() const noexcept {
+    const double n = static_cast<double>(count), half = n / 2;
+    double difference = 0, variance = squares / n;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double all = sum[0][i] + sum[1][i], d = (all - 2 * first[i]) / half;
+        difference += d * d;
+        variance -= all / n * (all / n);
+    }
+    return std::sqrt(difference) > 3 * std::sqrt(std::max(0.0, variance) * 2 / half) + drift;
 }
 
 void SixFaces::judge() noexcept {

@@ -227,6 +227,7 @@ void Calibration::clear(TimePoint now) {
 void Calibration::cleared(TimePoint now) {
     if (end() || step_ != Step::clear) return;
     if (clear_->end()->ending != Ending::done) return restore(*clear_->end(), now);
+    settled_at_ = now + most_late;
     watch_.emplace(device(), now);    // from now on, since it may restart at once
     read_values(&Calibration::read_cleared, now);
 }
@@ -297,23 +298,39 @@ void Calibration::hear(FrameView frame, TimePoint now) {
 }
 
 void Calibration::take_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now) {
+    if (is_gone_on(now)) return;
+    const auto sample = mean_with(acceleration, rotation, now);
+    if (!sample) return;
     if (step_ == Step::verify) {
-        if (is_proven_) return;
-        accelerometer_check_->take(acceleration, rotation);
+        accelerometer_check_->take(sample->first, sample->second);
         return verify(now);
     }
-    if (is_gone_on(now)) return;
-    faces_.take(acceleration, rotation);
+    faces_.take(sample->first, sample->second);
     if (faces_.is_complete()) measured(now);
 }
 
+std::optional<std::pair<Vector, Vector>> Calibration::mean_with(const Vector& acceleration, const Vector& rotation,
+                                                                TimePoint now) noexcept {
+    ++summed_;
+    for (std::size_t i = 0; i < 3; ++i) {
+        acceleration_sum_[i] += acceleration[i];
+        rotation_sum_[i] += rotation[i];
+    }
+    if (now - last_mean_ < spacing) return std::nullopt;
+    last_mean_ = now;
+    std::pair mean{std::exchange(acceleration_sum_, {}), std::exchange(rotation_sum_, {})};
+    for (Vector* sum : {&mean.first, &mean.second})
+        for (double& axis : *sum) axis /= summed_;
+    summed_ = 0;
+    return mean;
+}
+
 void Calibration::take_field(const Vector& field, TimePoint now) {
+    if (is_gone_on(now)) return;
     if (step_ == Step::verify) {
-        if (is_proven_) return;
         compass_check_->take(field);
         return verify(now);
     }
-    if (is_gone_on(now)) return;
     sphere_.take(field);
     if (sphere_.is_complete()) measured(now);
 }
@@ -324,11 +341,11 @@ void Calibration::measured(TimePoint now) {
     else prove<CompassCalibration>(sphere_, now);
 }
 
-// Whether a sample is of no use: after a gap, or when all are gathered.
+// Whether a sample is of no use: it may be from before a clear or a store, it came after a gap, or all are gathered.
 bool Calibration::is_gone_on(TimePoint now) {
-    if (step_ == Step::prove) return is_proven_;
+    if (step_ == Step::verify || step_ == Step::prove) return is_proven_ || now < settled_at_;
     watch_->sampled(now);
-    return is_restarted(now) || step_ != Step::turn;
+    return is_restarted(now) || step_ != Step::turn || now < settled_at_;
 }
 
 void Calibration::confirm(TimePoint now) {
@@ -456,6 +473,7 @@ void Calibration::written(TimePoint now) {
     if (end() || step_ != Step::write) return;
     if (write_->end()->ending != Ending::done) return restore(*write_->end(), now);
     is_proven_ = false;
+    settled_at_ = now + most_late;
     enter(Step::verify, now);
 }
 

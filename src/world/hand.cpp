@@ -30,6 +30,8 @@ Attitude between(Attitude a, Attitude b, double share) noexcept {
 void Hand::turn_to_faces(double rest) noexcept {
     rest_ = rest;
     begin(Does::faces);
+    at_ = duration() - time_to_begin;
+    until_ += at_;
 }
 
 void Hand::turn_all_round(Vector field, double duration) noexcept {

@@ -12,6 +12,8 @@ public:
     static constexpr double time_to_turn = 1;    // s, from one face to the next
     static constexpr unsigned rounds = 3;        // then it gives up
     static constexpr double time_to_look = 8;    // s, on the last face of a round: is it enough?
+    static constexpr double time_to_begin =
+        3;    // s, on the last face before the first round: the host measures so late behind a clear
 
     /// Lays it on one face after the other, for `rest` seconds each, on the last one for longer.
     void turn_to_faces(double rest) noexcept;

@@ -6,20 +6,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace support {
 
-/// The device, the host with its task, and a person who turns the device, in simulated time: a step is 20 ms, a sample each.
+/// The device, the host with its task, and a person who turns the device, in simulated time: a sample each step.
 class CalibrationBench {
 public:
     using Calibration = ano::host::Calibration;
     using Values = std::array<float, 15>;
     static constexpr Values raw{0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-    static constexpr Duration step = 20ms;
 
     FakeDevice fake;
     ano::host::Device device{0xDC};
@@ -37,7 +38,11 @@ public:
     bool uses_the_clear = true;        // otherwise it goes on to correct by its old calibration
     bool ignores_the_clear = false;    // it acknowledges it
     bool is_dead = false;
+    Duration step = 20ms;
+    Duration late{};            // samples come so much later than answers
+    double smooths = 0;         // s, the time constant of its low pass
     bool holds_still = true;    // the person
+    double tilts = 0;           // °/s, who holds it does not lay it down
     std::vector<std::uint16_t> actions;
     std::function<void()> each_step;    // optional
 
@@ -154,6 +159,7 @@ private:
                 for (const Bytes& answer : fake.take(*asked)) hear(answer);
         turn();
         if (!is_silent) send_sample();
+        hear_samples();
         if (each_step) each_step();
         task.look(now);
     }
@@ -162,7 +168,7 @@ private:
         if (task.step() == Calibration::Step::verify && moving_ == 0 &&
             face_ != static_cast<std::size_t>(*task.face_to_verify())) {
             face_ = static_cast<std::size_t>(*task.face_to_verify());
-            moving_ = 25;
+            move();
         }
         const bool is_measured = task.step() == Calibration::Step::turn || task.step() == Calibration::Step::prove;
         if (!is_measured || moving_ > 0) {
@@ -171,10 +177,25 @@ private:
         }
         if (!task.faces().is_enough(static_cast<ano::host::Face>(face_))) return;
         for (face_ = 0; face_ < 5 && task.faces().is_enough(static_cast<ano::host::Face>(face_));) ++face_;
-        moving_ = 25;
+        move();
+    }
+    void move() {
+        moving_ = static_cast<int>(500ms / step);
+        tilt_ = 0;
+    }
+    // What its sensor measures while it is tilted, and behind the low pass.
+    ano::host::Vector measured() {
+        ano::host::Vector v = felt(face_);
+        tilt_ += tilts * std::chrono::duration<double>{step}.count() * std::numbers::pi / 180;
+        const std::size_t other = (face_ / 2 + 1) % 3;
+        v[other] += (v[face_ / 2] - sensor.offset[face_ / 2]) * std::sin(tilt_);
+        v[face_ / 2] -= (v[face_ / 2] - sensor.offset[face_ / 2]) * (1 - std::cos(tilt_));
+        const double share = smooths > 0 ? 1 - std::exp(-std::chrono::duration<double>{step}.count() / smooths) : 1;
+        for (std::size_t i = 0; i < 3; ++i) smoothed_[i] += share * (v[i] - smoothed_[i]);
+        return smoothed_;
     }
     void send_sample() {
-        const auto v = ano::host::AccelerometerCalibration::of(as_it_uses(used_)).corrected(felt(face_));
+        const auto v = ano::host::AccelerometerCalibration::of(as_it_uses(used_)).corrected(measured());
         const bool moves = moving_ > 0 || !holds_still;
         const double shakes = moves ? (steps_ % 2 == 0 ? 200 : -200) : static_cast<double>(steps_ % 3) - 1;
         ano::Draft<"inertial"> m;
@@ -183,7 +204,11 @@ private:
         (void)m.set<"acc_z">(std::round(v[2] + shakes));
         std::array<std::uint8_t, 64> bytes{};
         const std::size_t size = m.encode(bytes, 0xDC, 0xFF);
-        hear({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+        on_the_way_.push_back({now + late, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}});
+    }
+    void hear_samples() {
+        for (; !on_the_way_.empty() && on_the_way_.front().first <= now; on_the_way_.pop_front())
+            hear(on_the_way_.front().second);
     }
     void hear(const Bytes& bytes) {
         device.take(ano::FrameView{bytes}, now);
@@ -194,6 +219,9 @@ private:
     std::optional<TimePoint> uses_at_, silent_until_;
     std::size_t face_ = 0, steps_ = 0;
     int moving_ = 0;
+    double tilt_ = 0;    // rad
+    ano::host::Vector smoothed_{};
+    std::deque<std::pair<TimePoint, Bytes>> on_the_way_;    // when it arrives
     bool begun_ = false;
 };
 

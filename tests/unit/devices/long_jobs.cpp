@@ -185,15 +185,15 @@ struct Calibrates : LongJobs {
             (void)m.set<"acc_z">(acc[2] + i % 2);
             std::array<std::uint8_t, 64> bytes{};
             const std::size_t size = m.encode(bytes, 0xDC, 0xFF);
+            net.pass(20ms);
             net.passes(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
         }
-        net.pass(200ms);
     }
 
-    // A second of samples that lie on no face.
+    // Samples that lie on no face, for so long that those of before a clear or a store could not come any more.
     void fall() {
         const Bytes sample = frame(0xDC, 0xFF, 0x01, Bytes(13));
-        for (int i = 0; i < 10; ++i) {
+        for (const auto end = net.time + ano::host::Calibration::most_late; net.time < end;) {
             net.pass(100ms);
             net.passes(sample);
         }
@@ -227,6 +227,7 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
     EXPECT_EQ(step.at("still"), 1.0);
     for (std::size_t face = 1; face < 6; ++face) lie(face);
     ASSERT_TRUE(net.until([&] { return message() == "checking the new values: leave it still on -z"; }));
+    fall();
     lie(5, true);
     const json over = until_over(1);
     EXPECT_EQ(over.at("state"), "done") << over;
@@ -257,10 +258,11 @@ TEST_F(Calibrates, again_from_the_beginning_when_the_device_restarts) {
     lie(3);
     fall();
     EXPECT_EQ(message(),
-              "the device restarted (no samples for 0.8 s), so all samples are discarded: lay it on each of its six faces");
+              "the device restarted (no samples for 0.6 s), so all samples are discarded: lay it on each of its six faces");
     EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("step").at("done"), json::array());
     for (std::size_t face = 0; face < 6; ++face) lie(face);
     ASSERT_TRUE(net.until([&] { return message().starts_with("checking the new values"); }));
+    fall();
     lie(5, true);
     const json over = until_over(1);
     EXPECT_EQ(over.at("state"), "done") << over;

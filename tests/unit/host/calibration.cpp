@@ -28,6 +28,8 @@ struct Calibrates : testing::Test {
     std::vector<std::uint16_t> actions;
     bool forgets_once = false;    // one of the values, when it is told to use them
     bool shows_the_clear = true;
+    Calibration::Step step = Calibration::Step::read;    // when it was heard last
+    Duration pace = 20ms;
 
     void make(Sensor sensor) {
         fake.parameters = {{0, "FIRST", "", {1}}};
@@ -73,11 +75,19 @@ struct Calibrates : testing::Test {
             hear(task, m);
         }
     }
+    // Samples count when those of before could not come any more.
     template <class Message>
     void hear(Calibration& task, const Message& message) {
+        const bool measures = task.step() == Calibration::Step::turn || task.step() == Calibration::Step::verify;
+        if (std::exchange(step, task.step()) != task.step() && measures)
+            for (const TimePoint end = simulation.now + Calibration::most_late; simulation.now < end;) hear_once(task, message);
+        hear_once(task, message);
+    }
+    template <class Message>
+    void hear_once(Calibration& task, const Message& message) {
         std::array<std::uint8_t, 64> bytes{};
         const std::size_t size = message.encode(bytes, 0xDC, 0xFF);
-        simulation.pass(10ms);
+        simulation.pass(pace);
         device.take(FrameView{std::span{bytes}.first(size)}, simulation.now);
         task.hear(FrameView{std::span{bytes}.first(size)}, simulation.now);
     }
@@ -121,6 +131,29 @@ TEST_F(Calibrates, an_accelerometer) {
     EXPECT_NEAR(load<float>(now[6].data()), 1, 1e-3);           // error matrix
     EXPECT_EQ(fake.parameters.front().value, Bytes{1});
     EXPECT_EQ(fake.parameters.back().value, Bytes{1});
+}
+
+// As over a radio that sends answers first: what it measured before the clear, and before the store, comes up to 3 s later.
+TEST_F(Calibrates, by_samples_that_can_not_be_of_before) {
+    make(Sensor::accelerometer);
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    step = task.step();
+    const auto lies_for = [&](ano::Duration time, int z) {
+        Draft<"inertial"> m;
+        (void)m.set<"acc_z">(static_cast<std::int16_t>(z));
+        for (const TimePoint end = simulation.now + time; simulation.now < end;) hear(task, m);
+    };
+    lies_for(2900ms, 981);
+    EXPECT_EQ(task.progress().done, 0u);
+    lies_for(2s, 981);
+    EXPECT_EQ(task.progress().done, 1u);
+    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
+    simulation.run(task);
+    ASSERT_EQ(task.step(), Calibration::Step::verify);
+    step = task.step();
+    lies_for(2900ms, -981);
+    EXPECT_FALSE(task.verified());
 }
 
 TEST_F(Calibrates, a_compass) {
@@ -210,6 +243,7 @@ struct HidesTheClear : Calibrates {
     void calibrate(Calibration& task, int raw_ones, const CompassCalibration& old_one) {
         make(Sensor::compass);
         shows_the_clear = false;
+        pace = 10ms;
         const auto values = old_one.values();
         for (std::size_t i = 0; i < values.size(); ++i) fake.parameters[1 + i].value = f32(values[i]);
         old = stored();

@@ -94,6 +94,23 @@ TEST(SixFaces, take_nothing_while_it_shakes_or_turns_or_stands_on_an_edge) {
     for (std::size_t face = 0; face < 6; ++face) EXPECT_EQ(faces.samples(static_cast<Face>(face)), 0u);
 }
 
+// 50 a second, behind a low pass of 1 s that it was turned under; and tilted by 1 °/s.
+TEST(SixFaces, do_not_count_what_still_settles_or_is_tilted) {
+    SixFaces smooth;
+    int n = 0;
+    for (; n < 3000 && !smooth.is_enough(Face::z_plus); ++n)
+        smooth.take({0, 0, SixFaces::gravity * (1 - 2 * std::exp(-n * 0.02)) + (n % 3 - 1)}, {});
+    ASSERT_TRUE(smooth.is_enough(Face::z_plus));
+    EXPECT_NEAR(smooth.mean(Face::z_plus)[2], SixFaces::gravity, 4);
+    EXPECT_LT(n, 600) << "samples";
+    SixFaces tilted;
+    for (n = 0; n < 600; ++n) {
+        const double angle = n * 0.02 * std::numbers::pi / 180;
+        tilted.take({SixFaces::gravity * std::sin(angle), 0, SixFaces::gravity * std::cos(angle)}, {});
+    }
+    EXPECT_FALSE(tilted.is_enough(Face::z_plus));
+}
+
 TEST(SixFaces, find_the_errors_of_a_sensor) {
     support::Random random{1};
     SixFaces faces;
