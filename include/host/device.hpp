@@ -38,6 +38,7 @@ enum class Outcome : std::uint8_t {
     answered,     // with data, or with the acknowledgement
     timeout,      // no answer came that fits; Evidence::unfit has one that does not
     not_there,    // not sent: its parameter is beyond the count that the device has reported meanwhile
+    uncertain,    // a write of a parameter that is not repeated: the device may be another one since it was sent
 };
 
 struct Ended {
@@ -194,6 +195,7 @@ private:
     void expire(TimePoint now);
     void end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now);
     bool may_be_asked(FrameView request) const noexcept;
+    bool may_be_repeated(const Exchange& exchange, TimePoint now) const noexcept;
     std::optional<TimePoint> may_start_at(const Exchange& exchange) const noexcept;
     const Exchange* lost() const noexcept;
     bool keeps_back_those_that_yield() const noexcept;

@@ -80,6 +80,7 @@ public:
         bool alone = false;          // as in Window
         bool answers = false;        // the device has answered something since the send before
         std::size_t others = 0;      // requests on their way
+        std::uint32_t doubts = 0;    // Device::doubts()
     };
     /// To be called when the frame is sent, for the first time or again.
     void send(TimePoint now, const RoundTrip& round_trip, const Send& send) noexcept;

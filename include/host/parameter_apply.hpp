@@ -37,7 +37,8 @@ struct ApplyOptions {
 ///
 /// A device that restarts loses what was not saved, and a short restart shows no sign. So all values that were written are read once more at
 /// the end, if there are several or the device restarted (after a restart also those that did not differ). What is lost is written again
-/// once, then it is `failed`. The same after undoing: every old value has to be back.
+/// once, then it is `failed`. The same after undoing: every old value has to be back. Nothing is written, and so nothing undone, once the device
+/// became another one.
 class ParameterApply final : public Task {
 public:
     enum class State : std::uint8_t {
@@ -72,6 +73,8 @@ public:
     const std::vector<Row>& rows() const noexcept { return rows_; }
     /// One failed or the task was cancelled, and the old values are being restored.
     bool is_undoing() const noexcept { return undoing_; }
+    /// The device became another one. Nothing was written to that, so what was written to the one before is not undone.
+    bool is_of_another() const noexcept { return is_of_another_; }
 
 private:
     void described(TimePoint now);
@@ -92,6 +95,8 @@ private:
     void written_is_read(TimePoint now);
     void finish_written(TimePoint now);
     void undo_next(TimePoint now);
+    void undo_no_more() noexcept;
+    void finish_undone(TimePoint now);
     void undone(TimePoint now);
     void undone_is_read(TimePoint now);
     void write(std::size_t row, const AnyValue& value, WriteLimits limits, void (ParameterApply::*then)(TimePoint),
@@ -113,6 +118,7 @@ private:
     std::vector<bool> repeated_;                        // of rows_: written once more, since it was lost
     std::size_t lost_ = 0;
     bool undoing_ = false;
+    bool is_of_another_ = false;
     std::vector<bool> undone_again_;    // of rows_
     std::optional<End> why_;            // of the first that failed; how the task ends after undoing
 };

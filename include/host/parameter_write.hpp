@@ -45,6 +45,8 @@ public:
     /// To be called before start(): the old value, which was read just now, is not read again. `doubts`: Device::doubts() when that
     /// and the description were read; after later ones both are asked again.
     void set_before(Bytes value, std::uint32_t doubts);
+    /// The same without a value: `info` was the device's at that time.
+    void set_known(std::uint32_t doubts) noexcept { doubts_ = doubts; }
     void start(TimePoint now);
     Progress progress() const noexcept override { return {step_, 4}; }
     void cancel(TimePoint now) override;
@@ -59,6 +61,8 @@ public:
     bool is_clamped() const { return end() && end()->ending == Ending::done && !same(*stored_, wire_); }
     /// Whether the write has left: the device may have stored it.
     bool was_sent() const noexcept { return was_sent_; }
+    /// It failed because the device became another one: nothing may be written to that.
+    bool is_of_another() const noexcept { return is_of_another_; }
     /// If was_sent() and this is false, only reading back shows whether the device stored the value.
     bool was_acknowledged() const noexcept { return was_sent_ && !silence_; }
 
@@ -92,7 +96,10 @@ private:
     bool was_repeated_ = false;          // the write
     Evidence acknowledgement_;           // of the write
     std::optional<Evidence> silence_;    // set when the write was not acknowledged
-    std::uint32_t doubts_ = 0;           // Device::doubts() when `info` was the device's
+    bool is_of_another_ = false;
+    static constexpr unsigned max_uncertain = 5;
+    unsigned uncertain_ = 0;                 // Outcome::uncertain, so often; after more the write counts as not acknowledged
+    std::optional<std::uint32_t> doubts_;    // Device::doubts() when `info` was the device's
     Wire wire_;
     std::optional<Wire> before_, stored_;
 };

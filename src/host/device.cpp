@@ -194,6 +194,7 @@ std::optional<FrameView> Device::next_frame(TimePoint now) {
         Exchanges& from = next->was_sent() ? sent_ : waiting_;
         const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == next; });
         if (!may_be_asked(next->frame())) end(from, which, Outcome::not_there, {}, now);
+        else if (!may_be_repeated(*which, now)) end(from, which, Outcome::uncertain, {}, now);
         else if (!waits_for_flush(*which, now)) return send(from, which, now);
     }
     return std::nullopt;
@@ -307,10 +308,15 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     return false;
 }
 
+bool Device::may_be_repeated(const Exchange& exchange, TimePoint now) const noexcept {
+    return !exchange.was_sent() || exchange.frame().id() != Draft<"parameter_value">::message().id ||
+           is_certain_since(exchange.last().doubts, now);
+}
+
 Exchange::Send Device::this_send(const Exchange& next) const noexcept {
     const std::size_t others = on_their_way();
     const bool answers = next.was_sent() && answered_at_ && *answered_at_ > next.last_sent();
-    return {sends_ + 1, window_.is_one_at_a_time() && others == 0, answers, others};
+    return {sends_ + 1, window_.is_one_at_a_time() && others == 0, answers, others, doubts_};
 }
 
 FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now) {

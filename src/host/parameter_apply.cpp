@@ -136,7 +136,8 @@ void ParameterApply::write(std::size_t row, const AnyValue& value, WriteLimits l
                            TimePoint now) {
     last_ = std::move(write_);
     write_ = std::make_unique<ParameterWrite>(device(), infos_[row], value, limits);
-    if (!undoing_) write_->set_before(parameters_.bytes(infos_[row].id), parameters_.doubts());
+    if (undoing_) write_->set_known(parameters_.doubts());
+    else write_->set_before(parameters_.bytes(infos_[row].id), parameters_.doubts());
     write_->on_end([this, then](TimePoint later) { (this->*then)(later); });
     write_->start(now);
 }
@@ -154,11 +155,12 @@ void ParameterApply::row_ended(TimePoint now) {
     const bool is_noted = std::find(touched_.begin(), touched_.end(), at_) != touched_.end();
     if (write_->was_sent() && write_->stored() != row.before && !is_noted) touched_.push_back(at_);
     End ended = *write_->end();
+    is_of_another_ = write_->is_of_another();
     if (ended.ending != Ending::done && is_restarted() && is_refusal(*write_) && !repeated_[at_]) {
         repeated_[at_] = true;
         return next(now);
     }
-    if (const std::string restart = words_of_restart(); ended.ending != Ending::done && !restart.empty())
+    if (const std::string restart = words_of_restart(); ended.ending != Ending::done && !is_of_another_ && !restart.empty())
         ended.what += "; " + restart + ", so what was written before that may be lost";
     row.what = ended.what;
     row.acknowledged = write_->was_acknowledged();
@@ -178,6 +180,7 @@ void ParameterApply::fail(const End& end, TimePoint now) {
     if (!options_.rollback) return finish(end, now);
     why_ = end;
     undoing_ = true;
+    if (is_of_another_) undo_no_more();
     undo_next(now);
 }
 
@@ -249,11 +252,15 @@ void ParameterApply::undo_next(TimePoint now) {
         const bool is_lost = std::any_of(rows_.begin(), rows_.end(),
                                          [](const Row& row) { return row.state == State::not_undone; });
         const bool is_done = std::none_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.state == State::undone; });
-        return is_lost || is_done ? finish(*why_, now) : read_again(&ParameterApply::undone_is_read, now);
+        return is_lost || is_done ? finish_undone(now) : read_again(&ParameterApply::undone_is_read, now);
     }
     at_ = touched_.back();
     touched_.pop_back();
     write(at_, *rows_[at_].before, {.longer = true, .beyond_range = true}, &ParameterApply::undone, now);
+}
+
+void ParameterApply::undo_no_more() noexcept {
+    for (; !touched_.empty(); touched_.pop_back()) rows_[touched_.back()].state = State::not_undone;
 }
 
 void ParameterApply::undone(TimePoint now) {
@@ -261,9 +268,8 @@ void ParameterApply::undone(TimePoint now) {
     const bool back = write_->end()->ending == Ending::done && !write_->is_clamped();
     if (const auto stored = write_->stored()) rows_[at_].stored = stored;
     rows_[at_].state = back ? State::undone : State::not_undone;
-    if (!back) why_->what += "; " + rows_[at_].name + " could not be undone";
-    if (!write_->before())    // the device does not answer questions either, so the others can't be undone
-        for (; !touched_.empty(); touched_.pop_back()) rows_[touched_.back()].state = State::not_undone;
+    is_of_another_ = write_->is_of_another();
+    if (is_of_another_ || !write_->before()) undo_no_more();    // it does not answer questions either
     undo_next(now);
 }
 
@@ -277,14 +283,19 @@ void ParameterApply::undone_is_read(TimePoint now) {
         if (!is_read || !row.before || has(i, row.before)) continue;
         row.stored = again_->value(infos_[i].id);
         if (!undone_again_[i]) touched_.push_back(i);
-        else {
-            row.state = State::not_undone;
-            why_->what += "; " + row.name + " could not be undone";
-        }
+        else row.state = State::not_undone;
         undone_again_[i] = true;
     }
-    if (touched_.empty()) return finish(*why_, now);
+    if (touched_.empty()) return finish_undone(now);
     undo_next(now);
+}
+
+void ParameterApply::finish_undone(TimePoint now) {
+    std::string names;
+    for (const Row& row : rows_)
+        if (row.state == State::not_undone) names += (names.empty() ? "" : ", ") + row.name;
+    if (!names.empty()) why_->what += "; not undone: " + names;
+    finish(*why_, now);
 }
 
 void ParameterApply::cancel(TimePoint now) {

@@ -55,8 +55,8 @@ void ParameterWrite::start(TimePoint now) {
     if (const std::string beyond = range_misfit(value_, info_, limits_); !beyond.empty()) return refuse(beyond, now);
     const std::string too_long = *info_.type == Type::text ? text_misfit(wire_.size(), wire_.size(), limits_) : "";
     if (!too_long.empty()) return refuse(too_long, now);
-    if (!before_) doubts_ = device().doubts();
-    else if (doubts_ == device().doubts()) step_ = write_value;
+    if (!doubts_) doubts_ = device().doubts();
+    if (before_ && doubts_ == device().doubts()) step_ = write_value;
     go_on(now);
 }
 
@@ -78,8 +78,8 @@ void ParameterWrite::go_on(TimePoint now) {
 
 void ParameterWrite::described(const Ended& ended, TimePoint now) {
     const auto info = parameter_info_in(*ended.answer, info_.layout);
-    if (!info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul)
-        return finish({Ending::failed, hex_of(device().address()) + " became another device meanwhile", {}}, now);
+    is_of_another_ = !info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul;
+    if (is_of_another_) return finish({Ending::failed, hex_of(device().address()) + " became another device meanwhile", {}}, now);
     doubts_ = device().doubts();
     go_on(now);
 }
@@ -87,6 +87,8 @@ void ParameterWrite::described(const Ended& ended, TimePoint now) {
 void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     if (ended.tag == read_early) return read_along(ended, now);
     if (ended.outcome == Outcome::not_there) return go_on(now);
+    if (ended.outcome == Outcome::uncertain && ++uncertain_ <= max_uncertain)
+        return ask(question::parameter_info(info_.id, ask_description), now);
     const bool answered = ended.outcome == Outcome::answered;
     switch (ended.tag) {
     case ask_count: return answered ? go_on(now) : finish_silent("number of parameters", ended.evidence, now);

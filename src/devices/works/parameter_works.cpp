@@ -379,7 +379,9 @@ private:
             if ((row.state == State::written || row.state == State::clamped) && !row.acknowledged) json["acknowledged"] = false;
             rows.push_back(std::move(json));
         }
-        return {{"dry_run", order_.dry_run}, {"parameters", std::move(rows)}};
+        Json result{{"dry_run", order_.dry_run}, {"parameters", std::move(rows)}};
+        if (apply_->is_of_another()) result["another_device"] = true;
+        return result;
     }
 
     static constexpr std::size_t max_strangers = 500;    // names of no parameter: of so many each has a row in the answer

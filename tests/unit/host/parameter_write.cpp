@@ -587,5 +587,45 @@ TEST_F(Applies, a_dead_device_ends_it_and_the_undoing) {
     EXPECT_EQ(states(task), (std::vector{State::not_undone, State::not_undone, State::waiting}));
 }
 
+// It is plugged in place of the one that was written to, while that is away or while it is undone: at the `at`th write.
+struct BecomesAnother : Applies {
+    std::unique_ptr<ParameterApply> apply_all(std::size_t at, bool rollback, bool says_it) {
+        const std::size_t first = writes();
+        fake.instead = [=, this, done = false](FrameView f) mutable -> std::optional<std::vector<Bytes>> {
+            if (f.id() == 0xE1 && writes() - first == at && !std::exchange(done, true)) {
+                for (auto& parameter : fake.parameters) parameter.name = "NEW_" + parameter.name;
+                if (says_it) fake.version += 1;
+                device.link_was_down();
+                is_another = fake.parameters;
+                return nothing();
+            }
+            const bool refuses = !done && at > 3 && f.id() == 0xE1 && f.data()[0] == 1 && f.data()[1] == 0;
+            return refuses ? std::optional{nothing()} : std::nullopt;
+        };
+        return apply({{"U8", std::int64_t{9}}, {"I16", std::int64_t{2}}, {"TEXT", std::string{"new"}}, {"F32", 2.0}},
+                     {.rollback = rollback});
+    }
+    decltype(fake.parameters) is_another;
+};
+
+TEST_F(BecomesAnother, and_is_left_alone) {
+    for (const bool rollback : {true, false})
+        for (const bool says_it : {true, false})
+            for (const std::size_t at : {1u, 2u, 3u}) {
+                const auto had = fake.parameters;
+                const auto task = apply_all(at, rollback, says_it);
+                EXPECT_NE(task->end()->ending, Ending::done);
+                EXPECT_TRUE(task->is_of_another()) << at << ' ' << task->end()->what;
+                EXPECT_EQ(task->end()->what.find("0xDC became another device meanwhile"), 0u) << task->end()->what;
+                ASSERT_EQ(is_another.size(), fake.parameters.size());
+                for (std::size_t i = 0; i < is_another.size(); ++i)
+                    EXPECT_EQ(fake.parameters[i].value, is_another[i].value) << at;
+                fake.parameters = had;
+                fake.instead = nullptr;
+                device.link_was_down();
+                cache = {};
+            }
+}
+
 }    // namespace
 }    // namespace ano::host::parameter_write_tests

@@ -384,8 +384,12 @@ private:
             for (const Json& row : at(came, "parameters")) streams.out << ano::json_text(row) << '\n';
         } else if (d.changes > 0) {
             const std::size_t written = rows_with(came, "written") + rows_with(came, "clamped");
-            say(streams, written == 0 ? "no parameter was written"
-                                      : plural(written, "parameter") + " written; anoctl param save keeps them over a restart");
+            const std::size_t left = rows_with(came, "not_undone");
+            const bool is_another = text_at(came, "another_device") == "true";
+            say(streams, left > 0       ? plural(left, "parameter") + " could not be undone"
+                         : written == 0 ? "no parameter was written"
+                         : is_another   ? plural(written, "parameter") + " written to the device that was there before"
+                                        : plural(written, "parameter") + " written; anoctl param save keeps them over a restart");
             for (const std::string& line : difference_lines(without_the_written(came))) say(streams, line);
         }
         if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
