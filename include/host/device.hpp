@@ -9,6 +9,7 @@
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <host/exchange.hpp>
+#include <host/telemetry_pace.hpp>
 #include <host/window.hpp>
 
 #include <algorithm>
@@ -141,14 +142,13 @@ public:
     bool is_present(TimePoint now) const noexcept { return heard_at_ && now - *heard_at_ < away_after; }
     /// Grows each time the device was away: what was known of it before may be wrong.
     std::uint32_t presence() const noexcept { return presence_; }
-    /// Grows with each sign that it may have restarted, or be another device: with presence(), when its telemetry paused for longer than
-    /// max_pause and three usual intervals, and when the link to it was down. What it described before may be wrong.
+    /// Grows with each sign that it may have restarted, or be another device: with presence(), when its telemetry paused (TelemetryPace),
+    /// and when the link to it was down. What it described before may be wrong.
     std::uint32_t doubts() const noexcept { return doubts_; }
     /// Whether there was no such sign since `doubts`, and its telemetry does not pause now.
     bool is_certain_since(std::uint32_t doubts, TimePoint now) const noexcept {
-        return is_present(now) && doubts == doubts_ && !pauses(now);
+        return is_present(now) && doubts == doubts_ && !pace_.pauses(now);
     }
-    static constexpr Duration max_pause = std::chrono::milliseconds{500};
     /// The link to it was down.
     void link_was_down() noexcept { ++doubts_; }
     /// Somebody asks it for device info: one that it sends in the next `info_may_come_for` is the answer, a further one is not.
@@ -184,9 +184,6 @@ private:
     void hear(FrameView frame, TimePoint now);
     void note_telemetry(FrameView frame, TimePoint now) noexcept;
     bool answers_for_info(const DeviceInfo& info, TimePoint now);
-    bool pauses(TimePoint now) const noexcept {
-        return telemetry_at_ && interval_ && now - *telemetry_at_ > std::max(max_pause, usual_intervals * *interval_);
-    }
     Taken past(FrameView frame) noexcept;
     bool missed(FrameView frame, TimePoint now);
     bool is_of_the_past(FrameView frame) const noexcept;
@@ -218,9 +215,7 @@ private:
     std::optional<TimePoint> answered_at_;
     std::uint32_t presence_ = 0;
     std::uint32_t doubts_ = 0;
-    static constexpr int usual_intervals = 3;
-    std::optional<TimePoint> telemetry_at_;
-    std::optional<Duration> interval_;    // of its telemetry, usually
+    TelemetryPace pace_;
     std::optional<TimePoint> info_asked_at_, info_answered_at_;
     static constexpr std::size_t max_info_questions = 64;
     std::vector<TimePoint> info_questions_;    // that may still be answered, the oldest first

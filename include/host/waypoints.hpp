@@ -63,8 +63,9 @@ private:
 ///
 /// One that is not acknowledged is read back, and written again if it is not stored: for `patience`, since some devices take 3 s, and as
 /// long as the device does not store something else. One that is acknowledged and read back otherwise is written once more: the device may
-/// store others than it is sent, or have restarted with its old list. If there are several, or anything was lost on the way, or the device was away, the
-/// whole list is read again at the end: the device may have restarted and lost waypoints. Failed: the list differs from what was stored,
+/// store others than it is sent, or have restarted with its old list. If there are several, or one was read back otherwise, or anything was lost on
+/// the way, or the device was away, the whole list is read again at the end, and what that has counts: the device may have restarted and
+/// lost waypoints. Failed: the list differs from what was stored,
 /// or none is stored as written; then the progress counts those that the device has.
 class WaypointsPut final : public Task {
 public:
@@ -92,6 +93,8 @@ private:
     void ask_patiently(TimePoint now);
     void was_read_back(const Ended& ended, TimePoint now);
     void counted(std::uint8_t count, TimePoint now);
+    std::size_t wanted_count() const;
+    void finish_stored(TimePoint now);
     void look_again(TimePoint now);
     void looked(TimePoint now);
     std::string number() const { return "waypoint " + std::to_string(waypoints_[at_].num); }
@@ -110,7 +113,7 @@ private:
     Evidence silence_;           // of its writes
     bool may_have_restarted_ = false;
     std::uint32_t presence_ = 0;
-    std::string remark_;
+    std::uint8_t count_ = 0;                // of the device, at the end
     std::unique_ptr<WaypointsGet> look_;    // at the end
 };
 

@@ -336,15 +336,17 @@ void add_command_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"POST", "/devices/{device}/actions", Access::control,
                 "{\"action\": \"save\"} or \"restore_defaults\" (not in the air, but for ?force)",
                 [&service](const Request& request) { return act(service, request); }});
-    routes.add({"GET", "/devices/{device}/commands", Access::view,
-                "the commands of a device, as it describes them; with ?known as it did when they were read last",
-                [&service](const Request& request) {
-                    const bool known = request.query_value("known").has_value();
-                    return begin(service, request, {JobKind::commands, Deed::read, [known](const WorkPlace& place) {
-                                                        return read_commands(place, known);
-                                                    }});
-                },
-                0, true});
+    routes.add(
+        {"GET", "/devices/{device}/commands", Access::view,
+         "the commands of a device, as it describes them; with ?known as it did when they were read last; with ?to_act, before "
+         "a call, no client that only reads takes its place",
+         [&service](const Request& request) {
+             const bool known = request.query_value("known").has_value();
+             return begin(service, request, {JobKind::commands, Deed::read, [known](const WorkPlace& place) {
+                                                 return read_commands(place, known);
+                                             }});
+         },
+         0, true});
     routes.add(
         {"POST", "/devices/{device}/commands/by-cid", Access::control,
          "calls a command by its three bytes, {\"cid\": [16, 0, 5], \"values\": [{\"u16\": 150}]}; the device is asked nothing "

@@ -37,7 +37,7 @@ enum class JobState : std::uint8_t { running, waiting, done, failed, cancelled }
 struct Requester {
     http::Access access = http::Access::control;
     http::Party party{};
-    bool acts = false;    // the job changes the device
+    bool acts = false;    // the job changes the device, or its client asks what it has to know before one that does (?to_act)
     bool operator==(const Requester&) const = default;
     constexpr bool controls() const noexcept { return access == http::Access::control; }
 };

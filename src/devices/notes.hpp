@@ -22,7 +22,7 @@ class Notes {
 public:
     explicit Notes(DeviceNet& net) : net_{net} {}
 
-    /// Adds a note of an earlier run.
+    /// Adds a note without storing it, as one of an earlier run.
     void remember(std::string name, std::string text) { (*all_)[std::move(name)] = std::move(text); }
     /// nullptr: there is none. Valid until the next call.
     const std::string* find(const std::string& name) const;
@@ -56,6 +56,7 @@ void forget_loader_notes(Notes& notes, std::uint8_t address, const UnitPlace& he
 
 /// "type7-0xDC-1a2b3c4d.json" (unit_note_name()): what value type 7 means for the device, as a user stated it.
 bool is_type_7_note(std::string_view name);
+/// Known from now on, even if it can't be stored.
 void keep_type_7(const WorkPlace& place, ano::ValueType7 seven);
 /// std::nullopt: nothing was stated of this device.
 std::optional<ano::ValueType7> kept_type_7(const WorkPlace& place);

@@ -119,16 +119,10 @@ bool Device::answers_for_info(const DeviceInfo& info, TimePoint now) {
 void Device::note_telemetry(FrameView frame, TimePoint now) noexcept {
     // The answer that was asked for would have come before the frames behind which it paused.
     const bool was_heard_since = info_asked_at_ && heard_at_ && *heard_at_ > *info_asked_at_;
-    if (frame.id() == id_of<"device_info"> && was_heard_since && now - *heard_at_ > max_pause) ++doubts_;
+    if (frame.id() == id_of<"device_info"> && was_heard_since && now - *heard_at_ > pace_.longest_pause()) ++doubts_;
     const bool is_log = frame.id() == id_of<"log"> || frame.id() == id_of<"log_value">;
     if (is_log || may_answer(frame.id())) return;
-    const auto since = telemetry_at_ ? telemetry_at_ : heard_at_;    // how often it sends is not known at first
-    if (interval_ ? pauses(now) : since && now - *since > max_pause) ++doubts_;
-    if (telemetry_at_) {
-        const Duration interval = now - *telemetry_at_;
-        interval_ = interval_ ? (7 * *interval_ + interval) / 8 : interval;
-    }
-    telemetry_at_ = now;
+    if (pace_.came(now, heard_at_)) ++doubts_;
 }
 
 Taken Device::past(FrameView frame) noexcept {

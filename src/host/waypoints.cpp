@@ -21,6 +21,12 @@ Waypoint rounded(const Request& write) {
     return waypoint_in(FrameView{frame}).value_or(Waypoint{});
 }
 
+std::string list_of(const std::vector<std::uint8_t>& numbers) {
+    std::string list;
+    for (const std::uint8_t num : numbers) list += (list.empty() ? "" : ", ") + std::to_string(num);
+    return list;
+}
+
 }    // namespace
 
 std::optional<Waypoint> waypoint_in(FrameView frame) {
@@ -159,28 +165,27 @@ void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
 }
 
 void WaypointsPut::counted(std::uint8_t count, TimePoint now) {
+    count_ = count;
+    if (count < wanted_count() || may_have_restarted_ || !changed_.empty() || waypoints_.size() > 1) return look_again(now);
+    finish_stored(now);
+}
+
+std::size_t WaypointsPut::wanted_count() const {
     std::size_t wanted = 0;
     for (const Waypoint& waypoint : waypoints_) wanted = std::max(wanted, waypoint.num + std::size_t{1});
-    const auto remark = [&](const std::string& clause) { remark_ += (remark_.empty() ? "" : ", and ") + clause; };
-    if (!changed_.empty()) {
-        std::string numbers;
-        for (const std::uint8_t num : changed_) numbers += (numbers.empty() ? "" : ", ") + std::to_string(num);
-        if (changed_.size() == waypoints_.size()) {
-            at_ = 0;
-            return finish(
-                {Ending::failed,
-                 hex_of(device().address()) + " acknowledged all waypoints, and has none of them as written: " + numbers,
-                 {}},
-                now);
-        }
-        remark(std::to_string(changed_.size()) + " of them were stored otherwise than written (" + numbers + ")");
-    }
-    if (unacknowledged_ > 0) remark(std::to_string(unacknowledged_) + " of them were never acknowledged, and are stored");
-    if (count > wanted)
-        remark(hex_of(device().address()) + " has " + std::to_string(count) + ", the last " + std::to_string(count - wanted) +
-               " are its old ones");
-    if (count < wanted || may_have_restarted_ || waypoints_.size() > 1) return look_again(now);
-    finish({Ending::done, std::move(remark_), {}}, now);
+    return wanted;
+}
+
+void WaypointsPut::finish_stored(TimePoint now) {
+    std::string remark;
+    const auto add = [&](const std::string& clause) { remark += (remark.empty() ? "" : ", and ") + clause; };
+    if (!changed_.empty())
+        add(std::to_string(changed_.size()) + " of them were stored otherwise than written (" + list_of(changed_) + ")");
+    if (unacknowledged_ > 0) add(std::to_string(unacknowledged_) + " of them were never acknowledged, and are stored");
+    if (const std::size_t wanted = wanted_count(); count_ > wanted)
+        add(hex_of(device().address()) + " has " + std::to_string(count_) + ", the last " + std::to_string(count_ - wanted) +
+            " are its old ones");
+    finish({Ending::done, std::move(remark), {}}, now);
 }
 
 void WaypointsPut::look_again(TimePoint now) {
@@ -189,6 +194,7 @@ void WaypointsPut::look_again(TimePoint now) {
     look_->start(now);
 }
 
+// What the list has now counts: an answer of before, or of an older list, may have been read back.
 void WaypointsPut::looked(TimePoint now) {
     if (end()) return;
     const Ending looked = look_->end()->ending;
@@ -196,22 +202,30 @@ void WaypointsPut::looked(TimePoint now) {
     const auto& all = look_->waypoints();
     std::map<std::uint8_t, std::size_t> last;    // of those with the same number
     for (std::size_t i = 0; i < waypoints_.size(); ++i) last[waypoints_[i].num] = i;
-    const auto has = [&](std::uint8_t num, const Waypoint& waypoint) { return num < all.size() && all[num] == waypoint; };
-    const bool is_lost = std::any_of(last.begin(), last.end(),
-                                     [&](const auto& one) { return !has(one.first, stored_[one.second]); });
-    if (!is_lost && may_have_restarted_ && looked != Ending::done) return finish_as(*look_, now);
-    if (!is_lost) return finish({Ending::done, std::move(remark_), {}}, now);
-    // The device lost its list: one that was stored otherwise than written may be of the old list, read back behind the restart.
-    std::string lost;
-    at_ = last.size();
+    changed_.clear();
+    bool is_lost = false;
     for (const auto& [num, i] : last) {
-        if (has(num, rounded(writes_[i]))) continue;
-        lost += (lost.empty() ? "" : ", ") + std::to_string(num);
-        --at_;
+        const auto has = [&, num = num](const Waypoint& waypoint) { return num < all.size() && all[num] == waypoint; };
+        if (const Waypoint as_written = rounded(writes_[i]); has(as_written)) {
+            stored_[i] = as_written;
+            continue;
+        }
+        changed_.push_back(num);
+        is_lost = is_lost || !has(stored_[i]);
     }
-    finish(
-        {Ending::failed, hex_of(device().address()) + " has not kept these waypoints (it has probably restarted): " + lost, {}},
-        now);
+    const std::string who = hex_of(device().address());
+    // One that was stored otherwise than written may be of the old list as well, read back behind the restart.
+    at_ = last.size() - changed_.size();
+    if (is_lost)
+        return finish(
+            {Ending::failed, who + " has not kept these waypoints (it has probably restarted): " + list_of(changed_), {}}, now);
+    if (may_have_restarted_ && looked != Ending::done) return finish_as(*look_, now);
+    if (!changed_.empty() && at_ == 0)
+        return finish(
+            {Ending::failed, who + " acknowledged all waypoints, and has none of them as written: " + list_of(changed_), {}},
+            now);
+    at_ = waypoints_.size();
+    finish_stored(now);
 }
 
 void WaypointsPut::cancel(TimePoint now) {

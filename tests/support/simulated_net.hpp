@@ -42,6 +42,7 @@ public:
     std::vector<std::string> reports;
     std::vector<Bytes> sent;
     std::optional<std::string> keep_fault;
+    bool is_disk_slow = false;                                        // what is to be kept is never known to be on it
     anogate::http::Access access = anogate::http::Access::control;    // of whoever asks
     std::string peer;                                                 // the address from which he asks
     bool is_foreign = false;                                          // a page of another site asks
@@ -89,7 +90,7 @@ public:
     void keep(std::string name, std::string text, std::function<void(std::string)> done) override {
         if (text.empty()) kept.erase(name);
         else kept[name] = std::move(text);
-        done(keep_fault.value_or(""));
+        if (!is_disk_slow) done(keep_fault.value_or(""));
     }
 
     /// A frame of somebody passes.

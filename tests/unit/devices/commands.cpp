@@ -83,6 +83,11 @@ struct KnownCommands : CommandRoutes {
     }
 };
 
+// One more of them, beside that of the test.
+struct Afresh final : KnownCommands {
+    void TestBody() override {}
+};
+
 TEST_F(KnownCommands, are_called_by_the_first_frame) {
     EXPECT_EQ(ids_of_call("LAND"), only_the_call);
     EXPECT_EQ(ids_of_call("1"), only_the_call);
@@ -173,6 +178,38 @@ TEST_F(KnownCommands, of_a_device_that_restarted_right_behind_the_list_are_confi
     net.pass(1s);
     net.passes(frame(0xDC, 0xFE, 0xE3, {0xDC, 100, 0, 100, 0, 0, 0, 32, 3, 'f', 'a', 'k', 'e'}));
     EXPECT_EQ(ids_of_call(), one_question_first) << "so late it is no answer to what was asked before the list";
+}
+
+// Its telemetry comes as `frames` together, each `interval`, and the first call at `after`.
+TEST_F(KnownCommands, of_a_device_that_sends_seldom_are_called_by_the_first_frame) {
+    const Duration all[] = {500ms, 700ms, 1s, 2s, 5s};
+    for (const Duration interval : all) {
+        for (const int frames : {1, 4}) {
+            for (const Duration after : {2800ms, 4700ms, 10000ms, 26000ms}) {
+                Afresh other;
+                const TimePoint end = other.net.time + after;
+                for (other.net.pass(interval * 2 / 5); other.net.time < end;) {
+                    for (int i = 0; i < frames; ++i, other.net.pass(5ms)) other.net.passes(euler());
+                    other.net.pass(std::min(interval - frames * 5ms, std::max<Duration>(end - other.net.time, 1ms)));
+                }
+                EXPECT_EQ(other.ids_of_call(), only_the_call)
+                    << std::chrono::duration<double>(interval).count() << " s, " << frames << " frames, after "
+                    << std::chrono::duration<double>(after).count() << " s";
+            }
+        }
+    }
+}
+
+TEST_F(KnownCommands, of_a_device_in_the_place_of_one_that_sends_seldom_are_confirmed) {
+    for (int slow = 0; slow < 4; ++slow) {    // frames of the one before
+        Afresh other;
+        for (int i = 0; i < slow; ++i, other.net.pass(1s)) other.net.passes(euler());
+        other.net.pass(3s);
+        other.swap_for_a_car();
+        other.stream(300ms);
+        other.ids_of_call();
+        EXPECT_EQ(other.cid_of_call(), (Bytes{9, 9, 9})) << slow;
+    }
 }
 
 // A quick restart, without a word, with another table of as many commands.
@@ -433,6 +470,18 @@ TEST_F(OpenTypes, are_refused_until_the_user_states_their_meaning) {
     EXPECT_EQ(other.json.value("note", ""), "value type 7 of this device is f32 from now on, it was kept as u64");
     EXPECT_EQ(values_sent(), as_f32);
     EXPECT_FALSE(call(R"(, "type7": "f32")").json.contains("note"));
+}
+
+// The next call may come before the disk has it, which may have no room as well.
+TEST_F(OpenTypes, have_their_meaning_from_the_call_that_states_it) {
+    for (const bool is_slow : {true, false}) {
+        net.is_disk_slow = is_slow;
+        net.keep_fault = "no space left";
+        const char* const seven = is_slow ? "u64" : "f32";
+        EXPECT_EQ(call(R"(, "type7": ")" + std::string{seven} + "\"").status, 200u);
+        EXPECT_EQ(call().status, 200u) << seven;
+        EXPECT_EQ(values_sent(), is_slow ? as_u64 : as_f32);
+    }
 }
 
 TEST_F(OpenTypes, keep_their_meaning_over_a_restart_and_only_for_this_device) {

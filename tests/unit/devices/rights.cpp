@@ -101,5 +101,39 @@ TEST_F(Rights, viewers_that_leave_their_jobs_behind_leave_places_too) {
     EXPECT_FALSE(own->has_value());
 }
 
+// What a program asks before a command, as the types of its values, is asked by the right of that command.
+TEST_F(Rights, readers_with_the_same_right_refuse_no_question_that_precedes_a_command) {
+    for (const bool is_known : {true, false}) {
+        Parties all;
+        if (is_known) all.as(Access::control, "10.0.1.2", "GET", "/devices/0xDC/commands"), all.net.pass(1s);
+        all.fake.deaf = true;
+        std::vector<Asked> readers;
+        for (int i = 0; i < 30; ++i)
+            readers.push_back(all.as(Access::control, "10.0.0." + std::to_string(i), "GET",
+                                     "/devices/0xDC/parameters/PAR_" + std::to_string(i)));
+        EXPECT_TRUE(readers.back()->has_value()) << "refused";
+        all.net.pass(100ms);
+        all.fake.deaf = !is_known;
+        const auto is_taken = [&](const std::string& method, const std::string& target) {
+            const Asked asked = all.as(Access::control, "10.0.1.1", method, target);
+            all.net.pass(100ms);
+            return !asked->has_value() || (*asked)->status == 200;
+        };
+        EXPECT_FALSE(is_taken("GET", "/devices/0xDC/commands?known")) << "it only reads";
+        EXPECT_TRUE(is_taken("GET", "/devices/0xDC/commands?known&to_act"));
+        EXPECT_TRUE(is_taken("GET", "/devices/0xDC/commands?to_act"));
+        EXPECT_TRUE(is_taken("POST", "/devices/scan?to_act"));
+    }
+}
+
+TEST_F(Rights, a_viewer_has_no_more_places_by_saying_that_it_will_act) {
+    fake.deaf = true;
+    std::vector<Asked> all;
+    for (int i = 0; i < 100; ++i)
+        all.push_back(as(Access::view, "10.0.0." + std::to_string(i), "GET",
+                         "/devices/0xDC/parameters/PAR_" + std::to_string(i) + (i % 2 == 0 ? "?to_act" : "")));
+    EXPECT_EQ(std::count_if(all.begin(), all.end(), [](const auto& one) { return !one->has_value(); }), 8);
+}
+
 }    // namespace
 }    // namespace rights_tests

@@ -211,6 +211,40 @@ TEST_F(WaypointsOf, one_that_is_read_back_otherwise_is_written_once_more) {
     }
 }
 
+// An answer of before, which came late, is no sign that the list is lost: what the list has at the end counts.
+TEST_F(WaypointsOf, a_read_back_of_before_the_write_loses_nothing) {
+    for (const std::size_t size : {1u, 2u}) {
+        const std::vector<Waypoint> wanted{route.begin(), route.begin() + static_cast<std::ptrdiff_t>(size)};
+        fake.waypoints.assign(size, Bytes(22));
+        fake.waypoints.back()[0] = static_cast<std::uint8_t>(size - 1);
+        unsigned stale = 2;    // also the one behind the second write
+        fake.instead = [&, old = fake.waypoints.back()](FrameView f) -> std::optional<std::vector<Bytes>> {
+            if (f.id() != 0x60 || f.data()[0] != size - 1 || stale == 0) return std::nullopt;
+            --stale;
+            return std::vector<Bytes>{fake.to_host(f, 0x61, old)};
+        };
+        WaypointsPut task{device, wanted};
+        task.start(simulation.now);
+        simulation.run(task);
+        ASSERT_TRUE(task.end());
+        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+        EXPECT_EQ(task.end()->what, "") << "neither lost nor stored otherwise";
+        EXPECT_EQ(task.progress().done, size);
+        EXPECT_EQ(task.stored().size(), size);
+        EXPECT_EQ(get(), wanted);
+    }
+}
+
+TEST_F(WaypointsOf, one_that_is_lost_behind_its_read_back_is_named) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0x60 && f.data()[0] == 0xFF) fake.waypoints[0][9] = 1;
+        return std::nullopt;
+    };
+    const End end = put(route);
+    EXPECT_EQ(end.ending, Ending::failed);
+    EXPECT_EQ(end.what, "0xDC has not kept these waypoints (it has probably restarted): 0");
+}
+
 TEST_F(WaypointsOf, a_lossy_line_is_no_restart) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         fake.waypoints.clear();

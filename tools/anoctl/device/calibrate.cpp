@@ -56,6 +56,7 @@ struct Calibrate {
 
     int run(Streams& streams) const {
         DeviceClient client{options, streams};
+        client.will_act();
         client.must_be_able_to_ask("calibrate");
         const char* todo = what == "compass" ? "turn it slowly in all directions, far from iron"
                                              : "lay it still on each of its six faces";

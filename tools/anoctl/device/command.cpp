@@ -69,6 +69,7 @@ private:
         if (!cid.empty()) return call_the_cid(streams);
         if (words.empty()) throw UsageError{"which? anoctl command call NAME [VALUE...]"};
         DeviceClient client{options, streams};
+        client.will_act();
         client.must_be_able_to_ask("command call");
         Json command = described(client, words[0]);
         const std::vector<std::string> given{words.begin() + 1, words.end()};
@@ -103,6 +104,7 @@ private:
         DeviceOptions at_once = options;
         at_once.asks_nothing_first = true;
         DeviceClient client{at_once, streams};
+        client.will_act();
         client.must_be_able_to_ask("command call");
         if (!type7.empty()) body["type7"] = type7;
         const std::string text = with_values("command " + without_controls(cid), words);

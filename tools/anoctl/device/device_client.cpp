@@ -252,6 +252,7 @@ Json DeviceClient::ask(const std::string& method, const std::string& target, std
 }
 
 Json DeviceClient::run(http::Request request, JobView& view) {
+    if (acts_) request.target += request.target.find('?') == std::string::npos ? "?to_act" : "&to_act";
     return Exchange{*loop_, streams_, view, options_}.run(std::move(request));
 }
 

@@ -73,6 +73,8 @@ public:
     bool may(const std::string& question);
     /// Throws UsageError at once where may() would.
     void must_be_able_to_ask(const std::string& what) const;
+    /// To be called before the first request of what acts or writes: its questions get places by that right.
+    void will_act() noexcept { acts_ = true; }
     /// Whether the file may be written: it does not exist, or the user agrees to replace it. Throws UsageError without a terminal.
     bool may_write(const std::string& path);
 
@@ -82,6 +84,7 @@ private:
 
     const DeviceOptions& options_;
     Streams& streams_;
+    bool acts_ = false;
     struct Loop;
     std::unique_ptr<Loop> loop_;    // contains the device, once it is chosen
 };

@@ -37,6 +37,7 @@ struct Flash {
         if (!has_header && file != "-" && !file.ends_with(".bin") && !file.ends_with(".BIN"))
             throw UsageError{file + ": it is no .bia, and only firmware called .bin is taken as it is"};
         DeviceClient client{options, streams};
+        client.will_act();
         client.must_be_able_to_ask("flash");
         const std::string size = bytes_text(static_cast<double>(request.body.size()));
         if (!client.may("Replace the firmware of " + device_with_versions(client) + " by " + file + ", " + size +

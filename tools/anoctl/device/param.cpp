@@ -133,6 +133,7 @@ private:
     int set(Streams& streams) const {
         const std::vector<Assignment> wanted = assignments(words);
         DeviceClient client{options, streams};
+        client.will_act();
         const Json described = checked_descriptions(client, wanted);
         if (wanted.size() > 1) return set_all(client, wanted, described, streams);
         show_set(client.run("PUT", client.target("/parameters/" + percent_encoded(wanted[0].name)),
@@ -214,10 +215,12 @@ private:
     }
     int save(Streams& streams) const {
         DeviceClient client{options, streams};
+        client.will_act();
         return act(client, "save", "saved", streams);
     }
     int reset(Streams& streams) const {
         DeviceClient client{options, streams};
+        client.will_act();
         client.must_be_able_to_ask("param reset");
         if (!client.may(
                 "All parameters of " + client.device_words() +
@@ -345,6 +348,7 @@ private:
     int import_from(Streams& streams) const {
         const Json given = parsed_parameter_file(given_text(file(), "parameters as JSON", streams), file());
         DeviceClient client{options, streams};
+        client.will_act();
         const Difference d = difference(client, given, false, streams);
         if (!options.json) show(d, streams);
         if (d.changes > 0) {

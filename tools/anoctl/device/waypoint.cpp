@@ -74,6 +74,7 @@ private:
         const auto waypoints = waypoints_of(json, form);
         if (waypoints.empty()) throw UsageError{file + ": there is no waypoint in it"};
         DeviceClient client{options, streams};
+        client.will_act();
         client.must_be_able_to_ask("waypoint put");
         const std::size_t had = at(client.run("GET", client.target("/waypoints")), "waypoints").size();
         const std::string before = overwriting_text(waypoints, had) + speedless_text(json, form, waypoints);

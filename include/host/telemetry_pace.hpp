@@ -1,0 +1,36 @@
+// How often a device sends telemetry, and whether that pauses.
+#pragma once
+#include <ano/time.hpp>
+
+#include <chrono>
+#include <optional>
+
+namespace ano::host {
+
+/// A pause is longer than max_pause and three usual intervals. Frames within `together` count as one, since many devices send several at a
+/// time. As long as the pace is not known, nothing is a pause: it is judged again when a second interval shows the pace.
+class TelemetryPace {
+public:
+    static constexpr Duration max_pause = std::chrono::milliseconds{500};
+    static constexpr int usual_intervals = 3;
+    static constexpr Duration together = max_pause / usual_intervals;
+
+    /// A frame of telemetry came; `heard_at`: the last frame of any kind before it. True: it paused before this frame, or before an
+    /// earlier one as its pace shows now.
+    bool came(TimePoint now, std::optional<TimePoint> heard_at) noexcept;
+    bool pauses(TimePoint now) const noexcept;
+    /// A longer one is a pause.
+    Duration longest_pause() const noexcept;
+
+private:
+    bool is_known() const noexcept { return intervals_ >= 2; }
+    void count(TimePoint now) noexcept;
+
+    std::optional<TimePoint> last_;
+    TimePoint begun_{};    // of the frames that count as one
+    Duration usual_{};     // interval between these
+    int intervals_ = 0;
+    Duration unjudged_{};    // the longest interval while the pace is not known
+};
+
+}    // namespace ano::host

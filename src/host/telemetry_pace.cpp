@@ -1,0 +1,40 @@
+#include <host/telemetry_pace.hpp>
+
+#include <algorithm>
+
+namespace ano::host {
+
+Duration TelemetryPace::longest_pause() const noexcept { return std::max(max_pause, usual_intervals * usual_); }
+
+bool TelemetryPace::came(TimePoint now, std::optional<TimePoint> heard_at) noexcept {
+    const bool was_known = is_known();
+    bool has_paused = was_known && pauses(now);
+    if (const auto since = last_ ? last_ : heard_at; since && !was_known) unjudged_ = std::max(unjudged_, now - *since);
+    count(now);
+    if (!was_known && intervals_ > 0 && unjudged_ > longest_pause()) {
+        has_paused = true;
+        unjudged_ = {};
+    }
+    last_ = now;
+    return has_paused;
+}
+
+// Of the first two intervals the shorter one: the other may be a pause.
+void TelemetryPace::count(TimePoint now) noexcept {
+    if (!last_) begun_ = now;
+    const Duration interval = now - begun_;
+    if (interval < together) return;
+    begun_ = now;
+    if (intervals_ == 0) usual_ = interval;
+    else usual_ = is_known() ? (7 * usual_ + interval) / 8 : std::min(usual_, interval);
+    intervals_ = std::min(intervals_ + 1, 2);
+}
+
+// Before the first interval is over, only that time is known of the pace.
+bool TelemetryPace::pauses(TimePoint now) const noexcept {
+    if (!last_) return false;
+    if (intervals_ > 0) return is_known() && now - *last_ > longest_pause();
+    return unjudged_ > std::max(max_pause, usual_intervals * (now - *last_));
+}
+
+}    // namespace ano::host
