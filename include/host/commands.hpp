@@ -106,6 +106,7 @@ public:
         another,        // the command in its place is another one, or the device reported other versions meanwhile
         unconfirmed,    // no answer from a device that was not away, or that is silent but may hear: the command may be LAND
         unknown,        // no answer, but it is heard, and was away since: it may be another device
+        interrupted,    // no answer, but the link was down meanwhile, or before and it was not heard since
     };
 
     /// `cache` must outlive this; it learns that the command is confirmed.
@@ -124,6 +125,7 @@ private:
 
     CommandInfo known_;
     CommandCache& cache_;
+    std::uint32_t losses_ = 0;    // Device::losses() when it asked
     Found found_ = Found::unconfirmed;
 };
 

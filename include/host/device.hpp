@@ -150,7 +150,15 @@ public:
         return is_present(now) && doubts == doubts_ && !pace_.pauses(now);
     }
     /// The link to it was down.
-    void link_was_down() noexcept { ++doubts_; }
+    void link_was_down() noexcept {
+        ++doubts_;
+        ++losses_;
+        is_lost_ = true;
+    }
+    /// Grows each time the link to it was down.
+    std::uint32_t losses() const noexcept { return losses_; }
+    /// The link to it was down, and it was not heard since.
+    bool is_lost() const noexcept { return is_lost_; }
     /// Somebody asks it for device info: one that it sends in the next `info_may_come_for` is the answer, a further one is not.
     void expect_info(TimePoint now);
     /// The same device info again so soon is a double of the line's: no device restarts in that time.
@@ -215,6 +223,8 @@ private:
     std::optional<TimePoint> answered_at_;
     std::uint32_t presence_ = 0;
     std::uint32_t doubts_ = 0;
+    std::uint32_t losses_ = 0;
+    bool is_lost_ = false;
     TelemetryPace pace_;
     std::optional<TimePoint> info_asked_at_, info_answered_at_;
     static constexpr std::size_t max_info_questions = 64;

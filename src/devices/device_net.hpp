@@ -43,6 +43,12 @@ struct DeviceManners {
     std::size_t max_data = ano::vendor_max_data;      // maximum bytes of DATA in a frame to it
 };
 
+/// Why a frame is not sent, as a clause for the user; empty: it is sent, or may be with the next try.
+struct Unsent {
+    std::string why{};
+    bool is_down = false;    // its link is down: a later try may succeed
+};
+
 /// DeviceService calls it from its own functions. No function may call the service back directly, except that send() may lead to
 /// DeviceService::hear().
 class DeviceNet {
@@ -50,9 +56,8 @@ public:
     virtual ~DeviceNet() = default;
 
     virtual ano::TimePoint now() = 0;
-    /// Sends `frame` as the host. Returns why that is never possible, as a clause for the user; empty: it is sent, or may be with the next
-    /// try.
-    virtual std::string send(ano::FrameView frame) = 0;
+    /// Sends `frame` as the host.
+    virtual Unsent send(ano::FrameView frame) = 0;
     /// Has zero bytes sent before `next`, which will be given to send(), wherever it leaves by a UART and nothing else waits.
     virtual ano::Flush flush_parser(ano::FrameView /*next*/) { return {}; }
     /// The text that cache() was given in this or an earlier run; empty: none. It may be anything.

@@ -502,7 +502,9 @@ void DeviceService::send_all(TimePoint now) {
             const std::uint8_t id = frame->id();
             const bool acts = ano::intent_of(*frame) == ano::Intent::acts;
             if (ano::address::is_port_id(address)) sent_by_others(*frame, now);    // for whatever device is behind it
-            if (const std::string never = net_.send(*frame); !never.empty()) fail(address, id, acts, never, now);
+            const Unsent unsent = net_.send(*frame);
+            if (unsent.is_down) fail_calls(address, unsent.why, now);
+            else if (!unsent.why.empty()) fail(address, id, acts, unsent.why, now);
             else if (acts) acted(address, id);
         }
     }
@@ -675,11 +677,24 @@ void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const
     const auto all = jobs_;
     for (const auto& job : all) {
         if (job->is_over() || job->order.address != address) continue;
-        if (!job->work || !(acts ? acts_by(*job, id) : asks_by(job->order.kind, id)) || !job->refused.empty()) continue;
-        job->refused = why;
-        job->work->cancel(now);
-        if (job->work->end()) finish(*job, *job->work->end(), now);
+        if (acts ? acts_by(*job, id) : asks_by(job->order.kind, id)) end_refused(job, 403, why, now);
     }
+}
+
+// A command that was not sent must not be sent late, to a device that takes the place of this one.
+void DeviceService::fail_calls(std::uint8_t address, const std::string& why, TimePoint now) {
+    const auto all = jobs_;
+    for (const auto& job : all)
+        if (!job->is_over() && job->order.address == address && job->order.kind == JobKind::command && !job->has_acted)
+            end_refused(job, 503, why, now);
+}
+
+void DeviceService::end_refused(const std::shared_ptr<Job>& job, unsigned status, const std::string& why, TimePoint now) {
+    if (!job->work || !job->refused.empty()) return;
+    job->refused = why;
+    job->refused_status = status;
+    job->work->cancel(now);
+    if (job->work->end()) finish(*job, *job->work->end(), now);
 }
 
 void DeviceService::refuse(std::uint8_t address, const std::string& why, TimePoint now) {
@@ -696,8 +711,8 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
         job.step = job.work->step();
     }
     if (!job.refused.empty() && end.status >= 300) {
-        end = {403,       std::move(end.result), job.refused + (job.has_acted ? "; " + end.error : std::string{}),
-               "refused", end.evidence,          false};
+        end = {job.refused_status, std::move(end.result), job.refused + (job.has_acted ? "; " + end.error : std::string{}),
+               "refused",          end.evidence,          false};
     }
     job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;
     if (end.status >= 300 && !job.conflict.empty()) end.error += "; " + job.conflict;

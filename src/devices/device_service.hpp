@@ -217,6 +217,8 @@ private:
     void advance(const std::shared_ptr<Job>& job, ano::TimePoint now);
     void send_all(ano::TimePoint now);
     void fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, ano::TimePoint now);
+    void fail_calls(std::uint8_t address, const std::string& why, ano::TimePoint now);
+    void end_refused(const std::shared_ptr<Job>& job, unsigned status, const std::string& why, ano::TimePoint now);
     void finish(Job& job, WorkEnd end, ano::TimePoint now);
     void look(Job& job, ano::TimePoint now);
     void changed(Job& job);

@@ -68,6 +68,7 @@ struct Job {
     bool has_acted = false;                      // a frame that changes the device was sent
     bool is_cancelled = false;                   // cancelled, but it may take a while to end
     std::string refused;                         // why its frames can't be sent: it is ending
+    unsigned refused_status = 403;               // of HTTP, for that
     std::string conflict;                        // who else writes to its device, or answers in its name, as a clause
     std::string step;                            // JSON
     ano::host::Progress progress{};

@@ -88,6 +88,7 @@ const std::vector<CommandInfo>* commands_read_last(CommandCache& cache, const De
 }
 
 void CommandCheck::start(TimePoint now) {
+    losses_ = device().losses();
     Draft<"command_query"> draft;
     (void)draft.set<"cmd">(1);
     (void)draft.set<"val">(known_.id);
@@ -117,6 +118,7 @@ void CommandCheck::ended(const Ended& ended, TimePoint now) {
 
 CommandCheck::Found CommandCheck::found_without_answer(TimePoint now) const {
     if (commands_read_last(cache_, device()) == nullptr) return Found::another;
+    if (device().is_lost() || device().losses() != losses_) return Found::interrupted;
     return known_.presence != device().presence() && device().is_present(now) ? Found::unknown : Found::unconfirmed;
 }
 

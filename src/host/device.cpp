@@ -82,6 +82,7 @@ void Device::hear(FrameView frame, TimePoint now) {
     };
     if (heard_at_ && !is_present(now)) forget_it();
     note_telemetry(frame, now);
+    is_lost_ = false;
     heard_at_ = now;
     if (const auto said = as<"device_info">(frame)) {
         DeviceInfo info{said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),

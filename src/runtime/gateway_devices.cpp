@@ -253,23 +253,23 @@ bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
     return gateway_.loop().may_have_waited(came_at);
 }
 
-std::string GatewayDevices::send(ano::FrameView frame) {
+Unsent GatewayDevices::send(ano::FrameView frame) {
     ControlLink* const link = gateway_.control();
-    if (!link) return std::string{no_control_link};
+    if (!link) return {std::string{no_control_link}};
     if (frame.destination() == gateway_.settings().gateway.id) {
-        if (!is_device(gateway_.settings().gateway)) return ano::hex_byte(frame.destination()) + " is the gateway itself";
+        if (!is_device(gateway_.settings().gateway)) return {ano::hex_byte(frame.destination()) + " is the gateway itself"};
         if (ano::is_control(frame) && !gateway_.settings().control.manage)
-            return "the control interface may not manage the gateway (control.manage)";
+            return {"the control interface may not manage the gateway (control.manage)"};
     }
     was_taken_ = false;
     left_by_[frame.destination()].clear();
     sends_to_ = frame.destination();
-    refusal_.clear();
+    refusal_ = {};
     sends_ = true;
     link->send(frame);
     sends_ = false;
     gateway_.flush();
-    return was_taken_ ? std::string{} : std::exchange(refusal_, {});
+    return was_taken_ ? Unsent{} : std::exchange(refusal_, {});
 }
 
 ano::Flush GatewayDevices::flush_parser(ano::FrameView next) {
@@ -307,17 +307,19 @@ void GatewayDevices::offered(const Channel& to, ano::FrameView frame, ChannelId 
 void GatewayDevices::dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) {
     if (!sends_ || from.id != ourselves) return;
     if (cause == &ReceiveCounters::no_route && ano::intent_of(frame) == ano::Intent::acts)
-        refusal_ = unknown_device(frame.destination()).text;
+        refusal_.why = unknown_device(frame.destination()).text;
     if (!is_for_good(cause)) return;
-    refusal_ = cause == &ReceiveCounters::inhibited ? "a GPIO switch that inhibits the link 'control' keeps this off"
-                                                    : "the rules 'control.receive' do not let this pass";
+    refusal_.why = cause == &ReceiveCounters::inhibited ? "a GPIO switch that inhibits the link 'control' keeps this off"
+                                                        : "the rules 'control.receive' do not let this pass";
 }
 
 void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
-    if (!sends_ || !is_for_good(cause)) return;
+    if (!sends_) return;
     const std::string& name = gateway_.name(to);
-    refusal_ = cause == &SendCounters::too_big ? "it has more DATA than the link '" + name + "' carries"
-                                               : "the rules 'send' of the link '" + name + "' do not let this pass";
+    if (cause == &SendCounters::link_down) refusal_ = {"not sent: the link '" + name + "' is down", true};
+    if (!is_for_good(cause)) return;
+    refusal_.why = cause == &SendCounters::too_big ? "it has more DATA than the link '" + name + "' carries"
+                                                   : "the rules 'send' of the link '" + name + "' do not let this pass";
 }
 
 std::vector<HeardAddress> GatewayDevices::heard(ano::TimePoint now) {

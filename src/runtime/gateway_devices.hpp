@@ -30,7 +30,7 @@ public:
     void stop();
 
     ano::TimePoint now() override;
-    std::string send(ano::FrameView frame) override;
+    Unsent send(ano::FrameView frame) override;
     ano::Flush flush_parser(ano::FrameView next) override;
     bool is_waiting(std::uint8_t address) override;
     void listen(bool wants) override;
@@ -99,7 +99,7 @@ private:
     bool was_taken_ = false;
     std::uint8_t sends_to_ = 0;
     std::array<ChannelSet, 256> left_by_{};    // by destination: the channels that got the last frame to it
-    std::string refusal_;
+    Unsent refusal_;
     DeviceService service_;    // its destructor calls this object, so only what needs it comes after it
     AlwaysListener always_;
     std::array<Place, 256> places_;    // by device: where it was last heard as itself; no link: nowhere

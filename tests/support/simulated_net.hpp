@@ -35,6 +35,7 @@ public:
     bool learns = false;                                     // who is heard is known
     bool listens = false;
     bool stood_still = false;
+    bool is_down = false;        // the link to all devices
     TimePoint queued_until{};    // what is sent before leaves then
     std::vector<Bytes> flushed_before;
     std::map<std::string, std::string> kept, cache_folder;
@@ -56,8 +57,9 @@ public:
     }
 
     TimePoint now() override { return time; }
-    std::string send(ano::FrameView frame) override {
-        if (const auto why = refuses.find(frame.id()); why != refuses.end()) return why->second;
+    anogate::Unsent send(ano::FrameView frame) override {
+        if (const auto why = refuses.find(frame.id()); why != refuses.end()) return {why->second};
+        if (is_down) return {"not sent: the link 'fc' is down", true};
         sent.emplace_back(frame.bytes().begin(), frame.bytes().end());
         put(true, sent.back());
         return {};

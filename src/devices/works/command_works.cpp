@@ -215,8 +215,10 @@ private:
     void done(const Task& task, TimePoint now) override {
         if (check() != nullptr) {
             const CommandCheck::Found found = check()->found();
-            if (found == CommandCheck::Found::unconfirmed) tell_unconfirmed();
-            if (found == CommandCheck::Found::same || found == CommandCheck::Found::unconfirmed) return call_it(now);
+            if (found == CommandCheck::Found::interrupted && ++interrupted_ < max_interrupted) return confirm(*command_, now);
+            const bool is_unconfirmed = found == CommandCheck::Found::unconfirmed || found == CommandCheck::Found::interrupted;
+            if (is_unconfirmed) tell_unconfirmed();
+            if (found == CommandCheck::Found::same || is_unconfirmed) return call_it(now);
             command_.reset();
             return read(now);
         }
@@ -258,6 +260,8 @@ private:
     CommandOrder order_;
     std::string json_;
     std::optional<CommandInfo> command_;
+    static constexpr unsigned max_interrupted = 4;    // checks by a link that was down: then it is a device that answers nothing
+    unsigned interrupted_ = 0;
 };
 
 std::optional<ano::Type> number_type_called(std::string_view name) {

@@ -33,7 +33,8 @@ public:
         const Duration busy = sent_ > 0 ? place_.net.flush_parser(question).busy : Duration{};
         ++sent_;
         next_ = now + busy + (sent_ < sends ? between_sends : for_answers);
-        if (const std::string never = place_.net.send(question); !never.empty()) finish(work_fault(403, never));
+        if (const Unsent unsent = place_.net.send(question); !unsent.why.empty() && !unsent.is_down)
+            finish(work_fault(403, unsent.why));
     }
     void cancel(TimePoint) override { finish({409, {}, "cancelled", "refused", {}, true}); }
     void hear(ano::FrameView frame, TimePoint) override {

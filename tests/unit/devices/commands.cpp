@@ -167,6 +167,41 @@ TEST_F(KnownCommands, of_a_device_whose_link_was_down_are_confirmed_once) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})").status, 200u);
 }
 
+TEST_F(KnownCommands, are_not_sent_while_the_link_is_down_nor_later) {
+    stream(1s);
+    net.service.link_was_down(0xDC);
+    net.is_down = true;
+    net.sent.clear();
+    const TimePoint begin = net.time;
+    for (const std::string call : {"LAND", "by-cid"}) {
+        const auto refused = net.ask("POST", "/devices/0xDC/commands/" + call, call == "LAND" ? "" : R"({"cid": [1, 0, 2]})");
+        EXPECT_EQ(refused.status, 503u) << refused.json;
+        EXPECT_EQ(refused.json.at("error"), "not sent: the link 'fc' is down");
+        EXPECT_EQ(refused.json.at("evidence").at("sent"), 0) << refused.json;
+    }
+    EXPECT_LE(net.time - begin, 100ms);
+    net.is_down = false;
+    stream(10s);
+    EXPECT_EQ(calls(), 0u);
+}
+
+// The questions for it left before that was heard: by a port that comes up, at any moment.
+TEST_F(KnownCommands, of_a_device_whose_link_comes_up_meanwhile_are_those_of_the_device_that_is_there_then) {
+    for (Duration up{}; up < 700ms; up += 50ms) {
+        stream(1s);
+        net.service.link_was_down(0xDC);
+        fake.deaf = true;
+        net.sent.clear();
+        const auto land = net.asked("POST", "/devices/0xDC/commands/LAND");
+        net.pass(up);
+        std::swap(fake.commands[0].cid, fake.commands[1].cid);
+        fake.deaf = false;
+        ASSERT_TRUE(net.until([&] { return land->has_value(); }));
+        EXPECT_EQ((*land)->status, 200u) << (*land)->json;
+        EXPECT_EQ(cid_of_call(), (Bytes{1, 0, fake.commands[1].cid[2]})) << up / 1ms << " ms";
+    }
+}
+
 TEST_F(KnownCommands, of_a_device_that_paused_right_behind_the_list_are_confirmed) {
     net.pass(1100ms);
     stream(500ms);

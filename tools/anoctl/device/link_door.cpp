@@ -94,7 +94,7 @@ private:
     void miss(std::uint64_t, const std::string&, std::string_view) override {}
 
     TimePoint now() override { return ano::Clock::now(); }
-    std::string send(ano::FrameView frame) override {
+    anogate::Unsent send(ano::FrameView frame) override {
         link_.send(frame);
         return {};
     }
