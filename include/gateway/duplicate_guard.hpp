@@ -3,7 +3,6 @@
 #include <ano/time.hpp>
 #include <gateway/expiring_cache.hpp>
 #include <gateway/ids.hpp>
-#include <gateway/queue_policy.hpp>
 
 #include <algorithm>
 #include <array>
@@ -24,23 +23,36 @@ public:
 
     explicit DuplicateGuard(ano::Duration window = usual_window, std::size_t capacity = 16 * 1024) : brought_{window, capacity} {}
 
+    enum class Kind : std::uint8_t {
+        state,     // a newer one may replace it
+        answer,    // of a device to a host
+        other,
+    };
+
     /// A frame of this frame_key() came by `from`, a link of `group` (1 to 64); `arrived` is earlier than `now` if it waited to
     /// be read. True: another link of the group brought it less than the window before. A sender that repeats the same state,
     /// such as sticks at rest, still gets through when its link fails: once the link that brought the repeats is silent, the
-    /// others count. This applies only to frames that a newer one may replace; a command never comes through twice.
-    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replaces replaces, ano::TimePoint now,
+    /// others count. An answer is new if a question or an order went to the group since: it may be equal to the one before. Everything else
+    /// never comes through twice: it may be a command.
+    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Kind kind, ano::TimePoint now,
                    ano::TimePoint arrived = ano::TimePoint::max()) noexcept {
         key = (key & ~std::uint64_t{0xFF}) | group;    // 56 bits of the key are enough to distinguish frames
         heard_at_[index(from)] = now;
         if (const Brought* known = brought_.find(key, std::min(arrived, now)); known && known->by != from) {
             const bool failed = now - heard_at_[index(known->by)] >= silence;
-            if (!(replaces != Replaces::nothing && known->repeats && failed)) return true;
+            const bool is_new = kind == Kind::state    ? known->repeats && failed
+                                : kind == Kind::answer ? asked_at_[group] > brought_.put_at(key)
+                                                       : false;
+            if (!is_new) return true;
             brought_.put(key, {from, true}, now);
         } else {
             brought_.put(key, {from, known != nullptr}, now);
         }
         return false;
     }
+
+    /// To be called when a question or an order leaves by a link of `group`.
+    void asked(std::uint8_t group, ano::TimePoint now) noexcept { asked_at_[group] = now; }
 
     /// To be called when the link is removed. What it brought stays known to the other links of its group.
     void remove_link(LinkId link) {
@@ -83,6 +95,7 @@ private:
     };
     ExpiringCache<Brought> brought_;
     std::array<ano::TimePoint, max_links + 1> heard_at_{};
+    std::array<ano::TimePoint, max_links + 1> asked_at_{};    // by group
 };
 
 }    // namespace anogate

@@ -86,7 +86,12 @@ void Forwarder::end_loop(Channel& from, ano::FrameView frame, ChannelSet ask) {
 [[gnu::always_inline]] inline bool Forwarder::is_duplicate(Channel& from, ano::FrameView brought, std::uint64_t key,
                                                            QueuePolicy policy) {
     const std::uint8_t group = entry(from.link).settings.route.group;
-    if (group == 0 || !duplicates_.duplicate(key, group, from.link, policy.replaces, now_, arrived_at_)) return false;
+    if (group == 0) return false;
+    const bool is_answer = ano::conversation::of_id[brought.id()].answers && ano::address::is_host(brought.destination());
+    const auto kind = policy.replaces != Replaces::nothing ? DuplicateGuard::Kind::state
+                      : is_answer                          ? DuplicateGuard::Kind::answer
+                                                           : DuplicateGuard::Kind::other;
+    if (!duplicates_.duplicate(key, group, from.link, kind, now_, arrived_at_)) return false;
     drop(from, brought, &ReceiveCounters::duplicate);
     return true;
 }
@@ -210,7 +215,11 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
     }
     if (!cause) {
         channel.answers.sent(before, now_);
-        if (to_one_place_ && ano::intent_of(frame) != ano::Intent::informs) channel.echo.sent(frame_key(frame), now_);
+        const std::uint8_t group = entry(channel.link).settings.route.group;
+        if ((to_one_place_ || group != 0) && ano::intent_of(frame) != ano::Intent::informs) {
+            if (to_one_place_) channel.echo.sent(frame_key(frame), now_);
+            duplicates_.asked(group, now_);
+        }
     }
     if (!hear_fates_.empty()) [[unlikely]]
         for (Observer* observer : hear_fates_) {

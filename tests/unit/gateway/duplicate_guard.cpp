@@ -10,94 +10,109 @@ using ano::TimePoint;
 
 namespace {
 
+using Kind = DuplicateGuard::Kind;
 constexpr TimePoint start{1h};
 constexpr LinkId link(unsigned n) { return static_cast<LinkId>(n); }
 
 TEST(DuplicateGuard, lets_one_copy_through) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 500ms));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(2), Replaces::nothing, start + 1999ms));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 2s));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 500ms));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(2), Kind::other, start + 1999ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Kind::other, start + 2s));
 }
 
 TEST(DuplicateGuard, a_copy_that_waited_to_be_read_is_one_all_the_same) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 4s, start + 1999ms));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 4s, start + 2s));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 4s, start + 1999ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Kind::other, start + 4s, start + 2s));
 }
 
 TEST(DuplicateGuard, of_a_program_that_goes_on_knows_what_came_before) {
     DuplicateGuard before;
-    before.duplicate(0x100, 7, link(3), Replaces::nothing, start);
-    before.duplicate(0x200, 7, link(3), Replaces::nothing, start + 1s);
-    before.duplicate(0x300, 7, link(4), Replaces::nothing, start + 1s);
+    before.duplicate(0x100, 7, link(3), Kind::other, start);
+    before.duplicate(0x200, 7, link(3), Kind::other, start + 1s);
+    before.duplicate(0x300, 7, link(4), Kind::other, start + 1s);
     const auto brought = before.brought_by(link(3), start);
     ASSERT_EQ(brought.size(), 1u) << "the others are too old, or another's";
     EXPECT_EQ(brought[0].at, start + 1s);
     DuplicateGuard guard;
     guard.restore(brought[0], 2, link(0));    // numbers are others now
-    EXPECT_TRUE(guard.duplicate(0x200, 2, link(1), Replaces::nothing, start + 2s));
-    EXPECT_FALSE(guard.duplicate(0x300, 2, link(1), Replaces::nothing, start + 2s));
-    EXPECT_FALSE(guard.duplicate(0x200, 7, link(2), Replaces::nothing, start + 2s)) << "of another group";
-    EXPECT_FALSE(guard.duplicate(0x200, 2, link(1), Replaces::nothing, start + 3s)) << "the window is over";
+    EXPECT_TRUE(guard.duplicate(0x200, 2, link(1), Kind::other, start + 2s));
+    EXPECT_FALSE(guard.duplicate(0x300, 2, link(1), Kind::other, start + 2s));
+    EXPECT_FALSE(guard.duplicate(0x200, 7, link(2), Kind::other, start + 2s)) << "of another group";
+    EXPECT_FALSE(guard.duplicate(0x200, 2, link(1), Kind::other, start + 3s)) << "the window is over";
 }
 
 TEST(DuplicateGuard, the_same_link_may_repeat) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 1s));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 2500ms)) << "two seconds from the last";
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start + 1s));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 2500ms)) << "two seconds from the last";
+}
+
+// Acknowledgements of equal commands are equal, and each command may leave by another link.
+TEST(DuplicateGuard, an_answer_to_a_newer_question_is_none) {
+    DuplicateGuard guard;
+    guard.asked(1, start);
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::answer, start + 5ms));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::answer, start + 6ms));
+    guard.asked(2, start + 300ms);
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::answer, start + 305ms)) << "another group was asked";
+    guard.asked(1, start + 400ms);
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 404ms)) << "a command is none";
+    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Kind::answer, start + 405ms));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(0), Kind::answer, start + 406ms));
 }
 
 TEST(DuplicateGuard, groups_are_apart) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Replaces::nothing, start));
-    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(1), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Kind::other, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(1), Kind::other, start));
 }
 
 TEST(DuplicateGuard, resting_sticks_survive_a_failing_link) {
     DuplicateGuard guard;
     TimePoint now = start;
     for (int i = 0; i < 50; ++i, now += 20ms) {    // both links carry them
-        EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::same_id, now));
-        EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::same_id, now + 1ms));
+        EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::state, now));
+        EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::state, now + 1ms));
     }
     int lost = 0;
-    for (int i = 0; i < 50; ++i, now += 20ms) lost += guard.duplicate(1, 1, link(1), Replaces::same_id, now);
+    for (int i = 0; i < 50; ++i, now += 20ms) lost += guard.duplicate(1, 1, link(1), Kind::state, now);
     EXPECT_LE(lost, 10) << "200 ms";
 }
 
 TEST(DuplicateGuard, a_command_never_comes_twice) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 100ms));    // the user's own repeat
-    for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 100ms + i * 200ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start + 100ms));    // the user's own repeat
+    for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 100ms + i * 200ms));
 }
 
 TEST(DuplicateGuard, a_link_that_is_removed_leaves_what_it_brought_and_nothing_else) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
     guard.remove_link(link(0));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 1s)) << "a command never comes twice";
-    EXPECT_TRUE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 1s)) << "nor by another of this number";
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 1s)) << "a command never comes twice";
+    EXPECT_TRUE(guard.duplicate(1, 1, link(0), Kind::other, start + 1s)) << "nor by another of this number";
 }
 
 TEST(DuplicateGuard, a_link_that_is_removed_counts_as_silent) {
     DuplicateGuard guard;
-    for (int i = 0; i < 2; ++i) EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::same_id, start));
+    for (int i = 0; i < 2; ++i) EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::state, start));
     guard.remove_link(link(0));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::same_id, start + 1ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Kind::state, start + 1ms));
 }
 
 TEST(DuplicateGuard, a_group_that_is_removed_leaves_nothing_to_another_of_its_number) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Replaces::nothing, start));
-    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(2), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Kind::other, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(2), Kind::other, start));
     guard.remove_group(1);
-    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(1), Replaces::nothing, start));
-    EXPECT_TRUE(guard.duplicate(0xAB, 2, link(3), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(1), Kind::other, start));
+    EXPECT_TRUE(guard.duplicate(0xAB, 2, link(3), Kind::other, start));
 }
 
 }    // namespace

@@ -276,6 +276,23 @@ TEST_F(Forwarding, a_device_on_two_links_of_a_group_is_no_conflict) {
     EXPECT_FALSE(forwarder.take_conflict());
 }
 
+TEST_F(Forwarding, a_group_passes_the_acknowledgement_of_each_command) {
+    const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
+    Channel& ground = add();
+    Channel& radio = add_with(grouped);
+    Channel& wifi = add_with(grouped);
+    receive(radio, telemetry);
+    const Bytes acknowledgement = frame(fc, host, 0x00, {0xC0, 1, 2});
+    for (Channel* const by : {&radio, &wifi, &radio}) {
+        receive(ground, command);
+        now += 5ms;
+        Channel& other = by == &radio ? wifi : radio;
+        EXPECT_EQ(told(*by, acknowledgement).back(), "offered 0");
+        EXPECT_NE(told(other, acknowledgement).back().find("duplicate"), std::string::npos);
+        now += 300ms;
+    }
+}
+
 TEST_F(Forwarding, what_waits_ages_while_the_machine_sleeps) {
     Channel& device = add();
     Channel& ground = add();
