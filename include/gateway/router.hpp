@@ -48,9 +48,10 @@ public:
         std::uint8_t port_id = 0;    // 0: none
         bool flood = true;
         bool broadcast = true;
-        std::uint8_t group = 0;          // 1 to 64: links with the same number lead to the same place; 0: none
-        bool teaches = true;             // sources that speak by it are learned. False: a replay
-        bool acts_for_others = false;    // its devices act on frames for any address
+        std::uint8_t group = 0;           // 1 to 64: links with the same number lead to the same place; 0: none
+        bool teaches = true;              // sources that speak by it are learned. False: a replay
+        bool acts_for_others = false;     // its devices act on frames for any address
+        bool may_have_devices = false;    // also when it was never heard: it does not wait for hosts
     };
 
     /// If several channels have heard a device, those that heard it within this time get its frames.
@@ -215,6 +216,7 @@ private:
         return places_of(hosts_ | known_[ano::address::host] | known_[ano::address::ros_bridge]);
     }
     ChannelSet the_only_place(ChannelSet devices) const noexcept;
+    bool is_unheard(LinkId link) const noexcept { return (channels_of_link_[index(link)] & (heard_any_ | hosts_)).empty(); }
     bool is_port(std::uint8_t destination) const noexcept {
         return destination <= ano::address::last_port_id && !(ports_[destination].empty() && port_channels_[destination].empty());
     }
@@ -253,6 +255,7 @@ private:
     ChannelSet down_;         // channels whose wire is gone
     ChannelSet hosts_;        // channels of note_host()
     ChannelSet devices_;      // channels where a device is at home, or was last; valid unless homes_changed_
+    ChannelSet heard_any_;    // channels where any address is at home; valid as devices_
     ChannelSet silent_;       // those of devices_ that have heard nobody since
     bool homes_changed_ = false;
 

@@ -267,7 +267,8 @@ void Router::add_unknown(Route& route, std::uint8_t destination, ano::Intent int
     route.channels |= flooded;
 }
 
-// Returns `devices` if all of them are in one place, whose devices act only on frames for themselves.
+// Returns `devices` if all of them are in one place, whose devices act only on frames for themselves, and an address that was never heard can
+// be nowhere else.
 ChannelSet Router::the_only_place(ChannelSet devices) const noexcept {
     const LinkSet links = links_of(devices);
     if (links.empty()) return {};
@@ -275,6 +276,11 @@ ChannelSet Router::the_only_place(ChannelSet devices) const noexcept {
     if (devices.has_several() && (rule.group == 0 || !(links - groups_[rule.group]).empty())) return {};
     for (const LinkId link : links)
         if (links_[index(link)].acts_for_others) return {};
+    for (const LinkId link : used_ - links) {
+        const LinkRule& other = links_[index(link)];
+        const bool is_elsewhere = other.group == 0 || other.group != rule.group;
+        if (other.may_have_devices && other.flood && is_elsewhere && is_unheard(link)) return {};
+    }
     return devices;
 }
 
@@ -290,6 +296,7 @@ ChannelSet Router::devices() {
             if (known_[a].empty()) silent |= channels_of(left_[a] & remade_);
         }
         silent_ = silent - heard;
+        heard_any_ = heard;
         devices_ |= silent_;
         homes_changed_ = false;
     }

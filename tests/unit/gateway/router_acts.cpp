@@ -55,6 +55,19 @@ TEST_F(Acts, go_to_the_only_place_with_devices) {
     expect(act(3, unknown, 0x30), channels({0, 2}), Via::unknown);    // a device: its own place leads to devices as well
 }
 
+// The address may be at a link that was never heard: its port is absent, or its devices speak only when spoken to.
+TEST_F(Acts, do_not_get_to_other_devices_while_the_address_may_be_elsewhere) {
+    net->close(channel(2));
+    net->remove_link(link(2));
+    const LinkId other = net->add_link({.may_have_devices = true});
+    hear(1, old);
+    EXPECT_FALSE(act(0, unknown).channels.contains(channel(1))) << "it is down";
+    net->open(channel(2), other);
+    expect(act(0, unknown), channels({2, 3}), Via::unknown);
+    hear(2, host);
+    expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
+}
+
 TEST_F(Acts, get_to_where_hosts_are_as_well) {
     hear(1, old);
     hear(2, 0xDC);
