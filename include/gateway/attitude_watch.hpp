@@ -12,7 +12,8 @@
 
 namespace anogate {
 
-/// Of one link. Constant time, no allocation. Only the first few devices are compared.
+/// Of one link. Constant time, no allocation. Only the first few devices are compared. It is a contradiction only where both agree under the
+/// other signs: those of a fast turn, or a quaternion of another kind, have no such answer.
 class AttitudeWatch {
 public:
     using Duration = ano::Duration;
@@ -41,7 +42,7 @@ private:
     struct Device {
         std::uint8_t address = 0;    // 0: unused
         bool is_contradictory = false;
-        ano::Rotation by_euler, by_quaternion;
+        ano::Rotation by_euler, by_other_signs, by_quaternion;
         std::optional<TimePoint> euler_at, quaternion_at;
         std::optional<TimePoint> apart_since, agree_since;
     };

@@ -75,7 +75,6 @@ Json value_json(const AnyValue& value, std::optional<ano::Type> type, const Devi
 }
 
 std::optional<AnyValue> value_in(const Json& json, std::optional<ano::Type> type) {
-    if (json.is_boolean()) return AnyValue{std::int64_t{json.get<bool>()}};
     if (json.is_number_unsigned()) return AnyValue{json.get<std::uint64_t>()};
     if (json.is_number_integer()) return AnyValue{json.get<std::int64_t>()};
     if (json.is_number_float()) return AnyValue{json.get<double>()};

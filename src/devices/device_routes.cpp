@@ -136,13 +136,15 @@ std::optional<bool> flag_in(const Json& object, const char* key) {
     return object[key].is_boolean() ? std::optional{object[key].get<bool>()} : std::nullopt;
 }
 
+bool is_number_or_text(const Json& json) { return json.is_number() || json.is_string(); }
+
 Response put_parameter(DeviceService& service, const Request& request) {
     const auto body = object_in(request);
     if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
     const Json& json = std::get<Json>(body);
     if (const std::string wrong = stranger_in(json, {"value", "longer", "force"}); !wrong.empty()) return http::error(400, wrong);
     const auto longer = flag_in(json, "longer"), force = flag_in(json, "force");
-    if (!json.contains("value") || json["value"].is_structured() || json["value"].is_null())
+    if (!json.contains("value") || !is_number_or_text(json["value"]))
         return http::error(400, "'value' must be a number or a text");
     if (!longer) return http::error(400, "'longer' must be true or false");
     if (!force) return http::error(400, "'force' must be true or false");
@@ -177,8 +179,7 @@ Response apply(DeviceService& service, const Request& request) {
     }
     const Json& values = is_long ? json["parameters"] : json;
     for (const auto& [name, value] : values.items())
-        if (value.is_structured() || value.is_null())
-            return http::error(422, ano::in_quotes(name) + " must be a number or a text");
+        if (!is_number_or_text(value)) return http::error(422, ano::in_quotes(name) + " must be a number or a text");
     return begin(service, request,
                  {JobKind::apply, order.dry_run ? Deed::read : Deed::write,
                   [values, order](const WorkPlace& place) { return apply_parameters(place, values, order); }});

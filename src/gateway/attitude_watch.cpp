@@ -1,6 +1,13 @@
 #include <gateway/attitude_watch.hpp>
 
 namespace anogate {
+namespace {
+
+constexpr ano::EulerSigns other_of(ano::EulerSigns signs) noexcept {
+    return signs == ano::EulerSigns::lx ? ano::EulerSigns::document : ano::EulerSigns::lx;
+}
+
+}    // namespace
 
 AttitudeWatch::Device* AttitudeWatch::device(std::uint8_t address) noexcept {
     for (Device& device : devices_) {
@@ -14,8 +21,10 @@ void AttitudeWatch::hear(ano::FrameView frame, TimePoint now) noexcept {
     Device* const from = frame.source() == 0 ? nullptr : device(frame.source());
     if (from == nullptr) return;
     const auto rotation = ano::rotation_of(frame, signs_);
-    if (!rotation) return;
+    const auto otherwise = ano::rotation_of(frame, other_of(signs_));
+    if (!rotation || !otherwise) return;
     const bool is_euler = frame.id() == ano::id_of<"euler">;
+    if (is_euler) from->by_other_signs = *otherwise;
     (is_euler ? from->by_euler : from->by_quaternion) = *rotation;
     (is_euler ? from->euler_at : from->quaternion_at) = now;
     if (from->euler_at && from->quaternion_at && now - *from->euler_at <= together && now - *from->quaternion_at <= together)
@@ -23,8 +32,10 @@ void AttitudeWatch::hear(ano::FrameView frame, TimePoint now) noexcept {
 }
 
 void AttitudeWatch::compare(Device& device, TimePoint now) noexcept {
-    if (ano::degrees_between(device.by_euler, device.by_quaternion) > apart) {
+    const auto agrees = [&](const ano::Rotation& euler) { return ano::degrees_between(euler, device.by_quaternion) <= apart; };
+    if (!agrees(device.by_euler)) {
         device.agree_since.reset();
+        if (!agrees(device.by_other_signs)) return device.apart_since.reset();
         if (!device.apart_since) device.apart_since = now;
         if (now - *device.apart_since >= patience) device.is_contradictory = true;
     } else {

@@ -1,8 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <anoctl/text/frame_printer.hpp>
+
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <support/anoctl.hpp>
+#include <support/bytes.hpp>
 #include <support/temp_dir.hpp>
 #include <support/vectors.hpp>
 
@@ -115,6 +120,27 @@ TEST(Decode, tells_a_length_that_no_layout_has) {
     EXPECT_EQ(result.exit, 0);
     EXPECT_EQ(result.out, "0xFE 0xFF 0x03 euler data=\"000000000000000000\"\n");
     EXPECT_EQ(result.err, "anoctl: offset 0: unknown layout of euler, LEN 9\n");
+}
+
+// What passes by has no line on standard error: its own says why it shows bytes.
+TEST(Decode, a_frame_that_passes_by_with_a_length_that_no_layout_has_is_named_in_its_line) {
+    const auto frame = support::frame(0xDC, 0xFE, 0x03, support::Bytes(9));
+    for (const bool is_terminal : {false, true}) {
+        std::ostringstream out, err;
+        anoctl::Streams streams{-1, out, err, is_terminal};
+        streams.width = 200;
+        anoctl::FramePrinter printer{streams, {}};
+        anoctl::Passage passage;
+        passage.link = "fc";
+        printer.print(ano::FrameView{frame}, passage);
+        const std::string line = out.str();
+        EXPECT_NE(line.find("unknown layout, LEN 9"), std::string::npos) << line;
+        EXPECT_LT(line.find("unknown layout"), line.find("data")) << "before what a narrow terminal cuts off";
+        out.str({});
+        const auto known = support::frame(0xDC, 0xFE, 0x77, {1});
+        printer.print(ano::FrameView{known}, passage);
+        EXPECT_EQ(out.str().find("unknown"), std::string::npos) << out.str();
+    }
 }
 
 TEST(Decode, an_unknown_id_is_fine) {

@@ -196,7 +196,8 @@ TEST_F(ParameterRoutes, what_does_not_fit_is_never_written) {
     }
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/TEXT", R"({"value": "longer than it"})").status, 422u);
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/TEXT", R"({"value": "longer than it", "longer": true})").status, 200u);
-    for (const char* body : {"", "{}", R"({"value": null})", R"({"value": [1]})", R"({"value": 1, "valu": 2})", R"([1])", "{"})
+    for (const char* body : {"", "{}", R"({"value": null})", R"({"value": [1]})", R"({"value": true})", R"({"value": false})",
+                             R"({"value": 1, "valu": 2})", R"([1])", "{"})
         EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/U8", body).status, 400u) << body;
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
@@ -258,6 +259,7 @@ TEST_F(ParameterRoutes, nothing_is_applied_when_one_can_not_be) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": 8, "NONE": 5})").status, 422u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": 8, "I16": 70000})").status, 422u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": {}})").status, 422u);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": true})").status, 422u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"parameters": {"U8": 8}, "rolback": true})").status, 400u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"parameters": {"U8": 8}, "rollback": 1})").status, 400u);
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});

@@ -80,6 +80,35 @@ TEST(AttitudeWatch, with_the_right_setting_there_is_none) {
     EXPECT_EQ(device.watch.signs(), EulerSigns::lx);
 }
 
+// The hint names the other setting, which must be an answer: a quaternion in another order, or of no fusion, contradicts both.
+TEST(AttitudeWatch, what_the_other_setting_does_not_solve_is_none) {
+    Device device;
+    device.turn(10s, 40, 100);
+    device.turn(10s, 90, 0);
+    EXPECT_EQ(device.watch.contradictory(), 0);
+    device.turn(3s, 90, -90);
+    EXPECT_EQ(device.watch.contradictory(), 0xDD);
+}
+
+TEST(AttitudeWatch, one_that_spins_faster_than_it_sends_both_is_none) {
+    Device device;
+    for (int i = 0; i < 400; ++i, device.now += 50ms) {    // 200 degrees a second, the quaternion 90 ms late
+        const Bytes one = euler(std::remainder(10.0 * i, 360)), other = quaternion(10.0 * i - 18);
+        device.watch.hear(ano::FrameView{one}, device.now);
+        device.watch.hear(ano::FrameView{other}, device.now + 1ms);
+    }
+    EXPECT_EQ(device.watch.contradictory(), 0);
+}
+
+TEST(AttitudeWatch, turning_through_180_degrees_and_the_other_sign_of_a_quaternion_are_none) {
+    Device device;
+    for (const double yaw : {179.0, -179.0, 180.0}) {
+        device.turn(3s, yaw, yaw + 360);
+        device.turn(3s, yaw, -360 + yaw);
+    }
+    EXPECT_EQ(device.watch.contradictory(), 0);
+}
+
 TEST(AttitudeWatch, it_ends_when_both_agree_for_10_seconds) {
     Device device;
     device.turn(3s, 40, -40);

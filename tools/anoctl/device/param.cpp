@@ -71,7 +71,7 @@ private:
             for (const Json& row : at(answer, "parameters"))
                 if (!row.contains("unreadable")) write_assigned(row, streams.out);
             if (const std::string names = names_not_readable(at(answer, "parameters")); !names.empty())
-                tell(streams, "not readable: " + names);
+                throw Failure{"not readable: " + names};
         } else {
             Table table{{" ID", "NAME", "TYPE", "VALUE", "MIN", "MAX", "WHAT"}};
             for (const Json& row : at(answer, "parameters"))
@@ -244,20 +244,21 @@ private:
         }
         const Json answer = client.run("GET", client.target("/parameters"));
         const Json made = parameter_file(answer);
-        if (const std::string names = names_not_readable(at(answer, "parameters")); !names.empty())
-            tell(streams, "left out, because they are not readable: " + names);
+        const std::string not_readable = names_not_readable(at(answer, "parameters"));
+        if (!not_readable.empty()) tell(streams, "left out, because they are not readable: " + not_readable);
+        const int exit = not_readable.empty() ? fine : failed;
         if (const std::string names = names_without_value(made); !names.empty())
             tell(streams, "inf and nan are null in the file, and import leaves them out: " + names);
         const std::string text = ano::with_json_escapes(made.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
         if (path == "-") {
             streams.out << text;
-            return fine;
+            return exit;
         }
         write_file(path, text);
         const std::size_t number = made["parameters"].size();
         if (options.json) streams.out << ano::json_line(Json{{"file", path}, {"parameters", number}});
         else say(streams, plural(number, "parameter") + " of " + client.device_words() + " in " + path);
-        return fine;
+        return exit;
     }
     // A path with .params or .csv asks for a format that is not supported.
     static void must_be_json(const std::string& path) {

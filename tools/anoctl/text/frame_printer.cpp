@@ -91,6 +91,15 @@ std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) 
     return words.empty() ? words : " (" + words + ")";
 }
 
+// Empty: it has a layout, or its message has none at all.
+std::string unknown_layout(const Reading& reading, FrameView frame) {
+    const bool has_layouts = reading.message() != nullptr && !reading.message()->fields().empty();
+    if (reading.readable() != Readable::unknown_layout || !has_layouts) return {};
+    return "unknown layout, LEN " + std::to_string(frame.data().size());
+}
+
+std::string with_blank(const std::string& text) { return text.empty() ? text : " " + text; }
+
 }    // namespace
 
 void FrameOptions::add_encoding(Options& options, FrameOptions& self) {
@@ -169,7 +178,7 @@ void FramePrinter::print(FrameView frame, const Passage& passage) {
     }
     if (!streams_.terminal) {
         if (!passage.link.empty()) print(passage, streams_.out);
-        return plain(frame, json);
+        return plain(frame, json, !passage.link.empty());
     }
     std::ostringstream line;
     if (!passage.link.empty()) print(passage, line);
@@ -187,14 +196,15 @@ void FramePrinter::print(const Passage& passage, std::ostream& out) const {
     if (passage.is_elsewhere) out << colored(red, "elsewhere") << ' ';
 }
 
-// 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: `encode` accepts the part after the id.
-void FramePrinter::plain(FrameView frame, const Json& json) {
+// 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: `encode` accepts the part after the id. One that passes by says why it shows bytes.
+void FramePrinter::plain(FrameView frame, const Json& json, bool passes) {
     const Reading reading = read(frame, &layouts());
     streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id()) << ' '
                  << json.value("name", "-");
     if (json.contains("fields"))
         for (const auto& [name, value] : json["fields"].items())
             streams_.out << ' ' << name << '=' << shown(value, field_of(reading, name));
+    if (passes) streams_.out << with_blank(unknown_layout(reading, frame));
     for (const char* key : {"extra", "data"})
         if (json.contains(key)) streams_.out << ' ' << key << '=' << shown(json[key]);
     streams_.out << '\n';
@@ -216,9 +226,10 @@ void FramePrinter::columns(FrameView frame, const Json& json, std::ostream& out)
             out << ' ' << colored(dim, name + of) << ' ' << colored(bold, padded(text, room));
         }
     }
+    const std::string unknown = unknown_layout(reading, frame), wrong = unknown.empty() ? undecoded(frame, layouts()) : "";
+    if (!unknown.empty()) out << ' ' << colored(red, unknown);
     for (const char* key : {"extra", "data"})
         if (json.contains(key)) out << ' ' << colored(dim, key) << ' ' << json[key].get<std::string>();
-    const std::string wrong = undecoded(frame, layouts());
     if (!wrong.empty()) out << ' ' << colored(red, wrong);
 }
 
@@ -238,8 +249,7 @@ std::string clock_text(double time) {
 
 std::string undecoded(FrameView frame, const FlexibleLayouts& layouts) {
     const Reading reading = read(frame, &layouts);
-    const bool has_layouts = reading.message() != nullptr && !reading.message()->fields().empty();
-    if (reading.readable() == Readable::unknown_layout && has_layouts)
+    if (!unknown_layout(reading, frame).empty())
         return "unknown layout of " + std::string{reading.message()->name} + ", LEN " + std::to_string(frame.data().size());
     if (reading.readable() != Readable::too_short) return {};
     return "malformed " + std::string{reading.message()->name} + ": " + std::to_string(frame.data().size()) +

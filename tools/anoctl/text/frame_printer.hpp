@@ -51,7 +51,7 @@ public:
 
 private:
     void print(const Passage& passage, std::ostream& out) const;
-    void plain(ano::FrameView frame, const ano::Json& json);
+    void plain(ano::FrameView frame, const ano::Json& json, bool passes);
     void columns(ano::FrameView frame, const ano::Json& json, std::ostream& out) const;
     std::string colored(const char* color, const std::string& text) const;
 
