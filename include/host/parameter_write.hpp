@@ -122,6 +122,7 @@ public:
     ParameterAction(Device& device, Action action) : Task{device}, action_{action} {}
     void start(TimePoint now) { ask(host::action(action_), now); }
     void ended(const Ended& ended, TimePoint now) override;
+    void cancel(TimePoint now) override;
 
 private:
     Action action_;

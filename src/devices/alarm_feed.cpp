@@ -24,8 +24,8 @@ void AlarmFeed::forget(std::uint8_t address, ano::TimePoint now) {
     look_soon(now);
 }
 
-void AlarmFeed::hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now) {
-    if (watch_.hear(source, reading, now)) look_soon(now);
+void AlarmFeed::hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only) {
+    if (watch_.hear(source, reading, now, raises_only)) look_soon(now);
 }
 
 void AlarmFeed::look_soon(ano::TimePoint now) { look_at(now + between_looks); }

@@ -29,7 +29,7 @@ public:
     void set(std::uint8_t address, const AlarmLimits::List& limits, ano::TimePoint now);
     void forget(std::uint8_t address, ano::TimePoint now);
     /// As AlarmWatch::hear().
-    void hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now);
+    void hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only);
 
     /// Whether there are clients who do not know that this device is heard: then look_soon() is to be called for its telemetry.
     bool awaits(std::uint8_t address) const noexcept { return !clients_.empty() && !told_as_heard_[address]; }

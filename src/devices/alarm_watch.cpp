@@ -84,7 +84,7 @@ void AlarmWatch::forget(std::uint8_t address) noexcept {
     for (auto& value : watched_[address]->values) value.clock = {};
 }
 
-bool AlarmWatch::hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now) noexcept {
+bool AlarmWatch::hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only) noexcept {
     if (!reading || !watched_[source]) return false;
     bool concerns_alarms = false;
     for (auto& value : watched_[source]->values) {
@@ -93,6 +93,8 @@ bool AlarmWatch::hear(std::uint8_t source, const ano::Reading& reading, ano::Tim
         if (field == nullptr || !ano::is_number(field->type) || field->count != 1) continue;
         const double number = reading.number(*field);
         if (!std::isfinite(number)) continue;
+        const AlarmLevel level = level_of(divided(number, value.limit), value.limit);
+        if (raises_only && (level == AlarmLevel::none || level < value.clock.edge())) continue;
         const bool was_beyond = value.clock.is_beyond();
         value.clock.take(number, value.limit, now);
         concerns_alarms = concerns_alarms || was_beyond || value.clock.is_beyond();

@@ -37,6 +37,10 @@ public:
     AlarmLevel level(const AlarmLimit& limit, ano::TimePoint now) const noexcept;
     /// Whether it is beyond, for however long.
     bool is_beyond() const noexcept { return amber_since_.has_value(); }
+    /// The edge that the last value is beyond.
+    AlarmLevel edge() const noexcept {
+        return red_since_ ? AlarmLevel::red : amber_since_ ? AlarmLevel::amber : AlarmLevel::none;
+    }
     /// Since when the value is beyond the edge of `level`; only while level() is that or a higher one.
     ano::TimePoint since(AlarmLevel level) const noexcept { return level == AlarmLevel::red ? *red_since_ : *amber_since_; }
     double value() const noexcept { return value_; }
@@ -74,8 +78,8 @@ public:
     /// Whether frames of this message have a value with a limit. Others need neither be decoded nor given to hear().
     bool wants(std::uint8_t source, std::uint8_t id) const noexcept { return watched_[source] && watched_[source]->ids[id]; }
     /// Ignores a frame that can't be read, "no data", and fields that are not one number. True: one of its values is beyond its limit, or
-    /// was so until now.
-    bool hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now) noexcept;
+    /// was so until now. `raises_only`: it is not known to be from the device itself, so a value that is better than the last one is ignored.
+    bool hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only = false) noexcept;
 
     /// Red ones first, then by device, in the order of their limits.
     std::vector<ActiveAlarm> active(ano::TimePoint now) const;

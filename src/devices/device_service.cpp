@@ -556,8 +556,8 @@ void DeviceService::hear_log(ano::FrameView frame, std::string_view link, std::u
     await_feeds();
 }
 
-void DeviceService::hear_value(std::uint8_t source, const ano::Reading& reading, TimePoint now) {
-    alarms_.hear(source, reading, now);
+void DeviceService::hear_value(std::uint8_t source, const ano::Reading& reading, TimePoint now, bool raises_only) {
+    alarms_.hear(source, reading, now, raises_only);
     await_feeds();
 }
 

@@ -139,7 +139,8 @@ public:
     LineClients& log_clients() noexcept { return log_clients_; }
 
     /// To be called for each passing frame of a message that alarms().watch().wants(), whether or not the service listens.
-    void hear_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now);
+    /// `raises_only`: as of AlarmWatch::hear().
+    void hear_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only = false);
     /// To be called for each frame `mode` that passes where its source is at home, whether or not the service listens.
     void hear_mode(ano::FrameView frame, ano::TimePoint now);
     /// The same for each other frame.

@@ -213,4 +213,12 @@ void ParameterAction::ended(const Ended& ended, TimePoint now) {
                           "it probably can't do that, or not now");
 }
 
+void ParameterAction::cancel(TimePoint now) {
+    const Message& row = Draft<"parameter_command", "action">::message();
+    finish({Ending::cancelled,
+            std::string{row.field("val")->meaning(static_cast<std::uint64_t>(action_))} + " may have been carried out",
+            {}},
+           now);
+}
+
 }    // namespace ano::host

@@ -87,18 +87,18 @@ bool GatewayDevices::Place::has(const Gateway& gateway, const Channel& channel) 
 
 // An address moves when its holder is silent, and in a network anybody can send in the name of a lost device. So a device that stays_lost() is
 // believed only where it was, or by a wire or the link that it is pinned to.
-bool GatewayDevices::is_itself(const Channel& from, std::uint8_t source) {
+GatewayDevices::Sender GatewayDevices::sender(const Channel& from, std::uint8_t source) {
     const Router& router = gateway_.forwarder().router();
-    if (router.claims(source, from.id)) return false;
+    if (router.claims(source, from.id)) return Sender::another;
     Place& last = places_[source];
     const bool is_at_home = router.heard_at(source, from.id).has_value();
-    if (ano::address::is_host(source) || (last.link.empty() && !is_at_home)) return true;
-    if (last.has(gateway_, from)) return true;
-    if (!is_at_home) return false;
+    if (ano::address::is_host(source) || (last.link.empty() && !is_at_home)) return Sender::itself;
+    if (last.has(gateway_, from)) return Sender::itself;
+    if (!is_at_home) return Sender::another;
     if (!last.link.empty() && service_.stays_lost(source) && !is_known_origin(gateway_, from, source))
-        return tell_unknown(from, source), false;
+        return tell_unknown(from, source), Sender::unknown;
     last = {gateway_.name(from.link), gateway_.settings(from.link).group, std::string{host_of(from)}};
-    return true;
+    return Sender::itself;
 }
 
 void GatewayDevices::tell_unknown(const Channel& from, std::uint8_t source) {
@@ -112,11 +112,20 @@ void GatewayDevices::tell_unknown(const Channel& from, std::uint8_t source) {
         name, here, words_of(places_[source].link, places_[source].peer), name);
 }
 
-// A frame that is not of the device itself gets into no log, and neither raises an alarm nor ends one.
+// A frame that is not of the device itself gets into no log, and neither raises an alarm nor ends one. Where it may be of a lost device that is
+// back elsewhere, which gets commands there, it may raise one.
 bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView frame) try {
-    if (from.id == ourselves || !of_.is_itself(from, frame.source())) return false;
+    if (from.id == ourselves) return false;
+    const Sender sender = of_.sender(from, frame.source());
+    if (sender == Sender::another) return false;
     DeviceService& service = of_.service_;
     const TimePoint now = of_.gateway_.time();
+    const auto judge = [&] {
+        if (service.alarms().watch().wants(frame.source(), frame.id()))
+            service.hear_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), now,
+                               sender == Sender::unknown);
+    };
+    if (sender == Sender::unknown) return judge(), false;
     if (frame.id() == ano::id_of<"log"> || frame.id() == ano::id_of<"log_value">) {
         const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
         const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
@@ -126,8 +135,7 @@ bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView 
     }
     if (frame.id() == ano::id_of<"mode">) service.hear_mode(frame, now);
     else service.hear_telemetry(frame.source(), frame.id(), now);
-    if (service.alarms().watch().wants(frame.source(), frame.id()))
-        service.hear_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), now);
+    judge();
     return false;
 } catch (const std::bad_alloc&) {    // ignores the frame
     return false;

@@ -86,7 +86,8 @@ private:
         std::string peer;    // without its port
         bool has(const Gateway& gateway, const Channel& channel) const;
     };
-    bool is_itself(const Channel& from, std::uint8_t source);
+    enum class Sender : std::uint8_t { itself, another, unknown };
+    Sender sender(const Channel& from, std::uint8_t source);
     void tell_unknown(const Channel& from, std::uint8_t source);
 
     Gateway& gateway_;

@@ -328,6 +328,29 @@ TEST_P(LostVehicle, is_heard_at_another_port_of_its_own_host) {
     EXPECT_TRUE(lost_while_it_sends(again, "air").empty()) << "its program has begun again";
 }
 
+// It gets the commands there, so its limits hold; what makes it look well is not believed.
+TEST_P(LostVehicle, is_in_alarm_by_what_it_sends_from_elsewhere) {
+    const std::string body = R"({"limits": [{"field": "power.voltage", "side": "below", "red": 13.6}]})";
+    ASSERT_EQ(asked(socket, "PUT", "/devices/0xDC/limits", body).status, 200u);
+    ASSERT_EQ(lost_while_it_sends(stranger, GetParam()).size(), 1u);
+    const auto alarms_while = [&](UdpPeer& who, const std::string& link, std::uint8_t low, std::size_t wanted) {
+        return daemon.until([&](const json&) {
+            auto to = who.local();
+            to.port = daemon.port(link);
+            who.send(to, frame(0xDC, 0xFF, 0x0D, {low, 0x05, 0, 0}));    // 12.8 V + low / 100
+            return json::parse(asked(socket, "GET", "/alarms").body).at("alarms").size() == wanted;
+        });
+    };
+    ASSERT_TRUE(alarms_while(stranger, GetParam(), 0x28, 1)) << "13.2 V";
+    const auto received = daemon.count(GetParam(), "frames_in");
+    ASSERT_TRUE(daemon.until([&](const json&) {
+        alarms_while(stranger, GetParam(), 0xF0, 1);    // 15.2 V
+        return daemon.count(GetParam(), "frames_in") >= received + 10;
+    }));
+    EXPECT_EQ(json::parse(asked(socket, "GET", "/alarms").body).at("alarms").size(), 1u);
+    EXPECT_TRUE(alarms_while(vehicle, "air", 0xF0, 0)) << "it is back, and well";
+}
+
 INSTANTIATE_TEST_SUITE_P(At, LostVehicle, testing::Values("ground", "air"),
                          [](const auto& link) { return link.param == std::string{"air"} ? "its_own_link" : "another_link"; });
 
