@@ -69,6 +69,7 @@ struct Job {
     bool is_cancelled = false;                   // cancelled, but it may take a while to end
     std::string refused;                         // why its frames can't be sent: it is ending
     std::string conflict;                        // who else writes to its device, or answers in its name, as a clause
+    std::string stopped;                         // why no frame leaves for its device, as a clause
     std::string step;                            // JSON
     ano::host::Progress progress{};
     ano::TimePoint begins_at{};    // earliest time; until then the service listens whether it is allowed

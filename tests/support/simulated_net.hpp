@@ -36,6 +36,7 @@ public:
     bool listens = false;
     bool stood_still = false;
     TimePoint queued_until{};    // what is sent before leaves then
+    std::string stopped;         // why nothing leaves
     std::vector<Bytes> flushed_before;
     std::map<std::string, std::string> kept, cache_folder;
     anogate::UnitPlace unit{"/run/test.sock", "fc", "serial:/dev/fake"};
@@ -67,6 +68,7 @@ public:
         return {};
     }
     bool is_waiting(std::uint8_t) override { return time < queued_until; }
+    std::string takes_nothing(std::uint8_t) override { return stopped; }
     void listen(bool wants) override { listens = wants; }
     void wake(TimePoint at) override { wake_ = std::min(wake_.value_or(at), at); }
     std::vector<anogate::HeardAddress> heard(TimePoint) override {
