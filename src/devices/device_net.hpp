@@ -66,6 +66,9 @@ public:
     virtual void cache(const std::string& /*name*/, const std::string& /*text*/) {}
     /// Whether a frame that send() got for `address` waits to leave.
     virtual bool is_waiting(std::uint8_t /*address*/) { return false; }
+    /// Why no frame leaves for `address`, as a clause, once that has lasted 3 s; empty: they leave, or none waits. To be called several
+    /// times a second while a job waits for the device.
+    virtual std::string takes_nothing(std::uint8_t /*address*/) { return {}; }
     /// Whether every passing frame shall be given to DeviceService::hear() from now on.
     virtual void listen(bool wants) = 0;
     /// DeviceService::run() must be called at `at`, or at an earlier time set before.

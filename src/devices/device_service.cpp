@@ -715,6 +715,8 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
                "refused",          end.evidence,          false};
     }
     job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;
+    if (end.status >= 300 && !job.stopped.empty()) end.error += "; " + job.stopped;
+    job.stopped.clear();
     if (end.status >= 300 && !job.conflict.empty()) end.error += "; " + job.conflict;
     job.message = end.error.empty() ? job.conflict : end.error;
     if (end.status < 300) job.progress.done = job.progress.total;
@@ -764,6 +766,8 @@ void DeviceService::look(Job& job, TimePoint now) {
     const JobState state = job.work->is_waiting() ? JobState::waiting : JobState::running;
     if (state == job.state && now - job.told_at < between_progress) return;
     std::string message = job.work->message(), step = job.work->step();
+    if (job.order.address) job.stopped = net_.takes_nothing(*job.order.address);
+    if (!job.stopped.empty()) message += "; " + job.stopped;
     const ano::host::Progress progress = job.work->progress();
     const bool is_news = state != job.state || message != job.message || step != job.step || progress.done != job.progress.done ||
                          progress.total != job.progress.total;

@@ -111,6 +111,7 @@ nlohmann::ordered_json job_json(const Job& job) {
     }
     json["message"] = job.message;
     if (!job.conflict.empty()) json["conflict"] = job.conflict;
+    if (!job.stopped.empty()) json["stopped"] = job.stopped;
     if (!job.step.empty()) json["step"] = Json::parse(job.step, nullptr, false);
     if (!job.end || job.end->status < 300) return json;
     json["error"] = job.end->error;

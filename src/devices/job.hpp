@@ -70,6 +70,7 @@ struct Job {
     std::string refused;                         // why its frames can't be sent: it is ending
     unsigned refused_status = 403;               // of HTTP, for that
     std::string conflict;                        // who else writes to its device, or answers in its name, as a clause
+    std::string stopped;                         // why no frame leaves for its device, as a clause
     std::string step;                            // JSON
     ano::host::Progress progress{};
     ano::TimePoint begins_at{};    // earliest time; until then the service listens whether it is allowed

@@ -291,6 +291,23 @@ bool GatewayDevices::is_waiting(std::uint8_t address) {
     return false;
 }
 
+// What the driver holds has not left yet.
+std::string GatewayDevices::takes_nothing(std::uint8_t address) {
+    std::string why;
+    for (const LinkState& state : gateway_.links()) {
+        for (const ChannelId id : left_by_[address] & gateway_.forwarder().traffic(state.link->id()).channels) {
+            const Channel& channel = gateway_.channel(id);
+            const SendCounters sent = channel.sent();
+            const std::size_t held = state.up ? state.link->unsent() : 0;
+            const bool waits = channel.waiting() > 0 || held > 0;
+            if (!drains_[index(id)].takes_nothing(sent.bytes_out + sent.flush_bytes - held, waits, gateway_.time())) continue;
+            why = "the link '" + state.link->name() +
+                  "' has sent nothing for more than 3 s: the device, or its flow control, takes nothing";
+        }
+    }
+    return why;
+}
+
 bool GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
     if (from.id == ourselves) return false;
     heard_by_ = from.link;

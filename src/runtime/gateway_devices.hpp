@@ -2,6 +2,7 @@
 #pragma once
 #include <devices/device_net.hpp>
 #include <devices/device_service.hpp>
+#include <gateway/drain_watch.hpp>
 #include <gateway/forwarder.hpp>
 #include <sys/alarm.hpp>
 #include <sys/errand.hpp>
@@ -33,6 +34,7 @@ public:
     Unsent send(ano::FrameView frame) override;
     ano::Flush flush_parser(ano::FrameView next) override;
     bool is_waiting(std::uint8_t address) override;
+    std::string takes_nothing(std::uint8_t address) override;
     void listen(bool wants) override;
     void wake(ano::TimePoint at) override { alarm_.set_no_later(at); }
     std::vector<HeardAddress> heard(ano::TimePoint now) override;
@@ -100,6 +102,7 @@ private:
     bool was_taken_ = false;
     std::uint8_t sends_to_ = 0;
     std::array<ChannelSet, 256> left_by_{};    // by destination: the channels that got the last frame to it
+    std::array<DrainWatch, max_channels> drains_{};
     Unsent refusal_;
     DeviceService service_;    // its destructor calls this object, so only what needs it comes after it
     AlwaysListener always_;

@@ -37,6 +37,7 @@ public:
     bool stood_still = false;
     bool is_down = false;        // the link to all devices
     TimePoint queued_until{};    // what is sent before leaves then
+    std::string stopped;         // why nothing leaves
     std::vector<Bytes> flushed_before;
     std::map<std::string, std::string> kept, cache_folder;
     anogate::UnitPlace unit{"/run/test.sock", "fc", "serial:/dev/fake"};
@@ -69,6 +70,7 @@ public:
         return {};
     }
     bool is_waiting(std::uint8_t) override { return time < queued_until; }
+    std::string takes_nothing(std::uint8_t) override { return stopped; }
     void listen(bool wants) override { listens = wants; }
     void wake(TimePoint at) override { wake_ = std::min(wake_.value_or(at), at); }
     std::vector<anogate::HeardAddress> heard(TimePoint) override {

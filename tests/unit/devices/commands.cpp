@@ -467,6 +467,21 @@ TEST_F(CommandRoutes, with_bad_bytes_or_values_are_never_sent) {
     EXPECT_TRUE(net.sent.empty());
 }
 
+// The user knows at once, not when the command is given up.
+TEST_F(KnownCommands, to_a_link_that_takes_nothing_say_so_while_they_wait) {
+    fake.deaf = true;
+    net.stopped = "the link 'fc' takes nothing";
+    const auto land = net.asked("POST", "/devices/0xDC/commands/LAND");
+    net.pass(300ms);
+    const json job = net.ask("GET", "/jobs").json.at("jobs").back();
+    EXPECT_EQ(job.at("stopped"), net.stopped) << job;
+    EXPECT_EQ(job.at("message"), "calling LAND; the link 'fc' takes nothing");
+    ASSERT_TRUE(net.until([&] { return land->has_value(); }));
+    const auto error = (*land)->json.at("error").get<std::string>();
+    EXPECT_TRUE(error.ends_with("; the link 'fc' takes nothing")) << error;
+    EXPECT_FALSE(net.ask("GET", "/jobs").json.at("jobs").back().contains("stopped"));
+}
+
 // Value type 7, of a device whose descriptions do not show what it means.
 struct OpenTypes : CommandRoutes {
     OpenTypes() { fake.commands = {{{1, 0, 7}, {7}, "SEVEN", ""}, {{1, 0, 2}, {}, "LAND", ""}}; }

@@ -3,6 +3,7 @@
 #include "job_text.hpp"
 
 #include <anoctl/say.hpp>
+#include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/table.hpp>
 #include <anoctl/text/terminal.hpp>
 
@@ -31,6 +32,10 @@ void ProgressView::show(const ano::Json& job) {
         const double seconds = std::chrono::duration<double>(ano::Clock::now() - began_).count();
         const std::size_t width = Screen::size().width;
         return lines_.show({progress_text(job, seconds, width)}, width);
+    }
+    if (const std::string stopped = text_at(job, "stopped"); stopped != told_stopped_) {
+        told_stopped_ = stopped;
+        if (!stopped.empty()) tell(streams_, stopped);
     }
     const std::string message = step_text(job);
     if (!tells_steps_ || message.empty() || message == told_) return;

@@ -55,7 +55,7 @@ private:
     const bool tells_steps_;
     LiveLines lines_;
     const ano::TimePoint began_ = ano::Clock::now();
-    std::string told_;
+    std::string told_, told_stopped_;
 };
 
 }    // namespace anoctl

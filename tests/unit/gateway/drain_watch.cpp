@@ -1,0 +1,47 @@
+// A line that takes nothing, in simulated time.
+#include <gateway/drain_watch.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate::drain_watch_tests {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Line {
+    DrainWatch watch;
+    ano::TimePoint now{1000s};
+    std::uint64_t left = 0;
+
+    bool is_stopped_after(ano::Duration time, bool waits = true, std::uint64_t bytes_each = 0) {
+        bool is_stopped = false;
+        for (const auto end = now + time; now < end; now += 100ms, left += bytes_each)
+            is_stopped = watch.takes_nothing(left, waits, now);
+        return is_stopped;
+    }
+};
+
+TEST(DrainWatch, a_line_on_which_nothing_leaves_for_3_s_takes_nothing) {
+    Line line;
+    EXPECT_FALSE(line.is_stopped_after(2900ms));
+    EXPECT_TRUE(line.is_stopped_after(300ms));
+    EXPECT_FALSE(line.is_stopped_after(200ms, true, 1)) << "it goes on";
+}
+
+TEST(DrainWatch, a_slow_line_and_one_for_which_nothing_waits_take_what_there_is) {
+    Line line;
+    EXPECT_FALSE(line.is_stopped_after(10s, true, 1));
+    EXPECT_FALSE(line.is_stopped_after(10s, false));
+    EXPECT_FALSE(line.is_stopped_after(2900ms)) << "it waits only now";
+}
+
+TEST(DrainWatch, what_was_while_nobody_looked_is_not_known) {
+    Line line;
+    line.is_stopped_after(200ms);
+    line.now += 1min;
+    EXPECT_FALSE(line.is_stopped_after(2900ms));
+    EXPECT_TRUE(line.is_stopped_after(300ms));
+}
+
+}    // namespace
+}    // namespace anogate::drain_watch_tests
