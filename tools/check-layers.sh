@@ -90,7 +90,7 @@ only_in 'src/record/zstd\.cpp' 'zstd\.h'
 only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z_/]+\.cpp|tests/.*' 'nlohmann/json\.hpp'
 only_in 'src/log/log(_line|_queue|_writer)?\.[ch]pp|tests/.*' 'spdlog/'
-((bad == 0)) || echo "These includes reach over a layer."
+((bad == 0)) || echo "These includes violate the layers."
 if grep -rnE '\bkind(->name|\.name|\(\))? *(==|!=) *"|"[a-z-]+" *(==|!=) *[a-z_.>()-]*\bkind\b' src include tools --include='*.?pp'; then
     echo "A kind of link is not asked for its name: what is different of it stands in its row (src/config/link_kind.hpp)."
     bad=1

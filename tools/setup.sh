@@ -18,13 +18,13 @@ need_packages() {
 
     local sudo=()
     if ! may_install; then
-        echo "Packages are missing; as root: apt-get install ${missing[*]}" >&2
+        echo "Missing packages; run as root: apt-get install ${missing[*]}" >&2
         exit 1
     fi
     if ((EUID != 0)); then sudo=(sudo); fi
     echo "Installing ${missing[*]}" >&2
     local apt=("${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
-    "${apt[@]}" update >&2 || echo "apt-get update failed; trying with the package lists there are" >&2
+    "${apt[@]}" update >&2 || echo "apt-get update failed; continuing with the existing package lists" >&2
     "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >&2
 }
 
@@ -35,7 +35,7 @@ unpack_package() {
     if command -v "$2" >/dev/null || [[ -x $folder/usr/bin/$2 ]] || ! command -v apt-get >/dev/null; then return; fi
     mkdir -p "$folder"
     if ! (cd "$folder" && apt-get -q download "$1" && dpkg -x "$1"_*.deb . && rm "$1"_*.deb) >"$folder.log" 2>&1; then
-        echo "$1 can't be downloaded: the tests with it are skipped, see $folder.log" >&2
+        echo "cannot download $1, so its tests are skipped; see $folder.log" >&2
         rm -rf "$folder"
     fi
 }
@@ -47,7 +47,7 @@ page_packages=(npm:npm)    # for the page in the browser
 # JOBS in the environment; without it, one job for each processor, but at most one for each gigabyte of free memory, so that a small board
 # does not swap.
 if [[ ${JOBS:-} ]]; then
-    [[ $JOBS =~ ^[1-9][0-9]{0,3}$ ]] || { echo "JOBS=$JOBS is not a number of jobs: 1 or more" >&2; exit 2; }
+    [[ $JOBS =~ ^[1-9][0-9]{0,3}$ ]] || { echo "JOBS=$JOBS is not a number of jobs (1 or more)" >&2; exit 2; }
     jobs=$JOBS
 else
     jobs=$(nproc)

@@ -42,14 +42,14 @@ TEST_F(AnoctlAnswers, fewer_waypoints_than_there_are_are_asked_about_and_told) {
     ASSERT_EQ(anoctl({"waypoint", "put", many, "--yes"}).exit, 0);
     const Ran put = anoctl({"waypoint", "put", one, "--yes"});
     EXPECT_EQ(put.exit, 0) << put.output;
-    EXPECT_TRUE(contains(put.output, "0 is overwritten, and 1 to 3 stay as they are")) << put.output;
+    EXPECT_TRUE(contains(put.output, "0 is overwritten, and 1 to 3 remain")) << put.output;
     EXPECT_TRUE(contains(put.output, "until it has 4")) << put.output;
     EXPECT_TRUE(contains(put.output, ": 1 waypoint written; 0xDC has 4, the last 3 are its old ones\n")) << put.output;
     EXPECT_EQ(json::parse(anoctl({"waypoint", "get"}).output).at("waypoints").size(), 4u);
     const Ran still = anoctl(
         {"waypoint", "put", dir.write("still.json", R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 3}]})"), "--yes"});
     EXPECT_EQ(still.exit, 0) << still.output;
-    EXPECT_TRUE(contains(still.output, "The file has no speed for 0 (counted from 0): 0 cm/s is written.\n")) << still.output;
+    EXPECT_TRUE(contains(still.output, "The file has no speed for 0 (counted from 0); 0 cm/s is written.\n")) << still.output;
     const Ran wrong = anoctl({"waypoint", "put", dir.write("wrong.json", "{\"way\": 1}"), "--yes"});
     EXPECT_EQ(wrong.exit, 2);
     EXPECT_TRUE(contains(wrong.output, "wrong.json: it is none of the forms of waypoints")) << wrong.output;
@@ -63,7 +63,7 @@ TEST_F(AnoctlOtherDevice, that_stops_in_the_middle_is_told_with_how_many_waypoin
     const Ran put = asked({"waypoint", "put", dir.write("way.json", points(4).dump()), "--yes"});
     EXPECT_EQ(put.exit, 1);
     EXPECT_TRUE(contains(put.output, "write of waypoint 2")) << put.output;
-    EXPECT_TRUE(contains(put.output, ": 2 of 4 waypoints were written: the device has a mixture of these and its old ones"))
+    EXPECT_TRUE(contains(put.output, ": 2 of 4 waypoints written; the device has a mixture of new and old waypoints"))
         << put.output;
 }
 
@@ -102,7 +102,7 @@ TEST_F(AnoctlAnswers, nothing_is_written_when_one_of_several_is_wrong) {
     ASSERT_EQ(anoctl({"param", "set", "SIM_TURN", "1"}).exit, 0);
     const Ran name = anoctl({"param", "set", "SIM_TURN=2", "SIM_HEIGT=3"});
     EXPECT_EQ(name.exit, 1);
-    EXPECT_TRUE(contains(name.output, "no parameter is called 'SIM_HEIGT' (did you mean 'SIM_HEIGHT'?)")) << name.output;
+    EXPECT_TRUE(contains(name.output, "no parameter is named 'SIM_HEIGT' (did you mean 'SIM_HEIGHT'?)")) << name.output;
     const Ran range = anoctl({"param", "set", "SIM_TURN=2", "SIM_HEIGHT=99999999999"});
     EXPECT_EQ(range.exit, 1);
     EXPECT_TRUE(contains(range.output, "SIM_HEIGHT: '99999999999' is out of range, ")) << range.output;
@@ -142,12 +142,11 @@ TEST_F(AnoctlOtherDevice, is_listened_to_by_its_name) {
 TEST_F(AnoctlAnswers, who_is_there_is_said_where_the_one_to_be_listened_to_is_not) {
     const Ran nobody = anoctl({"log", "--device", "Nobody"});
     EXPECT_EQ(nobody.exit, 2);
-    EXPECT_EQ(nobody.output, "anoctl: --device: no device is called 'Nobody'; there are 0xDC SimFC\n")
+    EXPECT_EQ(nobody.output, "anoctl: --device: no device is named 'Nobody'; devices: 0xDC SimFC\n")
         << "it was asked for its name";
     Process own{ANOCTL, {"image", dir / "pictures", "--device", "Nobody", "--link", "sim:fc"}};
     EXPECT_EQ(own.wait(), 2);
-    EXPECT_TRUE(contains(own.output(), "'Nobody' is no address (0xDC), and by a link of its own nobody is asked"))
-        << own.output();
+    EXPECT_TRUE(contains(own.output(), "'Nobody' is not an address (0xDC); with --link, give addresses")) << own.output();
 }
 
 TEST_F(AnoctlAnswers, what_a_calibration_kept_is_imported_and_named) {
@@ -157,8 +156,8 @@ TEST_F(AnoctlAnswers, what_a_calibration_kept_is_imported_and_named) {
     const Ran import = anoctl({"param", "import", file, "--yes"});
     EXPECT_EQ(import.exit, 0) << import.output;
     EXPECT_TRUE(contains(import.output, "1 parameter written")) << import.output;
-    EXPECT_TRUE(contains(import.output, "when it is saved, remove " + file)) << import.output;
-    EXPECT_FALSE(contains(import.output, "the file is of")) << import.output;
+    EXPECT_TRUE(contains(import.output, "then remove " + file)) << import.output;
+    EXPECT_FALSE(contains(import.output, "the file is for")) << import.output;
     EXPECT_EQ(anoctl({"param", "get", "CAL_AOFF_X"}).output, "CAL_AOFF_X=2.5\n");
 }
 
@@ -176,11 +175,11 @@ TEST_F(AnoctlAnswers, behind_what_the_device_refuses_the_others_are_imported) {
     const Ran undone = anoctl({"param", "import", file, "--yes", "--rollback"});
     EXPECT_EQ(undone.exit, 1);
     EXPECT_TRUE(contains(undone.output, "SIM_TURN: ")) << undone.output;
-    EXPECT_TRUE(contains(undone.output, " -> 44, not tried any more\n")) << undone.output;
+    EXPECT_TRUE(contains(undone.output, " -> 44, not attempted\n")) << undone.output;
     EXPECT_NE(anoctl({"param", "get", "SIM_TURN"}).output, "SIM_TURN=44\n");
     const Ran import = anoctl({"param", "import", file, "--yes"});
     EXPECT_EQ(import.exit, 1);
-    EXPECT_TRUE(contains(import.output, "1 parameter written; anoctl param save keeps them over a restart\nSIM_SERIAL: "))
+    EXPECT_TRUE(contains(import.output, "1 parameter written; to save permanently: anoctl param save\nSIM_SERIAL: "))
         << "what was refused is at the end: " << import.output;
     EXPECT_EQ(anoctl({"param", "get", "SIM_TURN"}).output, "SIM_TURN=44\n");
 }
@@ -193,13 +192,14 @@ TEST_F(AnoctlAnswers, all_that_does_not_fit_a_device_is_told_before_anything_is_
     for (const char* action : {"import", "diff"}) {
         const Ran ran = anoctl({"param", action, file, "--yes"});
         EXPECT_EQ(ran.exit, *action == 'd' ? 2 : 1);
-        EXPECT_TRUE(contains(ran.output, "the file is of Other")) << ran.output;
+        EXPECT_TRUE(contains(ran.output, "the file is for Other")) << ran.output;
         EXPECT_TRUE(contains(ran.output, "no parameter is called NEWER\n")) << ran.output;
         EXPECT_TRUE(contains(ran.output, "SIM_TURN: 300 is out of range, i8 is -128 to 127\n")) << ran.output;
         EXPECT_EQ(contains(ran.output, " bytes that the device has: --longer allows a longer one"), *action == 'i') << ran.output;
     }
-    EXPECT_TRUE(contains(anoctl({"param", "import", file, "--yes"}).output,
-                         "anoctl: 3 parameters of " + file + " do not fit SimFC (0xDC): nothing was written; take them out"));
+    EXPECT_TRUE(contains(
+        anoctl({"param", "import", file, "--yes"}).output,
+        "anoctl: 3 parameters of " + file + " do not fit SimFC (0xDC): nothing was written. To write the others, remove them"));
     EXPECT_EQ(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=321\n");
 }
 
@@ -207,7 +207,8 @@ TEST_F(AnoctlAnswers, a_file_of_another_device_is_warned_of_although_nobody_is_a
     const std::string file = dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");
     const Ran import = anoctl({"param", "import", file, "--yes"});
     EXPECT_EQ(import.exit, 0) << import.output;
-    EXPECT_TRUE(contains(import.output, "anoctl: the file is of Other, device type 1, this is SimFC")) << import.output;
+    EXPECT_TRUE(contains(import.output, "anoctl: the file is for Other, device type 1, but the device is SimFC"))
+        << import.output;
     EXPECT_EQ(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=444\n");
 }
 
@@ -218,7 +219,7 @@ TEST_F(AnoctlAnswers, files_are_replaced_only_when_somebody_says_so) {
         const std::string file = command.back();
         const Ran refused = anoctl(command);
         EXPECT_EQ(refused.exit, 2) << refused.output;
-        EXPECT_TRUE(contains(refused.output, file + " is there already")) << refused.output;
+        EXPECT_TRUE(contains(refused.output, file + " already exists")) << refused.output;
         EXPECT_EQ(text_of(file), "old");
         command.emplace_back("--yes");
         EXPECT_EQ(anoctl(command).exit, 0);
@@ -231,9 +232,9 @@ TEST_F(AnoctlAnswers, files_are_replaced_only_when_somebody_says_so) {
     EXPECT_NE(text_of(dir / "behind.json"), "old");
     const Ran csv = anoctl({"param", "export", dir / "new.csv"}), kml = anoctl({"waypoint", "get", dir / "new.kml"});
     EXPECT_EQ(csv.exit, 2);
-    EXPECT_TRUE(contains(csv.output, "'.csv' is no form of parameters; .json is")) << csv.output;
+    EXPECT_TRUE(contains(csv.output, "'.csv' is not a supported parameter file format; use .json")) << csv.output;
     EXPECT_EQ(kml.exit, 2);
-    EXPECT_TRUE(contains(kml.output, "'.kml' is no form of waypoints; .json, .geojson and .plan")) << kml.output;
+    EXPECT_TRUE(contains(kml.output, "'.kml' is not a supported waypoint format; use .json, .geojson or .plan")) << kml.output;
 }
 
 TEST_F(AnoctlAnswers, what_differs_is_told_to_programs_as_diff_tells_it) {
@@ -260,12 +261,11 @@ TEST_F(AnoctlOtherDevice, has_values_that_are_no_numbers) {
     EXPECT_EQ(get.output, "A=nan\nB=-inf\nC=1\n");
     EXPECT_TRUE(contains(asked({"param", "list"}).output, "f32   nan\n"));
     const Ran exported = asked({"param", "export", dir / "f.json"});
-    EXPECT_TRUE(contains(exported.output, "inf and nan are null in the file, and import leaves them out: A, B\n"))
-        << exported.output;
+    EXPECT_TRUE(contains(exported.output, "inf and nan are stored as null, which import skips: A, B\n")) << exported.output;
     EXPECT_TRUE(json::parse(text_of(dir / "f.json")).at("parameters").at("A").is_null());
     const Ran diff = asked({"param", "diff", dir / "f.json"});
     EXPECT_EQ(diff.exit, 0) << diff.output;
-    EXPECT_TRUE(contains(diff.output, "without a value in the file: A, B\n")) << diff.output;
+    EXPECT_TRUE(contains(diff.output, "no value in the file: A, B\n")) << diff.output;
 }
 
 TEST_F(AnoctlOtherDevice, whose_names_control_a_terminal_has_a_backup_that_does_not_and_fits_it) {
@@ -362,8 +362,8 @@ TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
     EXPECT_EQ(cancel.exit, 0);
     EXPECT_TRUE(contains(cancel.output, "job " + number + " (param save/reset of " + who + "): cancelled\n")) << cancel.output;
     EXPECT_EQ(first.wait(), 1);
-    EXPECT_TRUE(contains(first.output(), "anoctl: somebody else cancelled it")) << first.output();
-    EXPECT_TRUE(contains(anoctl({"devices", "--cancel", number}).output, "it was over: cancelled"));
+    EXPECT_TRUE(contains(first.output(), "anoctl: cancelled by another client")) << first.output();
+    EXPECT_TRUE(contains(anoctl({"devices", "--cancel", number}).output, "already ended: cancelled"));
     EXPECT_EQ(anoctl({"devices", "--cancel", "999"}).exit, 1);
     EXPECT_EQ(anoctl({"devices", "--cancel", "x"}).exit, 2);
 }
@@ -416,9 +416,9 @@ TEST_F(AnoctlOtherDevice, an_import_that_is_interrupted_says_what_stays_and_what
             });
             said = import.output();
         }
-        const std::string end = rollback ? "anoctl: cancelled after 2 of 3: 3 parameters written and undone\n"
-                                         : "anoctl: cancelled after 2 of 3: 2 parameters written, which stays until the device "
-                                           "restarts, and no longer unless it is saved; PAR_2 may have been written\n";
+        const std::string end = rollback ? "anoctl: cancelled after 2 of 3: 3 parameters written and restored\n"
+                                         : "anoctl: cancelled after 2 of 3: 2 parameters written; unless saved, the changes are "
+                                           "lost when the device restarts; PAR_2 may have been written\n";
         EXPECT_TRUE(contains(said, end)) << said;
         EXPECT_EQ(fake.parameters[0].value == old[0].value, rollback);
     }
@@ -445,7 +445,8 @@ TEST_F(AnoctlOtherDevice, an_upgrade_is_cancelled_only_when_somebody_says_so) {
     number = lines_of(anoctl({"devices", "--jobs", "--json"}).output).back().at("id").dump();
     const Ran refused = cancel({});
     EXPECT_EQ(refused.exit, 2);
-    EXPECT_TRUE(contains(refused.output, "cancelling an upgrade asks first, and there is no terminal")) << refused.output;
+    EXPECT_TRUE(contains(refused.output, "cancelling a firmware update: confirmation required, but stdin is not a terminal"))
+        << refused.output;
     EXPECT_TRUE(flash.is_running()) << flash.output();
     const Ran cancelled = cancel({"--yes"});
     EXPECT_EQ(cancelled.exit, 0) << cancelled.output;
@@ -466,7 +467,7 @@ TEST_F(AnoctlOtherDevice, is_left_as_it_is_when_the_gateway_ends) {
                           }),
               1)
         << flash.output();
-    EXPECT_TRUE(contains(flash.output(), "anoctl: the gateway ended: ")) << flash.output();
+    EXPECT_TRUE(contains(flash.output(), "anoctl: the gateway stopped: ")) << flash.output();
     EXPECT_TRUE(contains(flash.output(), "the device is left in its loader: flash it again")) << flash.output();
 }
 
@@ -479,7 +480,7 @@ TEST_F(AnoctlAnswers, streams_end_with_the_gateway) {
     }));
     gateway.signal(SIGTERM);
     EXPECT_EQ(log.wait(), 1);
-    EXPECT_TRUE(contains(log.output(), "anoctl: the gateway ended")) << log.output();
+    EXPECT_TRUE(contains(log.output(), "anoctl: the gateway stopped")) << log.output();
     EXPECT_EQ(image.wait(), 1);
 }
 
@@ -506,7 +507,7 @@ TEST_F(AnoctlAnswers, questions_say_what_is_lost_and_lines_are_broken_between_wo
     tmux("send-keys -t t 'n' Enter");
     EXPECT_TRUE(shows("anoctl: nothing was changed")) << screen;
     tmux("send-keys -t t 'clear; sh a param export x.json' Enter");
-    EXPECT_TRUE(shows("x.json is there already. Replace it? [y/N]")) << screen;
+    EXPECT_TRUE(shows("x.json already exists. Replace it? [y/N]")) << screen;
     tmux("send-keys -t t 'n' Enter");
     EXPECT_TRUE(shows("anoctl: nothing was read")) << screen;
     EXPECT_EQ(text_of(dir / "x.json"), "{}");

@@ -55,7 +55,7 @@ TEST_F(AnoctlDevices, parameters_are_listed_read_and_written) {
     EXPECT_EQ(set.output, "SIM_TURN=-30\n");
     const Ran clamped = anoctl({"param", "set", "SIM_TURN=100", "SIM_NOTE=2nd floor"});
     EXPECT_EQ(clamped.exit, 0) << clamped.output;
-    EXPECT_TRUE(contains(clamped.output, "SIM_TURN=90 (the device clamps 100)\n")) << clamped.output;
+    EXPECT_TRUE(contains(clamped.output, "SIM_TURN=90 (device limited the requested 100)\n")) << clamped.output;
     const Ran get = anoctl({"param", "get", "SIM_TURN", "SIM_SERIAL"});
     EXPECT_EQ(get.output, "SIM_TURN=90\nSIM_SERIAL=687194767361\n") << get.output;
 }
@@ -63,7 +63,7 @@ TEST_F(AnoctlDevices, parameters_are_listed_read_and_written) {
 TEST_F(AnoctlDevices, what_is_wrong_is_said_with_its_exit_status) {
     const Ran unknown = anoctl({"param", "get", "SIM_TRN"});
     EXPECT_EQ(unknown.exit, 1);
-    EXPECT_TRUE(contains(unknown.output, "anoctl: no parameter is called 'SIM_TRN'")) << unknown.output;
+    EXPECT_TRUE(contains(unknown.output, "anoctl: no parameter is named 'SIM_TRN'")) << unknown.output;
     const Ran range = anoctl({"param", "set", "SIM_TURN", "300"});
     EXPECT_EQ(range.exit, 1) << range.output;
     EXPECT_EQ(anoctl({"param", "sett", "A", "1"}).output.find("anoctl: param 'sett' is nothing to do (did you mean 'set'?)"), 0u);
@@ -71,14 +71,14 @@ TEST_F(AnoctlDevices, what_is_wrong_is_said_with_its_exit_status) {
     EXPECT_EQ(anoctl({"param", "import", dir / "nowhere"}).exit, 2);
     const Ran nobody = anoctl({"param", "get", "SIM_TURN", "--device", "Nobody"});
     EXPECT_EQ(nobody.exit, 1);
-    EXPECT_TRUE(contains(nobody.output, "'Nobody' is no device that answers")) << nobody.output;
+    EXPECT_TRUE(contains(nobody.output, "no device 'Nobody' responded")) << nobody.output;
 }
 
 TEST_F(AnoctlDevices, of_several_one_has_to_be_chosen) {
     hear_of_another();
     const Ran several = anoctl({"param", "get", "SIM_TURN"});
     EXPECT_EQ(several.exit, 2);
-    EXPECT_TRUE(contains(several.output, "there are several devices, choose one by --device: 0xDC")) << several.output;
+    EXPECT_TRUE(contains(several.output, "several devices found; choose one with --device: 0xDC")) << several.output;
     EXPECT_TRUE(contains(several.output, "0xDD")) << several.output;
     EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "0xDC"}).exit, 0);
     EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "flight_controller"}).exit, 0);
@@ -91,7 +91,7 @@ TEST_F(AnoctlDevices, a_file_shows_what_it_would_change_and_is_written_when_some
     EXPECT_EQ(backup.at("device"), "0xDC");
     EXPECT_EQ(backup.at("name"), "SimFC");
     EXPECT_TRUE(backup.at("parameters").contains("CAL_AOFF_X"));
-    EXPECT_TRUE(contains(anoctl({"param", "diff", file}).output, "nothing differs\n21 calibration parameters left out"));
+    EXPECT_TRUE(contains(anoctl({"param", "diff", file}).output, "no differences\n21 calibration parameters omitted"));
 
     backup["parameters"]["SIM_HEIGHT"] = 333;
     backup["parameters"]["CAL_AOFF_X"] = 5;
@@ -228,7 +228,7 @@ TEST_F(AnoctlCommands, that_have_other_numbers_now_are_read_again_once_and_calle
     speak();
     const Ran land = asked({"command", "call", "LAND", "--yes"});
     EXPECT_EQ(land.exit, 0) << land.output;
-    EXPECT_TRUE(contains(land.output, "has other commands than before: they are read again\n")) << land.output;
+    EXPECT_TRUE(contains(land.output, "has different commands than before; reading them again\n")) << land.output;
     EXPECT_TRUE(contains(land.output, "LAND: acknowledged\n")) << land.output;
     std::vector<Bytes> calls;
     for (const Bytes& one : fake.heard)
@@ -310,7 +310,7 @@ TEST_F(AnoctlParameters, that_are_known_are_read_by_their_values_and_one_check) 
     EXPECT_EQ(different_frames(), 5u) << "device info, number, three values";
     const Ran unknown = asked({"param", "get", "PAR_20", "PAR_99"});
     EXPECT_EQ(unknown.exit, 1);
-    EXPECT_TRUE(contains(unknown.output, "no parameter is called 'PAR_99' (did you mean")) << unknown.output;
+    EXPECT_TRUE(contains(unknown.output, "no parameter is named 'PAR_99' (did you mean")) << unknown.output;
 }
 
 TEST_F(AnoctlParameters, that_are_known_are_written_behind_one_check) {
@@ -395,7 +395,7 @@ TEST_F(AnoctlFlash, firmware_is_written_and_checked) {
     EXPECT_EQ(anoctl({"flash", dir.write("no.bia", "hello"), "--device", "0xDD", "--yes"}).exit, 2) << "no header of a .bia";
     Process process{ANOCTL, flash(file)};
     EXPECT_EQ(until_ended(process), 0) << process.output();
-    EXPECT_TRUE(contains(process.output(), ": written and checked, 6 frames, ")) << process.output();
+    EXPECT_TRUE(contains(process.output(), ": written and verified, 6 frames, ")) << process.output();
     EXPECT_EQ(loader.flash, Bytes(image.begin(), image.end()));
     EXPECT_TRUE(contains(process.output(), "anoctl: ")) << "the steps: " << process.output();
 }
@@ -443,7 +443,8 @@ TEST_F(AnoctlDevices, nobody_is_asked_without_a_gateway) {
     Process none{ANOCTL, {"param", "list", "--control", dir / "nothing"}};
     EXPECT_EQ(none.wait(), 1);
     EXPECT_TRUE(contains(none.output(), dir / "nothing")) << none.output();
-    EXPECT_TRUE(contains(none.output(), "; anogated LINK... starts one, and --link LINK does without\n")) << none.output();
+    EXPECT_TRUE(contains(none.output(), "; to start one: anogated LINK...; to work without a gateway, add --link LINK\n"))
+        << none.output();
 }
 
 TEST(AnoctlDevicesOfALink, are_asked_by_the_same_engine_without_a_gateway) {
@@ -489,7 +490,7 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
         });
     };
     type(ANOCTL " param import " + file + " --control " + socket + "; echo ended as $?");
-    EXPECT_TRUE(shows("the file is of Other, device type 1, this is SimFC"));
+    EXPECT_TRUE(shows("the file is for Other, device type 1, but the device is SimFC"));
     EXPECT_TRUE(shows("Go on all the same? [y/N]"));
     type("y");
     EXPECT_TRUE(shows("Write 1 parameter into SimFC (0xDC)? [y/N]"));
@@ -499,10 +500,10 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
     type("clear; " ANOCTL " calibrate accelerometer --control " + socket + "; echo ended as $?");
     EXPECT_TRUE(shows("on each of its six faces. [y/N]"));
     type("y");
-    EXPECT_TRUE(shows("(Enter goes on, Ctrl-C cancels)"));
+    EXPECT_TRUE(shows("(Enter continues, Ctrl-C cancels)"));
     type("");
     EXPECT_TRUE(shows("[ ] -x"));
-    EXPECT_FALSE(contains(screen, "Enter goes on")) << "a line is left over: " << screen;
+    EXPECT_FALSE(contains(screen, "Enter continues")) << "a line is left over: " << screen;
     tmux("send-keys -t t C-c");
     EXPECT_TRUE(shows("ended as 130"));
     type("clear");

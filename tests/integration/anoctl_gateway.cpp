@@ -119,7 +119,7 @@ TEST_F(AnoctlGateway, shows_its_links_and_all_that_they_count) {
     EXPECT_EQ(one[0].at("name"), "ground");
     const Result unknown = ask({"links", "gruond"});
     EXPECT_EQ(unknown.exit, 1);
-    EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?); give one of fc, ground, absent\n");
+    EXPECT_EQ(unknown.said, "anoctl: unknown link 'gruond' (did you mean 'ground'?); links: fc, ground, absent\n");
 }
 
 TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_says_one_hint_once) {
@@ -213,7 +213,7 @@ TEST_F(AnoctlGateway, shows_where_addresses_lead_and_forgets_one) {
     EXPECT_EQ(lines_of(ask({"routes", "--json"}).said).size(), 3u);
     const Result forgotten = ask({"routes", "--forget", "host"});
     EXPECT_EQ(forgotten.exit, 0);
-    EXPECT_EQ(forgotten.said, "0xFE is forgotten\n");
+    EXPECT_EQ(forgotten.said, "0xFE: route removed\n");
     const Result again = ask({"routes", "--forget", "0xFE"});
     EXPECT_EQ(again.exit, 1);
     EXPECT_EQ(again.said, "anoctl: 0xFE was not heard: there is nothing to forget\n");
@@ -276,7 +276,7 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     const Result none = anoctl({"status", "--control", dir / "none.sock"});
     EXPECT_EQ(none.exit, 1);
     EXPECT_EQ(none.said, "anoctl: no gateway is running at " + dir / "none.sock" +
-                             ": there is no such socket (another one: --control PATH); anogated LINK... starts one\n");
+                             ": there is no such socket (another one: --control PATH); to start one: anogated LINK...\n");
     if (no_namespaces().empty()) {
         const Result nowhere = anoctl({"status"}, {"XDG_RUNTIME_DIR="}, become_nobody_where_none_runs);
         EXPECT_NE(nowhere.said.find("there is no such socket; where a gateway of this user is would be said by XDG_RUNTIME_DIR, "
@@ -292,8 +292,8 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     daemon.wait();
     const Result dead = ask({"links"});
     EXPECT_EQ(dead.exit, 1);
-    EXPECT_EQ(dead.said,
-              "anoctl: no gateway is running at " + socket + ": one that ended left its socket; anogated LINK... starts one\n");
+    EXPECT_EQ(dead.said, "anoctl: no gateway is running at " + socket +
+                             ": one that ended left its socket; to start one: anogated LINK...\n");
 }
 
 TEST_F(AnoctlGateway, tells_shells_which_devices_and_links_there_are) {
@@ -378,8 +378,8 @@ TEST_F(AnoctlReload, shows_what_changes) {
               "gps: added\n"
               "gateway: changed\n"
               "    forget_after: 30s -> 10s\n"
-              "1 link stays as it is\n"
-              "the old configuration comes back in 30 s, unless you say: anoctl reload --confirm\n");
+              "1 link unchanged\n"
+              "the previous configuration is restored in 30 s unless you confirm: anoctl reload --confirm\n");
     EXPECT_EQ(lines_of(reload({"--json"}).said).at(0).at("links").size(), 3u);
     EXPECT_EQ(asked, "/reload");
 }
@@ -387,9 +387,9 @@ TEST_F(AnoctlReload, shows_what_changes) {
 TEST_F(AnoctlReload, changes_nothing_in_a_dry_run) {
     const Result would = reload({"--dry-run"});
     EXPECT_EQ(asked, "/reload?dry_run");
-    EXPECT_TRUE(would.said.ends_with("nothing was changed: --dry-run\n")) << would.said;
+    EXPECT_TRUE(would.said.ends_with("nothing was changed (--dry-run)\n")) << would.said;
     body = R"({"dry_run": true, "changed": false, "links": [], "gateway": []})";
-    EXPECT_EQ(reload({"--dry-run"}).said, "nothing changes\n");
+    EXPECT_EQ(reload({"--dry-run"}).said, "no changes\n");
 }
 
 TEST_F(AnoctlReload, says_what_needs_a_restart) {
@@ -418,7 +418,7 @@ TEST_F(AnoctlReload, names_the_option_whose_value_is_refused) {
 }
 
 TEST_F(AnoctlReload, confirms) {
-    EXPECT_EQ(reload({"--confirm"}).said, "the new configuration stays\n");
+    EXPECT_EQ(reload({"--confirm"}).said, "the new configuration is confirmed\n");
     EXPECT_EQ(asked, "/reload/confirm");
     status = 409;
     body = R"({"error": "nothing waits to be confirmed", "what": "busy"})";

@@ -173,7 +173,7 @@ TEST_F(AnoctlListening, image_of_an_interrupted_run_says_what_came) {
     std::uint8_t flag = 0;
     EXPECT_TRUE(wait_until([&] {
         a.send(gateway.port("a"), rows(++flag, {1, 2}));
-        return image.output().find("0xDF-0001-part.png: 0xDF 2x2 grey, 1 of 2 rows came\n") != std::string::npos;
+        return image.output().find("0xDF-0001-part.png: 0xDF 2x2 grey, 1 of 2 rows received\n") != std::string::npos;
     })) << image.output();
     image.signal(SIGINT);
     EXPECT_EQ(image.wait(), 0);
@@ -183,7 +183,7 @@ TEST_F(AnoctlListening, image_of_an_interrupted_run_says_what_came) {
 TEST_F(AnoctlListening, image_says_why_nothing_can_be_written) {
     Process image = anoctl({"image", dir.write("file", "") + "/pictures"});
     EXPECT_EQ(image.wait(), 1);
-    EXPECT_NE(image.output().find("it can't be made"), std::string::npos) << image.output();
+    EXPECT_NE(image.output().find("cannot create"), std::string::npos) << image.output();
     Process missing = anoctl({"image"});
     EXPECT_EQ(missing.wait(), 2);
 }
@@ -219,9 +219,9 @@ TEST(AnoctlOwnLink, image_does_not_count_the_picture_that_it_joins_in_the_middle
     device.write(rows(1, {3, 4}) + rows(2, {1, 2}) + rows(2, {3, 4}));
     EXPECT_EQ(image.wait(), 0);
     const auto says = [&](const std::string& words) { return image.output().find(words) != std::string::npos; };
-    EXPECT_TRUE(says(dir / "pictures/0xDF-0002-part.png: 0xDF 2x2 grey, 1 of 2 rows came\n")) << image.output();
+    EXPECT_TRUE(says(dir / "pictures/0xDF-0002-part.png: 0xDF 2x2 grey, 1 of 2 rows received\n")) << image.output();
     EXPECT_TRUE(says(dir / "pictures/0xDF-0004.png: 0xDF 2x2 grey\n")) << image.output();
-    EXPECT_TRUE(says("anoctl: 1 picture; and the rest of 1 picture that probably began before\n")) << image.output();
+    EXPECT_TRUE(says("anoctl: 1 picture; and the end of 1 picture that probably started earlier\n")) << image.output();
 }
 
 }    // namespace

@@ -86,7 +86,7 @@ TEST(AnoctlPipes, it_ends_when_its_output_cannot_be_written) {
         Piped piped{std::string{command} + " > /dev/full"};
         ASSERT_TRUE(piped.write(input));
         EXPECT_EQ(piped.anoctl().wait(), 1) << command;
-        EXPECT_EQ(piped.anoctl().output(), "anoctl: the output can't be written\n");
+        EXPECT_EQ(piped.anoctl().output(), "anoctl: cannot write the output\n");
     }
 }
 

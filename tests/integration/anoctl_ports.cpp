@@ -18,7 +18,7 @@ TEST(AnoctlPorts, names_the_gateway_that_has_a_port_and_what_to_do) {
     support::Process detection{ANOCTL, {"ports", "--detect", device.path()}};
     EXPECT_EQ(detection.wait(), 1);
     EXPECT_NE(detection.output().find(" is in use by anogated (pid " + std::to_string(gateway.pid()) +
-                                      "), whose status says whether frames come: stop it first"),
+                                      "); its status shows whether it receives frames. To detect the rate, stop it first"),
               std::string::npos)
         << detection.output();
 }
@@ -30,7 +30,7 @@ TEST(AnoctlPorts, detection_ends_at_once_by_interruption) {
     ASSERT_TRUE(support::wait_until([&] { return (device.settings().c_lflag & ICANON) == 0; })) << "it has not begun";
     detection.signal(SIGINT);
     EXPECT_EQ(detection.wait(), 1);
-    EXPECT_NE(detection.output().find("interrupted: nothing found until 500000 baud"), std::string::npos) << detection.output();
+    EXPECT_NE(detection.output().find("interrupted: no frames found up to 500000 baud"), std::string::npos) << detection.output();
 }
 
 TEST(AnoctlPorts, are_listed_on_this_machine) {

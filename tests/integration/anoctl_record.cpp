@@ -100,7 +100,7 @@ TEST_F(AnoctlRecord, a_file_that_is_there_stays_as_it_is) {
     dir.write("flight.pcapng", "mine");
     Process recorder = record({});
     EXPECT_EQ(recorder.wait(), 2);
-    EXPECT_NE(recorder.output().find("is there already: --force writes over it"), std::string::npos) << recorder.output();
+    EXPECT_NE(recorder.output().find("already exists; use --force to overwrite it"), std::string::npos) << recorder.output();
     EXPECT_EQ(text_of(file), "mine");
     Process refused = record({"--force", "--id", "nonsense"});
     EXPECT_EQ(refused.wait(), 2) << refused.output();
@@ -120,7 +120,7 @@ TEST_F(AnoctlRecord, a_full_disk_ends_it_in_words_and_what_is_in_the_file_is_who
         return !recorder.is_running();
     }));
     EXPECT_EQ(recorder.wait(), 1);
-    EXPECT_NE(recorder.output().find("it can't be written any more: File too large; what is in it until then is whole"),
+    EXPECT_NE(recorder.output().find("cannot continue writing: File too large; the frames written so far are intact"),
               std::string::npos)
         << recorder.output();
     const auto read = read_pcapng(text_of(file));
@@ -319,10 +319,11 @@ TEST_F(AnoctlReplay, keeps_back_what_commands_a_vehicle_unless_it_is_asked_for) 
 TEST_F(AnoctlReplay, says_why_nothing_is_replayed) {
     Process nothing = replay({});
     EXPECT_EQ(nothing.wait(), 0);
-    EXPECT_NE(nothing.output().find("0 frames replayed: there is none in it\n"), std::string::npos) << nothing.output();
+    EXPECT_NE(nothing.output().find("0 frames replayed: the recording has no frames\n"), std::string::npos) << nothing.output();
     Process sent = replay({said(euler, 0, anogate::Direction::out)});
     EXPECT_EQ(sent.wait(), 0);
-    EXPECT_NE(sent.output().find("0 frames replayed: none of those in it came in\n"), std::string::npos) << sent.output();
+    EXPECT_NE(sent.output().find("0 frames replayed: the recording has no received frames\n"), std::string::npos)
+        << sent.output();
 }
 
 TEST_F(AnoctlReplay, says_once_that_nobody_listens) {

@@ -36,9 +36,9 @@ protected:
 
 TEST_F(AnoctlRecordings, say_of_several_files_what_is_in_which) {
     start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
-    expect(anoctl({"recordings", "start", "one"}), 0, "one.pcapng is being recorded");
+    expect(anoctl({"recordings", "start", "one"}), 0, "one.pcapng started");
     send_numbered(10);
-    expect(anoctl({"recordings", "end", "one"}), 0, "one.pcapng is ended, 10 frames");
+    expect(anoctl({"recordings", "end", "one"}), 0, "one.pcapng stopped, 10 frames");
 
     begin({{"name", "flight"}});
     const auto files = [&] { return get().at("running").at(0).at("files").get<int>(); };
@@ -53,8 +53,8 @@ TEST_F(AnoctlRecordings, say_of_several_files_what_is_in_which) {
     const Told list = anoctl({"recordings"});
     expect(list, 0, "flight: " + sum);
     expect(list, 0, file);
-    EXPECT_EQ(list.text.find("troubled"), std::string::npos) << list.text;
-    expect(anoctl({"recordings", "end", "flight"}), 0, "flight is ended, " + sum);
+    EXPECT_EQ(list.text.find("failing"), std::string::npos) << list.text;
+    expect(anoctl({"recordings", "end", "flight"}), 0, "flight stopped, " + sum);
 }
 
 TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_their_name_without_its_ending_where_that_says_which) {
@@ -70,13 +70,13 @@ TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_their_name_without_its_endin
     expect(anoctl({"recordings", "get", "one.mcap", dir.path().string()}), 0, dir / "one.mcap: ");
     EXPECT_EQ(text_of(dir / "one.mcap"), content("one.mcap"));
     for (const char* other : {"x.pcapng", "x.csv"}) {
-        expect(anoctl({"recordings", "get", "one", dir / other}), 2, "get copies one.mcap as it is; anoctl convert makes ");
+        expect(anoctl({"recordings", "get", "one", dir / other}), 2, "get copies one.mcap unchanged; to get ");
         EXPECT_FALSE(std::filesystem::exists(dir / other));
     }
-    expect(anoctl({"recordings", "delete", "flight"}), 2, " files: say which: flight-");
+    expect(anoctl({"recordings", "delete", "flight"}), 2, " files; give one of: flight-");
     EXPECT_NE(file_called("flight.pcapng"), json());
-    expect(anoctl({"recordings", "delete", "flight-2"}), 0, "flight-2.pcapng is deleted");
-    expect(anoctl({"recordings", "delete", "one"}), 0, "one.mcap is deleted");
+    expect(anoctl({"recordings", "delete", "flight-2"}), 0, "flight-2.pcapng deleted");
+    expect(anoctl({"recordings", "delete", "one"}), 0, "one.mcap deleted");
     expect(anoctl({"recordings", "delete", "flihgt.pcapng"}), 1, "did you mean 'flight.pcapng'?");
 }
 
@@ -85,7 +85,7 @@ TEST_F(AnoctlRecordings, have_no_name_that_ends_as_another_format) {
     for (const char* action : {"start", "save"})
         expect(anoctl({"recordings", action, "flight.csv"}), 2, "flight.csv: what is recorded is pcapng");
     EXPECT_TRUE(get().at("running").empty());
-    expect(anoctl({"recordings", "start", "2026.11", "--format", "mcap"}), 0, "2026.11.mcap is being recorded");
+    expect(anoctl({"recordings", "start", "2026.11", "--format", "mcap"}), 0, "2026.11.mcap started");
 }
 
 }    // namespace

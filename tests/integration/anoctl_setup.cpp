@@ -100,7 +100,7 @@ TEST_F(AnoctlSetup, says_what_is_wrong_with_a_service_that_does_not_start) {
     dir.write("systemctl", "#!/bin/sh\nexit 1\n");
     const Result failed = setup({device.path(), "--baud", "115200", "--yes"});
     EXPECT_EQ(failed.exit, 1);
-    EXPECT_NE(failed.said.find("systemctl enable failed; journalctl -u anogated has the reason"), std::string::npos)
+    EXPECT_NE(failed.said.find("systemctl enable failed; for the reason: journalctl -u anogated"), std::string::npos)
         << failed.said;
 }
 

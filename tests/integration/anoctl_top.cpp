@@ -81,7 +81,7 @@ TEST_F(TopInTmux, an_interrupt_gives_the_terminal_back) {
 TEST(AnoctlTop, needs_a_terminal) {
     Process top{ANOCTL, {"top"}};
     EXPECT_EQ(top.wait(), 1);
-    EXPECT_EQ(top.output(), "anoctl: top needs a terminal: anoctl status shows the same once\n");
+    EXPECT_EQ(top.output(), "anoctl: top requires a terminal; for a single snapshot: anoctl status\n");
 }
 
 }    // namespace

@@ -103,10 +103,10 @@ TEST_F(AnoctlWeb, says_how_http_is_switched_on) {
     start("{}");
     const Result off = web({});
     EXPECT_EQ(off.exit, 1);
-    EXPECT_EQ(off.said, "anoctl: the gateway serves no HTTP: put \"control\": {\"http\": \"0.0.0.0:8088\"} into " +
-                            (dir / "anogate.json") +
-                            ", or give anogated --http 0.0.0.0:8088, and restart it; with 127.0.0.1:8088 it is for this computer "
-                            "alone\n");
+    EXPECT_EQ(
+        off.said,
+        "anoctl: the HTTP interface is off; add \"control\": {\"http\": \"0.0.0.0:8088\"} to " + (dir / "anogate.json") +
+            ", or start anogated with --http 0.0.0.0:8088, and restart it; 127.0.0.1:8088 limits access to this computer\n");
     const Result as_json = web({"--json"});
     EXPECT_EQ(as_json.exit, 1);
     EXPECT_EQ(as_json.said.find("{\"urls\":[],\"state\":\"off\"}\n"), 0u) << as_json.said;
@@ -198,7 +198,7 @@ TEST_F(AnoctlWeb, of_a_loopback_address_shows_no_qr_code) {
     start(R"({"http": "127.0.0.1:0"})");
     const Result refused = web({"--qr"});
     EXPECT_EQ(refused.exit, 1);
-    EXPECT_NE(refused.said.find("a phone can't reach the page: control.http listens on 127.0.0.1 alone"), std::string::npos)
+    EXPECT_NE(refused.said.find("a phone cannot reach the page: control.http listens only on 127.0.0.1 alone"), std::string::npos)
         << refused.said;
     EXPECT_EQ(web({"--view"}).exit, 2);
     EXPECT_EQ(web({"--qr", "--pair"}).exit, 2);
@@ -247,12 +247,12 @@ TEST_F(AnoctlWeb, never_writes_over_a_certificate_and_says_where_it_may_not_writ
     const Result there = web({"--make-certificate", "--into", dir.path().string()});
     EXPECT_EQ(there.exit, 1);
     EXPECT_EQ(there.said, "anoctl: " + (dir / "key.pem") +
-                              " is there already and is not written over: move it away, or give another folder by --into\n");
+                              " already exists and is not overwritten; move it away, or choose another folder with --into\n");
     EXPECT_FALSE(std::filesystem::exists(dir / "certificate.pem"));
     EXPECT_EQ(web({"--make-certificate", "--into", dir / "none"}).said,
-              "anoctl: there is no folder " + (dir / "none") + "; give another folder by --into\n");
+              "anoctl: folder not found: " + (dir / "none") + "; choose another folder with --into\n");
     if (::geteuid() != 0) {
-        EXPECT_NE(web({"--make-certificate", "--into", "/usr"}).said.find("this user may not write into /usr"),
+        EXPECT_NE(web({"--make-certificate", "--into", "/usr"}).said.find("permission denied: cannot write to /usr"),
                   std::string::npos);
     }
     EXPECT_EQ(web({"--into", dir / ""}).exit, 2);

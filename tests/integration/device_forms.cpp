@@ -81,7 +81,8 @@ TEST_P(DeviceForms, are_listed_read_written_and_commanded) {
     const Ran finer = run({"param", "set", names.gain, "4.125"});
     EXPECT_EQ(finer.exit, has_fractions ? 0 : 1) << finer.output;
     EXPECT_EQ(row(names.gain).at("value"), has_fractions ? 4.125 : 3);
-    EXPECT_EQ(run({"param", "set", "--force", names.turn + "=100"}).output, names.turn + "=90 (the device clamps 100)\n");
+    EXPECT_EQ(run({"param", "set", "--force", names.turn + "=100"}).output,
+              names.turn + "=90 (device limited the requested 100)\n");
     if (is_scaled) {
         const Ran between = run({"param", "set", names.gain, "4.1255"});
         EXPECT_EQ(between.exit, 1);
@@ -107,7 +108,7 @@ TEST_P(DeviceForms, a_fresh_export_is_imported_without_a_difference) {
     EXPECT_TRUE(backup.at("parameters").contains(names.gain));
     const Ran same = run({"param", "import", file, "--with-calibration"});
     EXPECT_EQ(same.exit, 0) << same.output;
-    EXPECT_EQ(same.output, "nothing differs\n");
+    EXPECT_EQ(same.output, "no differences\n");
     ASSERT_EQ(run({"param", "set", names.gain + "=5", names.turn + "=7"}).exit, 0);
     const Ran back = run({"param", "import", file, "--with-calibration", "--yes"});
     EXPECT_EQ(back.exit, 0) << back.output;
@@ -129,7 +130,7 @@ TEST(DeviceFormsByLink, are_read_without_a_gateway) {
         ASSERT_EQ(exported.exit, 0) << exported.output;
         EXPECT_TRUE(contains(exported.output, chinese.device)) << exported.output;
         EXPECT_TRUE(contains(text_of(file), "\"横滚P\": 7")) << form;
-        EXPECT_EQ(anoctl({"param", "diff", file, "--with-calibration"}, place).output, "nothing differs\n") << form;
+        EXPECT_EQ(anoctl({"param", "diff", file, "--with-calibration"}, place).output, "no differences\n") << form;
         EXPECT_EQ(anoctl({"param", "set", "横滚P", "3"}, place).output, "横滚P=3\n") << form;
         EXPECT_EQ(anoctl({"command", "call", "起飞", "150", "--yes"}, place).exit, 0) << form;
     }

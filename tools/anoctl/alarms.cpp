@@ -159,7 +159,7 @@ private:
         if (!outcome) return fine;
         if (outcome->answer.status / 100 != 2)
             throw Failure{outcome->answer.status == 0 ? outcome->fault : words_of(outcome->answer)};
-        throw Failure{outcome->fault.empty() ? "the gateway ended" : outcome->fault};
+        throw Failure{outcome->fault.empty() ? "the gateway stopped" : outcome->fault};
     }
 };
 
@@ -167,11 +167,12 @@ private:
 
 Run add_alarms(Options& options) {
     const auto self = std::make_shared<Alarms>();
-    options.push_back({"--follow", &self->follow, "", "Goes on, with a line for each that begins, changes its level or ends"});
-    options.push_back({"--device", &self->devices, "DEVICE...", "Only of these devices, by address or name"});
-    GatewayOptions::add(options, self->gateway);
     options.push_back(
-        {"--json", &self->json, "", "One JSON object an alarm, one a line; with --follow, all of them in one at each change"});
+        {"--follow", &self->follow, "", "Keep running; print a line when an alarm starts, changes its level or ends"});
+    options.push_back({"--device", &self->devices, "DEVICE...", "Show only these devices, by address or name"});
+    GatewayOptions::add(options, self->gateway);
+    options.push_back({"--json", &self->json, "",
+                       "Print one JSON object per alarm and line; with --follow, one object with all alarms at each change"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

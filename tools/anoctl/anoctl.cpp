@@ -26,55 +26,54 @@ namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
     static constexpr std::array<Subcommand, 32> all{{
-        {"decode", "Shows the frames in bytes", add_decode, "Frames",
+        {"decode", "Decode the frames in bytes", add_decode, "Frames",
          "  anoctl decode AB DC FE 03 07 00 7B 00 00 00 00 00 01 09 E4\n  anoctl decode --json < bytes.txt\n"},
-        {"encode", "Makes a frame", add_encode, "Frames", "  anoctl encode euler rol=1.5 pit=0\n"},
-        {"messages", "Shows the messages of the protocol", add_messages, "Frames", ""},
-        {"monitor", "Shows the frames of the gateway that runs, or those that come in by a link", add_monitor, "Watching",
-         "  anoctl monitor --id euler inertial\n  anoctl monitor --direction dropped          what is dropped, and why\n  anoctl "
+        {"encode", "Encode a frame", add_encode, "Frames", "  anoctl encode euler rol=1.5 pit=0\n"},
+        {"messages", "Show the messages of the protocol", add_messages, "Frames", ""},
+        {"monitor", "Show the frames of the running gateway, or of a link", add_monitor, "Watching",
+         "  anoctl monitor --id euler inertial\n  anoctl monitor --direction dropped          dropped frames, and why\n  anoctl "
          "monitor serial:/dev/ttyUSB0,baud=500000     without a gateway\n"},
-        {"ports", "Shows serial ports and CAN interfaces, and who has them; finds the rate of a device", add_ports, "Gateway",
-         "  anoctl ports\n"},
-        {"setup", "Sets up the service: port, rate, configuration, start, page; asks before each step", add_setup, "Gateway",
+        {"ports", "Show serial ports and CAN interfaces, and the programs that use them; detect the baud rate of a device",
+         add_ports, "Gateway", "  anoctl ports\n"},
+        {"setup", "Set up the service: port, baud rate, configuration, start, page; ask before each step", add_setup, "Gateway",
          "  sudo anoctl setup\n  sudo anoctl setup /dev/ttyUSB0 --yes\n"},
-        {"status", "Shows how a running gateway is", add_status, "Gateway",
-         "  anoctl status\n  anoctl status --exit-code > /dev/null || echo \"not all is well\"\n"},
-        {"links", "Shows its links and what they count", add_links, "Gateway", ""},
-        {"routes", "Shows where each address leads", add_routes, "Gateway", ""},
-        {"metrics", "Shows its counters as Prometheus reads them", add_metrics, "Gateway", ""},
-        {"reload", "Has it read its configuration again", add_reload, "Gateway", ""},
-        {"flexible", "Shows and sets its layouts of flexible messages", add_flexible, "Gateway", ""},
-        {"send", "Sends a frame by the gateway that runs", add_send, "Frames", "  anoctl send euler rol=1 --to 0xDC\n"},
-        {"devices", "Shows which devices are there", add_devices, "Devices", "  anoctl devices --scan\n"},
-        {"param", "Reads and writes the parameters of a device, and keeps them in files", add_param, "Devices",
+        {"status", "Show the status of a running gateway", add_status, "Gateway",
+         "  anoctl status\n  anoctl status --exit-code > /dev/null || echo \"degraded\"\n"},
+        {"links", "Show the links of the gateway and their counters", add_links, "Gateway", ""},
+        {"routes", "Show the route of each address", add_routes, "Gateway", ""},
+        {"metrics", "Show the counters of the gateway in the Prometheus text format", add_metrics, "Gateway", ""},
+        {"reload", "Reload the configuration of the gateway", add_reload, "Gateway", ""},
+        {"flexible", "Show or set the layouts of flexible messages", add_flexible, "Gateway", ""},
+        {"send", "Send a frame through the running gateway", add_send, "Frames", "  anoctl send euler rol=1 --to 0xDC\n"},
+        {"devices", "List devices", add_devices, "Devices", "  anoctl devices --scan\n"},
+        {"param", "Read and write the parameters of a device; export, import and compare parameter files", add_param, "Devices",
          "  anoctl param list --device 0xDC\n  anoctl param set PID_P 4.5 && anoctl param save\n  anoctl param export "
          "backup.json\n  anoctl param diff backup.json\n"},
-        {"command", "Shows what a device can be told to do, and tells it", add_command, "Devices",
+        {"command", "List and call the commands of a device", add_command, "Devices",
          "  anoctl command list\n  anoctl command call TAKE_OFF 150\n"},
-        {"waypoint", "Reads the waypoints of a device into a file, and writes them back", add_waypoint, "Devices", ""},
-        {"flash", "Gives a device new firmware", add_flash, "Devices", "  anoctl flash firmware.bin --device 0xDC\n"},
-        {"calibrate", "Calibrates the accelerometer or the compass of a device", add_calibrate, "Devices",
+        {"waypoint", "Read the waypoints of a device into a file, or write them back", add_waypoint, "Devices", ""},
+        {"flash", "Update the firmware of a device", add_flash, "Devices", "  anoctl flash firmware.bin --device 0xDC\n"},
+        {"calibrate", "Calibrate the accelerometer or the compass of a device", add_calibrate, "Devices",
          "  anoctl calibrate accelerometer --device 0xDC\n"},
-        {"log", "Shows what devices write, in their colours", add_log, "Watching", ""},
-        {"alarms", "Shows which values of devices are beyond their limits", add_alarms, "Watching",
+        {"log", "Show the log messages of devices, in color", add_log, "Watching", ""},
+        {"alarms", "Show which values of devices exceed their limits", add_alarms, "Watching",
          "  anoctl alarms\n  anoctl alarms --follow --device 0xDC\n"},
-        {"image", "Writes the pictures that devices send as PNG files", add_image, "Watching", ""},
-        {"terminal", "Shows the raw bytes of a link of the gateway that runs, and sends lines to it", add_terminal, "Watching",
+        {"image", "Save the images that devices send as PNG files", add_image, "Watching", ""},
+        {"terminal", "Show the raw bytes of a link of the running gateway, and send lines to it", add_terminal, "Watching",
          "  anoctl terminal fc --end lf\n"},
-        {"top", "Shows the channels and addresses of the gateway that runs, live", add_top, "Watching", ""},
-        {"record", "Records the frames of the gateway that runs into a file that Wireshark opens", add_record, "Recordings",
+        {"top", "Show the channels and addresses of the running gateway, live", add_top, "Watching", ""},
+        {"record", "Record the frames of the running gateway to a file for Wireshark", add_record, "Recordings",
          "  anoctl record flight.mcap\n  anoctl record errors.pcapng --direction dropped --seconds 60\n"},
-        {"recordings", "Shows what the gateway records itself; starts, ends, fetches and deletes that", add_recordings,
-         "Recordings", "  anoctl recordings start test\n  anoctl recordings end test\n  anoctl recordings get test.pcapng\n"},
-        {"info", "Shows what a recording holds", add_info, "Recordings", ""},
-        {"convert", "Makes tables or lines of JSON of a recording", add_convert, "Recordings",
+        {"recordings", "List, start, end, download and delete recordings made by the gateway", add_recordings, "Recordings",
+         "  anoctl recordings start test\n  anoctl recordings end test\n  anoctl recordings get test.pcapng\n"},
+        {"info", "Show the contents of a recording", add_info, "Recordings", ""},
+        {"convert", "Convert a recording to CSV tables or JSON lines", add_convert, "Recordings",
          "  anoctl convert flight.mcap flight.csv --id euler\n"},
-        {"replay", "Says again by a link what devices said in a recording", add_replay, "Recordings",
-         "  anoctl replay flight.mcap pty:/tmp/fc\n"},
-        {"plot-udp", "Sends what frames say to the plotter PlotJuggler", add_plot_udp, "Frames", ""},
-        {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web,
+        {"replay", "Replay a recording on a link", add_replay, "Recordings", "  anoctl replay flight.mcap pty:/tmp/fc\n"},
+        {"plot-udp", "Send the decoded frames to PlotJuggler", add_plot_udp, "Frames", ""},
+        {"web", "Show how to reach the gateway from a browser or another program; create a certificate for it", add_web,
          "Gateway", ""},
-        {"certificate", "Makes certificates for tls links: an authority, and one for each computer", add_certificate, "Gateway",
+        {"certificate", "Create certificates for tls links: an authority, and one for each computer", add_certificate, "Gateway",
          "  sudo anoctl certificate                  this computer\n  sudo anoctl certificate vehicle2        another one\n"},
     }};
     return all;
@@ -82,10 +81,10 @@ std::span<const Subcommand> subcommands() noexcept {
 
 namespace {
 
-/// "; the commands are decode, …"
+/// "; commands: decode, …"
 std::string commands() {
     std::string all;
-    for (const Subcommand& s : subcommands()) all += (all.empty() ? "; the commands are " : ", ") + std::string{s.name};
+    for (const Subcommand& s : subcommands()) all += (all.empty() ? "; commands: " : ", ") + std::string{s.name};
     return all;
 }
 
@@ -95,20 +94,20 @@ std::string choices(std::string value) {
     if (last == value.npos) return {};
     value.replace(last, 1, " or ");
     for (std::size_t at = 0; (at = value.find('|', at)) != value.npos;) value.replace(at, 1, ", ");
-    return "; it is " + value;
+    return "; choices: " + value;
 }
 
 /// `options`: of the command that was chosen.
 std::string what_is_missing(const CLI::RequiredError& e, const Options& options) {
     std::string name = e.what();    // "file is required"
     const auto end = name.find(" is required");
-    if (end == name.npos || name.find(' ') < end) return "a command is missing" + commands();
+    if (end == name.npos || name.find(' ') < end) return "missing command" + commands();
     name.resize(end);
     const auto option = std::find_if(options.begin(), options.end(), [&](const Option& one) { return one.name == name; });
     for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     if (option != options.end() && option->value.find_first_of("|[") == std::string::npos)
         name = option->value;    // as in --help
-    return name + " is missing" + (option != options.end() ? choices(option->value) : std::string{});
+    return "missing " + name + (option != options.end() ? choices(option->value) : std::string{});
 }
 
 /// "; 'e1.mcap' was taken for a value of --id: …": when the last value of an option that takes all words after it looks like a file.
@@ -117,24 +116,24 @@ std::string taken_for_a_value(const CLI::App& command, const Options& options) {
         if (!std::holds_alternative<std::vector<std::string>*>(option.into)) continue;
         const std::vector<std::string> words = command.get_option(option.name)->results();
         if (words.empty() || words.back().find_first_of("./") == std::string::npos) continue;
-        return "; " + ano::in_quotes(words.back()) + " was taken for a value of " + option.name + ": write it in front of " +
+        return "; " + ano::in_quotes(words.back()) + " was read as a value of " + option.name + "; place it before " +
                option.name;
     }
     return {};
 }
 
 void reject_unknown_command(int argc, const char* const* argv) {
-    if (argc < 2) throw UsageError{"no command" + commands() + ", and anoctl COMMAND --help says more"};
+    if (argc < 2) throw UsageError{"missing command" + commands() + "; for help: anoctl COMMAND --help"};
     for (const std::string_view shared : {"--json", "--control"})
         if (std::string_view{argv[1]}.starts_with(shared))
-            throw UsageError{std::string{shared} + " is for a command" + commands()};
+            throw UsageError{std::string{shared} + " requires a command" + commands()};
     if (argv[1][0] == '-') return;
     std::vector<std::string_view> names;
     for (const Subcommand& s : subcommands()) {
         if (s.name == std::string_view{argv[1]}) return;
         names.emplace_back(s.name);
     }
-    throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
+    throw UsageError{"unknown command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
 }
 
 // Put before negative numbers, since CLI11 would take -1.5 for options.
@@ -217,12 +216,12 @@ std::string beginning_alike(const std::string& given, const std::vector<std::str
 std::string told(const CLI::ParseError& error, const CLI::App& command) {
     std::string what = error.what();
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.ends_with(" missing"))
-        return what.substr(0, what.find(':')) + ": its value is missing";
+        return what.substr(0, what.find(':')) + ": missing value";
     if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return what;
     std::vector<std::string> extras = command.remaining(true);
     std::transform(extras.begin(), extras.end(), extras.begin(), unmarked);
     const auto option = std::find_if(extras.begin(), extras.end(), [](const std::string& word) { return word.starts_with('-'); });
-    if (option == extras.end()) return extras.empty() ? what : ano::in_quotes(extras.front()) + " is a word too many";
+    if (option == extras.end()) return extras.empty() ? what : "unexpected argument " + ano::in_quotes(extras.front());
     std::vector<std::string> names;
     for (const CLI::Option* known : command.get_options())
         for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
@@ -230,15 +229,16 @@ std::string told(const CLI::ParseError& error, const CLI::App& command) {
     std::string meant = ano::did_you_mean(name, std::vector<std::string_view>{names.begin(), names.end()});
     if (const std::string begins = beginning_alike(name, names); meant.empty() && !begins.empty())
         meant = " (did you mean " + ano::in_quotes(begins) + "?)";
-    return "there is no option " + ano::in_quotes(name) + meant;
+    return "unknown option " + ano::in_quotes(name) + meant;
 }
 
-/// ", and --link LINK does without", for a command that can have a link of its own; a --link that takes several values is a filter.
+/// "; to work without a gateway, add --link LINK", for a command that can have a link of its own; a --link that takes several values is a filter.
 std::string way_without(const std::string& command, const Options& options) {
     std::string words = "anoctl " + command;
     for (const Option& option : options) {
-        if (option.name == "--link" && std::holds_alternative<std::string*>(option.into)) return ", and --link LINK does without";
-        if (option.name == "link") return ", and " + words + " LINK does without";
+        if (option.name == "--link" && std::holds_alternative<std::string*>(option.into))
+            return "; to work without a gateway, add --link LINK";
+        if (option.name == "link") return "; to work without a gateway: " + words + " LINK";
         if (option.required) words += " " + option.value;
     }
     return {};
@@ -247,7 +247,7 @@ std::string way_without(const std::string& command, const Options& options) {
 /// The message for a failure of the `chosen` command; when no gateway runs, with what can be done about it.
 std::string with_a_way_out(const std::string& what, const std::string& chosen, const Options& options) {
     if (!what.starts_with("no gateway is running at ")) return what;
-    return what + "; anogated LINK... starts one" + way_without(chosen, options);
+    return what + "; to start one: anogated LINK..." + way_without(chosen, options);
 }
 
 }    // namespace
@@ -255,7 +255,7 @@ std::string with_a_way_out(const std::string& what, const std::string& chosen, c
 std::uint8_t message_id_of(const std::string& word, const std::string& where) {
     const auto id = ano::message_id(word);
     if (const auto* fault = std::get_if<ano::JsonFault>(&id))
-        throw UsageError{where + fault->what + (fault->what.ends_with("?)") ? "" : "; anoctl messages lists them all")};
+        throw UsageError{where + fault->what + (fault->what.ends_with("?)") ? "" : "; to list them: anoctl messages")};
     return std::get<std::uint8_t>(id);
 }
 
@@ -271,7 +271,7 @@ int run(int argc, const char* const* given, Streams& streams) {
     std::vector<std::string> kept;
     mark_negative_numbers(words, kept);
     const char* const* argv = words.data();
-    CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
+    CLI::App app{"Command-line tool for ANO V8 frames and the anogate gateway", "anoctl"};
     app.set_version_flag("-V,--version", "anoctl " ANOGATE_VERSION);
     app.require_subcommand(1);
     std::vector<std::pair<CLI::App*, Run>> runs;
@@ -287,13 +287,15 @@ int run(int argc, const char* const* given, Streams& streams) {
     }
     app.footer(    // not for the commands: they inherit an earlier footer, and do not have all of these options
         "Examples:\n"
-        "  anoctl status                                  is all well?\n"
+        "  anoctl status                                  is everything in order?\n"
         "  anoctl monitor --id euler --count 10           ten frames of one message\n"
         "  anoctl param set --device 0xDC PID_P 4.5       then: anoctl param save\n"
         "  anoctl record flight.mcap --seconds 60\n"
         "  anoctl COMMAND --help                          options and examples of a command\n\n"
-        "Before or behind the command: --json, one JSON object a line; --control PATH, the socket of the gateway.\n"
-        "NO_COLOR ends colours.");
+        "Global options (before or after the command):\n"
+        "  --json           print one JSON object per line\n"
+        "  --control PATH   control socket of the gateway\n\n"
+        "The environment variable NO_COLOR disables colors.");
     const auto complain = [&](const std::string& what, int code) {
         tell(streams, what);
         return code;
@@ -308,7 +310,7 @@ int run(int argc, const char* const* given, Streams& streams) {
         for (const auto& [command, run] : runs) {
             if (!command->parsed()) continue;
             const int code = run(streams);
-            if (!streams.out.flush()) throw Failure{"the output can't be written"};
+            if (!streams.out.flush()) throw Failure{"cannot write the output"};
             return code;
         }
         return usage;
@@ -319,7 +321,7 @@ int run(int argc, const char* const* given, Streams& streams) {
         const auto unknown = app.remaining();
         const auto chosen = app.get_subcommands();
         const bool stranger = chosen.empty() && !unknown.empty();
-        complain(stranger         ? "there is no option " + ano::in_quotes(unknown[0])
+        complain(stranger         ? "unknown option " + ano::in_quotes(unknown[0])
                  : chosen.empty() ? what_is_missing(e, {})
                                   : what_is_missing(e, declared[chosen.front()]) +
                                         taken_for_a_value(*chosen.front(), declared[chosen.front()]),

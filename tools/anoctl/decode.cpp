@@ -63,7 +63,7 @@ public:
             if (input.bad_line() == 0) return;
             finish();
             throw Failure{name + ": line " + std::to_string(input.bad_line()) +
-                          ": it began as hex digits and goes on as something else"};
+                          ": the input started as hex digits, but this line contains other characters"};
         };
         while (streams_.out) {
             if (!wait_for_input(fd)) continue;
@@ -85,9 +85,9 @@ public:
         gap_until(end);
         if (parser_.counters().frames_in == 0 && end == 0) complain() << "no bytes\n";
         if (parser_.counters().frames_in == 0 && !no_hex_.empty())
-            complain()
-                << no_hex_
-                << " is not hex text (a byte is two digits; spaces and commas may stand between), so all was read as raw bytes\n";
+            complain() << no_hex_
+                       << " is not hex text (two digits per byte, optionally separated by spaces or commas), so the input was "
+                          "read as raw bytes\n";
         return damaged_ || parser_.counters().frames_in == 0 ? failed : fine;
     }
 
@@ -130,12 +130,12 @@ private:
         before_ = parser_.counters();
     }
     void tell_gap(std::uint64_t end, bool beside_frames) {
-        begin_complaint(end - told_) << " of no frame: " << cause(beside_frames) << '\n';
+        begin_complaint(end - told_) << " outside any frame: " << cause(beside_frames) << '\n';
     }
     void tell_wrong_checks(const GapPart& part) {
         const Checks wrong{part.bytes[part.bytes.size() - 2], part.bytes[part.bytes.size() - 1]};
-        begin_complaint(part.bytes.size()) << " of no frame: the check bytes do not hold: they are " << text_of(wrong)
-                                           << ", for this frame " << text_of(*part.right) << " would be right\n";
+        begin_complaint(part.bytes.size()) << " outside any frame: wrong checksum " << text_of(wrong) << ", expected "
+                                           << text_of(*part.right) << '\n';
         if (!json_) return;
         streams_.out << Json{{"fault", "check"},
                              {"offset", told_},
@@ -151,10 +151,10 @@ private:
     /// Why bytes are not a frame. `beside_frames`: wrong check bytes were reported already.
     const char* cause(bool beside_frames) const {
         const ParserCounters& now = parser_.counters();
-        if (now.v7_frames > before_.v7_frames) return "frames of protocol version 7 (0xAA) among them";
-        if (now.bad_check > before_.bad_check && !beside_frames) return "the check bytes do not hold";
-        if (now.expired > before_.expired) return "a frame that is cut short";
-        return "no frame begins there";
+        if (now.v7_frames > before_.v7_frames) return "contains frames of protocol version 7 (0xAA)";
+        if (now.bad_check > before_.bad_check && !beside_frames) return "wrong checksum";
+        if (now.expired > before_.expired) return "truncated frame";
+        return "no frame starts here";
     }
     void keep(Bytes bytes) {
         const std::uint64_t old = told_ > kept_at_ ? told_ - kept_at_ : 0;
@@ -197,7 +197,8 @@ struct Decode {
         for (const std::string& word : input) joined += word + " ";
         const bool from_stdin = input.empty() || (input.size() == 1 && input[0] == "-");
         if (from_stdin) {
-            if (input.empty() && streams.in_is_terminal) throw UsageError{"give hex digits, a file, or - for standard input"};
+            if (input.empty() && streams.in_is_terminal)
+                throw UsageError{"missing input: give hex digits, a file, or - for standard input"};
             decoder.read_all(streams.in, "standard input");
         } else if (const auto bytes = from_hex_text(joined)) {
             decoder.put_in(*bytes);
@@ -222,7 +223,7 @@ private:
         const bool separates = std::string_view{":-;_"}.find(c) != std::string_view::npos;
         if (separates && word.find_first_not_of("0123456789abcdefABCDEF:-;_") == word.npos)
             return std::string{": bytes are not separated by '"} + c + "': write spaces, commas or nothing between them";
-        return " is neither hex digits nor a file (a byte is two digits)";
+        return " is neither hex digits (two per byte) nor a file";
     }
     std::string complaint() const {
         std::size_t digits = 0;
@@ -238,7 +239,7 @@ private:
             }
         }
         return digits % 2 == 1 ? "odd number of hex digits (" + std::to_string(digits) + "): a byte is two"
-                               : "hex digits of one byte stand apart: a byte is two together";
+                               : "the two hex digits of a byte must not be separated";
     }
 };
 

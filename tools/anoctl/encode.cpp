@@ -96,7 +96,7 @@ private:
     // The input is what `decode --json` prints: one object a line.
     int encode_lines(Streams& streams, const JsonOptions& options) const {
         if (!given.fields.empty() || given.data)
-            throw UsageError{"with -, frames come from standard input: no FIELD=VALUE, no --data"};
+            throw UsageError{"- reads frames from standard input and cannot be combined with FIELD=VALUE or --data"};
         Lines lines{streams.in};
         for (std::string line; streams.out && lines.next(line);) {
             if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
@@ -124,8 +124,8 @@ private:
 
 Run add_encode(Options& options) {
     const auto self = std::make_shared<Encode>();
-    GivenFrame::add(options, self->given, "The message, by name or id; - for JSON frames on standard input, one a line");
-    options.push_back({"--raw", &self->raw, "", "Bytes in place of hex digits", false, {"--json"}});
+    GivenFrame::add(options, self->given, "Message, by name or id; - reads JSON frames from standard input, one per line");
+    options.push_back({"--raw", &self->raw, "", "Write bytes instead of hex digits", false, {"--json"}});
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

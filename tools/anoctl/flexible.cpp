@@ -50,7 +50,7 @@ struct Flexible {
 
 private:
     int set(Streams& streams) const {
-        if (file.empty()) throw UsageError{"FILE is missing: a configuration, or a list of layouts; - is standard input"};
+        if (file.empty()) throw UsageError{"missing FILE: a configuration or a list of layouts; - reads standard input"};
         const nlohmann::json whole = json_in_file(file, streams);
         if (!whole.is_array() && !(whole.is_object() && whole.contains("flexible")))
             throw UsageError{file + ": neither a list of layouts nor an object with the key 'flexible'"};
@@ -84,7 +84,7 @@ private:
         if (table.empty()) streams.out << "no layouts\n";
         else table.write(streams.out, {}, streams.terminal ? streams.width : 0);
         if (text_at(answer, "kept") == "false")
-            streams.err << "anoctl: not kept over a restart: " << text_at(answer, "why") << '\n';
+            streams.err << "anoctl: not saved permanently: " << text_at(answer, "why") << '\n';
         return fine;
     }
 };
@@ -99,10 +99,10 @@ Run add_flexible(Options& options) {
         return {};
     };
     options.push_back({"what", Option::Read{read_what}, "list|set",
-                       "list (default): the layouts in use; set FILE replaces them, until the configuration has others"});
+                       "list (default): show the layouts in use; set FILE: replace them until the configuration changes them"});
     options.push_back(
-        {"file", &self->file, "FILE", "Of set: a configuration with the key flexible, or its list alone; - is standard input"});
-    options.push_back({"--json", &self->json, "", "What the gateway answers, as a JSON object"});
+        {"file", &self->file, "FILE", "set: a configuration with the key flexible, or only its list; - reads standard input"});
+    options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     GatewayOptions::add(options, self->gateway);
     return [self](Streams& streams) { return self->run(streams); };
 }

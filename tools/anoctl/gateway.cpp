@@ -15,12 +15,11 @@ namespace anoctl {
 namespace http = anogate::http;
 
 void GatewayOptions::add(Options& declared, GatewayOptions& options) {
-    declared.push_back(
-        {"--control", &options.control, "PATH", "The control socket of the gateway, where it is not the usual one"});
+    declared.push_back({"--control", &options.control, "PATH", "The control socket of the gateway, if not the default"});
 }
 
 std::string GatewayOptions::socket() const {
-    if (control == "none") throw UsageError{"--control: none is no gateway that could be asked"};
+    if (control == "none") throw UsageError{"--control none: a gateway without a control socket cannot be reached; give a path"};
     return http::socket_to_ask(control, http::this_runner());
 }
 
@@ -76,7 +75,7 @@ std::string words_of(const http::Answer& answer) {
     const auto json = nlohmann::json::parse(answer.body, nullptr, false);
     if (json.is_object() && json.contains("error") && json["error"].is_string())
         return without_controls(json["error"].get<std::string>());
-    return "the gateway answers with status " + std::to_string(answer.status);
+    return "the gateway returned HTTP status " + std::to_string(answer.status);
 }
 
 }    // namespace anoctl

@@ -47,11 +47,11 @@ std::vector<std::uint8_t> frame_bytes(const Json& json, const JsonOptions& optio
 void GivenFrame::add(Options& options, GivenFrame& given, const std::string& help) {
     options.push_back({"name", &given.name, "NAME", help, true});
     options.push_back({"fields", &given.fields, "FIELD=VALUE...",
-                       "Values in the unit of the field, or words: cmd=action val=save; what is left out is 0 or empty. "
-                       "Typed where a device tells the types: value=f32:1.5 values=u16:100,i32:-5"});
-    options.push_back({"--from", &given.from, "ADDRESS", "Who sends it (default 0xFE, the host)"});
-    options.push_back({"--to", &given.to, "ADDRESS", "Who it is for (default 0xFF: everybody)"});
-    options.push_back({"--data", &given.data, "HEX", "The whole of DATA in hex digits, in place of fields"});
+                       "Field values, in the unit of the field or as names: cmd=action val=save. Omitted fields are 0 or empty. "
+                       "With a type where the device defines the type: value=f32:1.5 values=u16:100,i32:-5"});
+    options.push_back({"--from", &given.from, "ADDRESS", "Source address (default: 0xFE, the host)"});
+    options.push_back({"--to", &given.to, "ADDRESS", "Destination address (default: 0xFF, broadcast)"});
+    options.push_back({"--data", &given.data, "HEX", "Complete DATA in hex digits, instead of fields"});
 }
 
 std::vector<std::uint8_t> GivenFrame::bytes(const JsonOptions& options) const { return frame_bytes(json(), options, ""); }
@@ -61,7 +61,7 @@ Json GivenFrame::json() const {
     const std::uint8_t id = message_id_of(name);
     json["id"] = id;
     if (data) json["data"] = *data;
-    if (data && !fields.empty()) throw UsageError{"--data is the whole of DATA: no FIELD=VALUE beside it"};
+    if (data && !fields.empty()) throw UsageError{"--data gives the complete DATA and cannot be combined with FIELD=VALUE"};
     Json given = Json::object();
     for (const std::string& word : fields) {
         const std::size_t equals = word.find('=');

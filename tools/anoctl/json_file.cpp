@@ -36,7 +36,7 @@ Document strictly(std::string_view text, const std::string& where, bool with_com
     auto document = ano::strict_json<Document>(text, with_comments, faults);
     if (document && faults.empty()) return *std::move(document);
     const ano::JsonFault& first = faults.front();
-    throw UsageError{where + ": " + (first.pointer.empty() ? "it is not JSON: " : first.pointer + ": ") + first.what};
+    throw UsageError{where + ": " + (first.pointer.empty() ? "not valid JSON: " : first.pointer + ": ") + first.what};
 }
 
 }    // namespace
@@ -45,7 +45,7 @@ nlohmann::json json_in_file(const std::string& path, Streams& streams) {
     std::error_code error;
     const std::string text = path == "-" ? read_all(streams.in, error)
                                          : anogate::read_file(path, anogate::max_config_size, error);
-    if (error) throw UsageError{path + ": it can't be read: " + error.message()};
+    if (error) throw UsageError{path + ": cannot read: " + error.message()};
     return json_with_comments(text, path);
 }
 

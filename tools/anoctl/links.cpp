@@ -87,7 +87,7 @@ private:
         for (const std::string& name : names) {
             const auto found = std::find_if(all.begin(), all.end(),
                                             [&](const Json& link) { return text_at(link, "name") == name; });
-            if (found == all.end()) throw Failure{"there is no link " + ano::in_quotes(name) + nearest(name, all)};
+            if (found == all.end()) throw Failure{"unknown link " + ano::in_quotes(name) + nearest(name, all)};
             links.push_back(*found);
         }
         return links;
@@ -96,7 +96,7 @@ private:
         std::vector<std::string> known;
         for (const Json& link : all) known.push_back(text_at(link, "name"));
         std::string words = ano::did_you_mean(name, std::vector<std::string_view>{known.begin(), known.end()});
-        for (std::size_t i = 0; i < known.size(); ++i) words.append(i == 0 ? "; give one of " : ", ").append(known[i]);
+        for (std::size_t i = 0; i < known.size(); ++i) words.append(i == 0 ? "; links: " : ", ").append(known[i]);
         return words;
     }
 };
@@ -105,9 +105,9 @@ private:
 
 Run add_links(Options& options) {
     const auto self = std::make_shared<Links>();
-    options.push_back({"names", &self->names, "[LINK...]", "These links only"});
+    options.push_back({"names", &self->names, "[LINK...]", "Show only these links"});
     GatewayOptions::add(options, self->gateway);
-    options.push_back({"--json", &self->json, "", "One JSON object a link, one a line"});
+    options.push_back({"--json", &self->json, "", "Print one JSON object per link and line"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

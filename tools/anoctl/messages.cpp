@@ -70,13 +70,15 @@ private:
 
 Run add_messages(Options& options) {
     const auto self = std::make_shared<Messages>();
+    options.push_back({"names", &self->names, "[NAME...]",
+                       "Show these messages, by name or id: types, units, ranges and values of their fields"});
     options.push_back(
-        {"names", &self->names, "[NAME...]", "These messages, by name or id: types, units, ranges and values of their fields"});
-    options.push_back({"--markdown", &self->markdown, "", "The protocol reference", false, {"--json", "--lua"}});
-    options.push_back({"--json", &self->json, "", "One JSON object a layout, one a line", false, {"--lua"}});
-    options.push_back({"--lua", &self->lua, "", "A Wireshark dissector: tshark -X lua_script:FILE"});
-    options.push_back({"--config", &self->config, "FILE",
-                       "With --lua, or --json of all: a gateway's configuration, for its flexible messages"});
+        {"--markdown", &self->markdown, "", "Print the protocol reference as Markdown", false, {"--json", "--lua"}});
+    options.push_back({"--json", &self->json, "", "Print one JSON object per layout and line", false, {"--lua"}});
+    options.push_back({"--lua", &self->lua, "", "Print a Wireshark dissector: tshark -X lua_script:FILE"});
+    options.push_back(
+        {"--config", &self->config, "FILE",
+         "With --lua, or with --json for all messages: gateway configuration with the layouts of flexible messages"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -32,8 +32,8 @@ struct Metrics {
 Run add_metrics(Options& options) {
     const auto self = std::make_shared<Metrics>();
     GatewayOptions::add(options, self->gateway);
-    options.push_back({"--openmetrics", &self->openmetrics, "", "As OpenMetrics 1.0.0", false, {}});
-    options.push_back({"--json", &self->json, "", "One JSON object a number, one a line: name, labels, value"});
+    options.push_back({"--openmetrics", &self->openmetrics, "", "Use the OpenMetrics 1.0.0 format", false, {}});
+    options.push_back({"--json", &self->json, "", "Print one JSON object per metric and line: name, labels, value"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

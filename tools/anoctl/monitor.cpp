@@ -55,16 +55,15 @@ struct MonitorOptions {
 
     int run(Streams& streams) const {
         if (link.empty()) return attach(streams);
-        if (!links.empty() || !directions.empty())
-            throw UsageError{"--link and --direction are for the frames of a gateway: without a LINK"};
+        if (!links.empty() || !directions.empty()) throw UsageError{"--link and --direction apply to a gateway; omit LINK"};
         Shown shown{{ids, from, to},
                     count,
                     streams,
-                    as_said_of(link_settings_of(link, "a link of the gateway, by its name: monitor --link"))};
+                    as_said_of(link_settings_of(link, "for a link of the gateway, give its name: monitor --link"))};
         const std::uint64_t skipped = listen(link, shown, streams, "monitor");
         streams.out.flush();
         streams.err << "anoctl: " << shown.shown << (shown.shown == 1 ? " frame" : " frames") << " shown of " << shown.seen
-                    << ", " << skipped << " bytes of no frame\n";
+                    << ", " << skipped << " bytes outside any frame\n";
         return fine;
     }
 
@@ -72,7 +71,7 @@ private:
     int attach(Streams& streams) const {
         for (const auto* words : {&ids, &from, &to, &links, &directions})    // these options take all words after them
             for (const std::string& word : *words)
-                if (word.find(':') != word.npos) throw UsageError{ano::in_quotes(word) + ": a LINK stands before the options"};
+                if (word.find(':') != word.npos) throw UsageError{ano::in_quotes(word) + ": place LINK before the options"};
         const std::vector<std::string> once{"in"};
         const std::string query = filter_words("id", ids) + filter_words("from", from) + filter_words("to", to) +
                                   filter_words("link", links) + filter_words("direction", directions.empty() ? once : directions);
@@ -102,16 +101,16 @@ Run add_monitor(Options& options) {
         return {};
     };
     options.push_back({"link", &self->link, "LINK",
-                       "A link to listen at, as for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH; "
-                       "without it, the frames that come in at the gateway that runs, each once"});
-    options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
-    options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
-    options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
-    options.push_back({"--link", &self->links, "LINK...", "Of the gateway: only by these links, by name"});
+                       "Link to listen on, as for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH; "
+                       "without it, show each frame that the running gateway receives, once"});
+    options.push_back({"--id", &self->ids, "ID...", "Select only these messages, by name or id"});
+    options.push_back({"--from", &self->from, "ADDRESS...", "Select only frames from these addresses"});
+    options.push_back({"--to", &self->to, "ADDRESS...", "Select only frames to these addresses"});
+    options.push_back({"--link", &self->links, "LINK...", "With a gateway: select only frames on these links, by name"});
     options.push_back({"--direction", &self->directions, "in|out|dropped...",
-                       "Of the gateway: what comes (the default), what leaves, and what is dropped and why; one that is "
-                       "forwarded shows in each"});
-    options.push_back({"--count", Option::Read{read_count}, "N", "Ends after so many frames were shown"});
+                       "With a gateway: frames received (in, the default), sent (out), or dropped (with the reason); a forwarded "
+                       "frame appears as in and as out"});
+    options.push_back({"--count", Option::Read{read_count}, "N", "Exit after N frames"});
     GatewayOptions::add(options, self->gateway);
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };

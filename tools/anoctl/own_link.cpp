@@ -32,10 +32,10 @@ namespace {
 
 using namespace anogate;
 
-constexpr char how_to_watch[] = "; to watch the gateway that has it: anoctl monitor, without a LINK";
+constexpr char how_to_watch[] = "; to watch the gateway that uses it: anoctl monitor, without LINK";
 
 std::string only_listens(const std::string& who) {
-    return "; " + who + " itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
+    return "; " + who + " only receives, and some devices send only after a hello: run anogated with hello=on";
 }
 
 bool matters_to_a_listener(std::string_view key) {
@@ -316,7 +316,7 @@ std::uint64_t OwnLink::given_up() const noexcept { return host_->given_up(); }
 std::uint64_t listen(const std::string& link, FrameTaker& taker, Streams& streams, const std::string& who) {
     const LinkSettings settings = link_settings_of(link);
     if (const std::string idle = keys_idle_for_listener(link); !idle.empty())
-        streams.err << "anoctl: of no effect here: " << idle << ". " << who << " only listens\n";
+        streams.err << "anoctl: ignored: " << idle << "; " << who << " only receives\n";
     asio::io_context io{1};
     asio::signal_set signals{io, SIGINT, SIGTERM};
     OwnLink own{io, settings, taker, streams, who};

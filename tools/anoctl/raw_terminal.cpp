@@ -122,7 +122,7 @@ public:
         if (!outcome) return fine;
         if (outcome->answer.status != 101)
             throw Failure{outcome->answer.status == 0 ? outcome->fault : words_of(outcome->answer)};
-        throw Failure{outcome->fault.empty() ? "the gateway ended" : outcome->fault};
+        throw Failure{outcome->fault.empty() ? "the gateway stopped" : outcome->fault};
     }
 
 private:
@@ -159,9 +159,9 @@ private:
         else encoding_ = options_.encoding.value_or(ano::Encoding::utf8);
         text_ = RawText{{options_.hex, encoding_}};
         const bool may_send = about.value("may_send", false);
-        std::string words = options_.link + ": " + (may_send ? "lines are sent when you press Enter" : "read only");
-        if (options_.exclusive) words += "; frames are not forwarded to it until this ends";
-        if (streams_.in_is_terminal) words += "; Ctrl-C ends";
+        std::string words = options_.link + ": " + (may_send ? "press Enter to send a line" : "read only");
+        if (options_.exclusive) words += "; no frames are forwarded to it meanwhile";
+        if (streams_.in_is_terminal) words += "; Ctrl-C exits";
         tell(streams_, words);
         if (may_send && !lines_)
             lines_ = std::make_unique<Lines>(
@@ -203,11 +203,12 @@ private:
             bytes.assign(read->begin(), read->end());
         } else {
             const auto written = ano::from_utf8(line, encoding_);
-            if (!written) return tell(streams_, "not sent: " + ano::in_quotes(line) + " can't be written in the link's encoding");
+            if (!written)
+                return tell(streams_, "not sent: " + ano::in_quotes(line) + " cannot be represented in the encoding of the link");
             bytes = *written + options_.line_end;
         }
         if (!socket_->send(std::make_shared<const std::string>(std::move(bytes)), http::WebSocket::Kind::binary))
-            tell(streams_, "not sent: the gateway does not take what was sent before");
+            tell(streams_, "not sent: the gateway has not yet accepted earlier data");
     }
 
     void show(const std::vector<std::string>& lines) {
@@ -248,18 +249,18 @@ std::string read_line_end(const std::string& word, std::string& end) {
 
 Run add_terminal(Options& options) {
     const auto self = std::make_shared<TerminalOptions>();
-    options.push_back({"link", &self->link, "LINK", "The name of a serial, pty or udp link of the gateway that runs", true});
-    options.push_back({"--hex", &self->hex, "", "Shows hex digits, and sends lines of hex digits"});
+    options.push_back({"link", &self->link, "LINK", "Name of a serial, pty or udp link of the running gateway", true});
+    options.push_back({"--hex", &self->hex, "", "Show hex digits, and send lines of hex digits"});
     options.push_back({"--encoding", Option::Read{[self](const std::string& word) -> std::string {
                            if (word != "utf8" && word != "gbk") return ano::in_quotes(word) + " is not utf8 or gbk";
                            self->encoding = word == "gbk" ? ano::Encoding::gbk : ano::Encoding::utf8;
                            return {};
                        }},
-                       "utf8|gbk", "Of the text, both ways (default: the link's)"});
+                       "utf8|gbk", "Text encoding, both ways (default: that of the link)"});
     options.push_back({"--end", Option::Read{[self](const std::string& word) { return read_line_end(word, self->line_end); }},
-                       "crlf|lf|cr|none", "What is sent after each line (default: crlf)"});
-    options.push_back({"--exclusive", &self->exclusive, "", "No frames are forwarded to the link meanwhile (denied_out)"});
-    options.push_back({"--json", &self->json, "", "One JSON object for each read or write"});
+                       "crlf|lf|cr|none", "Line ending to send after each line (default: crlf)"});
+    options.push_back({"--exclusive", &self->exclusive, "", "Forward no frames to the link meanwhile (counted as denied_out)"});
+    options.push_back({"--json", &self->json, "", "Print one JSON object for each read or write"});
     GatewayOptions::add(options, self->gateway);
     return [self](Streams& streams) { return RawTerminal{*self, streams}.run(); };
 }

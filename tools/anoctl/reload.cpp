@@ -37,7 +37,7 @@ void write_difference(const Json& answer, std::ostream& out) {
     }
     if (!at(answer, "gateway").empty()) out << "gateway: changed\n";
     write_lines(at(answer, "gateway"), out);
-    if (same > 0) out << same << (same == 1 ? " link stays as it is\n" : " links stay as they are\n");
+    if (same > 0) out << same << (same == 1 ? " link unchanged\n" : " links unchanged\n");
 }
 
 struct Reload {
@@ -63,7 +63,7 @@ private:
     int confirm_it(Streams& streams) const {
         const std::string body = gateway.ask("POST", "/reload/confirm");
         if (json) streams.out << ano::json_text(parse_answer(body)) << '\n';
-        else streams.out << "the new configuration stays\n";
+        else streams.out << "the new configuration is confirmed\n";
         return fine;
     }
 
@@ -88,19 +88,19 @@ private:
     void tell(const Json& came, std::ostream& out) const {
         const bool changed = text_at(came, "changed") == "true";
         if (const std::string fault = text_at(came, "http_error"); !fault.empty())
-            out << "HTTP is not served now: " << without_controls(fault) << '\n';
+            out << "HTTP interface off: " << without_controls(fault) << '\n';
         if (changed) write_difference(came, out);
         if (const Json& later = at(came, "needs_restart"); !later.empty()) {
             out << "at the next start:\n";
             write_lines(later, out);
         } else if (!changed) {
-            out << "nothing changes\n";
+            out << "no changes\n";
         }
         if (!changed) return;
-        if (dry_run) out << "nothing was changed: --dry-run\n";
+        if (dry_run) out << "nothing was changed (--dry-run)\n";
         else if (number_at(came, "confirm_within_s") > 0)
-            out << "the old configuration comes back in " << time_text(number_at(came, "confirm_within_s"))
-                << ", unless you say: anoctl reload --confirm\n";
+            out << "the previous configuration is restored in " << time_text(number_at(came, "confirm_within_s"))
+                << " unless you confirm: anoctl reload --confirm\n";
     }
 };
 
@@ -108,12 +108,12 @@ private:
 
 Run add_reload(Options& options) {
     const auto self = std::make_shared<Reload>();
-    options.push_back({"--dry-run", &self->dry_run, "", "Says what would change, and changes nothing"});
+    options.push_back({"--dry-run", &self->dry_run, "", "Show what would change, and change nothing"});
     options.push_back({"--confirm-within", &self->confirm_within, "TIME",
-                       "The old configuration comes back after TIME (30s) unless --confirm comes before"});
-    options.push_back({"--confirm", &self->confirm, "", "The new configuration stays", false, {"--dry-run", "--confirm-within"}});
+                       "Restore the previous configuration after TIME (such as 30s) unless you run reload --confirm before"});
+    options.push_back({"--confirm", &self->confirm, "", "Keep the new configuration", false, {"--dry-run", "--confirm-within"}});
     GatewayOptions::add(options, self->gateway);
-    options.push_back({"--json", &self->json, "", "As the gateway says it: one JSON object"});
+    options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -31,7 +31,7 @@ struct Routes {
             else table.row(cells(route));
         }
         if (json) return fine;
-        if (table.empty()) streams.out << "no address leads anywhere yet\n";
+        if (table.empty()) streams.out << "no routes yet\n";
         else table.write(streams.out);
         return fine;
     }
@@ -47,7 +47,7 @@ private:
         const std::string body = gateway.ask("DELETE", "/routes/" + percent_encoded(*forget));
         const Json answer = parse_answer(body);
         if (json) streams.out << ano::json_text(answer) << '\n';
-        else streams.out << text_at(answer, "address") << " is forgotten\n";
+        else streams.out << text_at(answer, "address") << ": route removed\n";
         return fine;
     }
 };
@@ -56,9 +56,9 @@ private:
 
 Run add_routes(Options& options) {
     const auto self = std::make_shared<Routes>();
-    options.push_back({"--forget", &self->forget, "ADDRESS", "Forgets where this address was heard"});
+    options.push_back({"--forget", &self->forget, "ADDRESS", "Remove the learned route of this address"});
     GatewayOptions::add(options, self->gateway);
-    options.push_back({"--json", &self->json, "", "One JSON object an address, one a line"});
+    options.push_back({"--json", &self->json, "", "Print one JSON object per address and line"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -50,8 +50,7 @@ private:
         }
         const auto frame = ano::frame_at(*whole);
         if (!frame || frame->bytes().size() != whole->size())
-            throw UsageError{
-                "the bytes are not one whole frame whose check bytes hold; anoctl decode says what is wrong with them"};
+            throw UsageError{"the bytes are not exactly one valid frame; to find the fault: anoctl decode"};
         return *whole;
     }
 
@@ -65,10 +64,10 @@ private:
                 streams.out << '\n';
             }
         };
-        if (answer.contains("taken_by")) streams.out << "it is for the gateway itself\n";
-        each("sent", "left by ");
-        each("waiting", "waits to leave by ");
-        each("dropped", "dropped at ");
+        if (answer.contains("taken_by")) streams.out << "handled by the gateway itself\n";
+        each("sent", "sent on ");
+        each("waiting", "queued on ");
+        each("dropped", "dropped on ");
     }
 };
 
@@ -76,7 +75,7 @@ private:
 
 Run add_send(Options& options) {
     const auto self = std::make_shared<Send>();
-    GivenFrame::add(options, self->given, "The message, by name or id; or the hex digits of a whole frame");
+    GivenFrame::add(options, self->given, "Message, by name or id; or the hex digits of a complete frame");
     GatewayOptions::add(options, self->gateway);
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };

@@ -29,7 +29,7 @@ std::string first_line(const Json& gateway) {
     if (const std::string id = text_at(gateway, "id"); !id.empty()) line += ", id " + id;
     line += ", up for " + time_text(number_at(gateway, "uptime_s"));
     if (const std::string stood = text_at(gateway, "standstills"); !stood.empty() && stood != "0")
-        line += "; stood still " + stood + " times, for " + time_text(number_at(gateway, "longest_standstill_s")) + " at most";
+        line += "; stalled " + stood + " times, up to " + time_text(number_at(gateway, "longest_standstill_s"));
     return line;
 }
 
@@ -67,7 +67,7 @@ void write_links(const Json& links, const Json& before, double seconds, std::ost
 
 void write_conflicts(const Json& conflicts, std::ostream& out) {
     for (const Json& conflict : conflicts)
-        out << "conflict: " << text_at(conflict, "address") << " speaks on " << names_at(conflict, "links") << ", "
+        out << "conflict: " << text_at(conflict, "address") << " is received on " << names_at(conflict, "links") << ", "
             << text_at(conflict, "count") << " times\n";
 }
 
@@ -157,9 +157,9 @@ Run add_status(Options& options) {
     const auto self = std::make_shared<StatusView>();
     GatewayOptions::add(options, self->gateway);
     options.push_back({"--exit-code", &self->exit_code, "",
-                       "Exit status 3 when it is degraded: a link is not up or has a hint that asks for an action, two devices "
-                       "have one address, or a recording fails"});
-    options.push_back({"--json", &self->json, "", "As the gateway says it: one JSON object"});
+                       "Exit with status 3 if the gateway is degraded: a link is down or has a hint that asks for an action, two "
+                       "devices use the same address, or a recording fails"});
+    options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

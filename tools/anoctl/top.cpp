@@ -103,12 +103,12 @@ private:
         if (!screen_) return;
         const Screen::Size size = Screen::size();
         sort(view_, sort_);
-        if (!Screen::show(top_screen(view_, sort_, size.width, size.height))) end("the terminal is gone");
+        if (!Screen::show(top_screen(view_, sort_, size.width, size.height))) end("the terminal was closed");
     }
 
     void await_key() {
         keys_.async_read_some(asio::buffer(key_), [this](error_code ec, std::size_t size) {
-            if (ec) return end(ec == asio::error::operation_aborted ? "" : "the terminal is gone");
+            if (ec) return end(ec == asio::error::operation_aborted ? "" : "the terminal was closed");
             for (const char key : std::string_view{key_.data(), size}) {
                 if (key == 'q' || key == 'Q' || key == '\x03') return end({});
                 if (key == 's' || key == 'S') sort_ = next(sort_);
@@ -159,7 +159,7 @@ Run add_top(Options& options) {
     const auto self = std::make_shared<GatewayOptions>();
     GatewayOptions::add(options, *self);
     return [self](Streams&) {
-        if (!is_screen()) throw Failure{"top needs a terminal: anoctl status shows the same once"};
+        if (!is_screen()) throw Failure{"top requires a terminal; for a single snapshot: anoctl status"};
         if (const std::string fault = Top{self->socket()}.run(); !fault.empty()) throw Failure{fault};
         return fine;
     };

@@ -71,7 +71,7 @@ public:
             if (outcome_->answer.status == 400) throw UsageError{words_of(outcome_->answer)};
             throw Failure{outcome_->answer.status == 0 ? outcome_->fault : words_of(outcome_->answer)};
         }
-        return outcome_->fault.empty() ? "the gateway ended" : outcome_->fault;
+        return outcome_->fault.empty() ? "the gateway stopped" : outcome_->fault;
     }
 
 private:
@@ -172,12 +172,12 @@ public:
             return;
         }
         streams_.out.flush();
-        streams_.err << "anoctl: " << count << " frames are not shown, the gateway had no room for them: " << names << std::endl;
+        streams_.err << "anoctl: " << count << " frames not shown, the buffer of the gateway was full: " << names << std::endl;
     }
     void sum_up() {
         streams_.out.flush();
         streams_.err << "anoctl: " << shown_ << (shown_ == 1 ? " frame" : " frames") << " shown";
-        if (lost_ > 0) streams_.err << ", " << lost_ << " were not: the gateway had no room for them";
+        if (lost_ > 0) streams_.err << ", " << lost_ << " not shown: the buffer of the gateway was full";
         streams_.err << '\n';
     }
 

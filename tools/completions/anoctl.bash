@@ -1,4 +1,4 @@
-# What bash offers behind anoctl. Made from its tables of options and commands.
+# Completions of bash for anoctl. Generated from its tables of options and commands.
 _anoctl_words() { COMPREPLY=($(compgen -W "$1" -- "$cur")); }
 _anoctl_files() { compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- "$cur")); }
 _anoctl_ports() { COMPREPLY=($(compgen -G "${cur:-/dev/}*" | grep -E '^/dev/(tty(USB|ACM|AMA|S)|serial|rfcomm)')); }

@@ -1,4 +1,4 @@
-# What bash offers behind anogated. Made from its tables of options and commands.
+# Completions of bash for anogated. Generated from its tables of options and commands.
 _anogated_words() { COMPREPLY=($(compgen -W "$1" -- "$cur")); }
 _anogated_files() { compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- "$cur")); }
 _anogated_ports() { COMPREPLY=($(compgen -G "${cur:-/dev/}*" | grep -E '^/dev/(tty(USB|ACM|AMA|S)|serial|rfcomm)')); }

@@ -1,6 +1,6 @@
-# What fish offers behind anogated. Made from its tables of options and commands.
+# Completions of fish for anogated. Generated from its tables of options and commands.
 complete -c anogated -f
-complete -c anogated -s h -l help -d 'Says what there is, and exits'
+complete -c anogated -s h -l help -d 'Print this help and exit'
 complete -c anogated -s V -l version -d 'print the version'
 complete -c anogated -s c -l config -r -F -d 'JSON file'
 complete -c anogated -l id -x -d 'the gateway\'s own hardware id '

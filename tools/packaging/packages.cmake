@@ -46,17 +46,17 @@ set(CPACK_DEBIAN_ANOGATE_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/tools/packaging/conffiles ${PROJECT_SOURCE_DIR}/tools/packaging/preinst ${PROJECT_SOURCE_DIR}/tools/packaging/postinst
   ${PROJECT_SOURCE_DIR}/tools/packaging/prerm ${PROJECT_SOURCE_DIR}/tools/packaging/postrm)
 set(CPACK_COMPONENT_ANOGATE_DESCRIPTION "gateway for the ANO V8 protocol
-Joins everything that speaks ANO V8 into one network: serial ports, CAN buses
-and UDP peers. Each frame goes to where its destination address is, and
-frames of devices without a network are carried over IP.
+Connects devices and programs that use ANO V8 into one network: serial ports,
+CAN buses and UDP peers. Each frame is forwarded to its destination address,
+and frames of devices without a network are tunneled over IP.
 .
-With anoctl, which shows and makes frames, and a service for systemd that is
-not started before somebody enables it.")
+Includes anoctl, a command-line tool for frames and the gateway, and a systemd
+service that must be enabled before it starts.")
 
 set(CPACK_DEBIAN_LIBANO-DEV_PACKAGE_NAME libano-dev)
 set(CPACK_DEBIAN_LIBANO-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_LIBANO-DEV_DESCRIPTION "library for the ANO V8 protocol
-Finds, reads and makes frames of ANO V8, and knows its messages by name. In
-C++20, with the standard library alone. A static library with headers and
-what find_package(ano) of CMake needs.")
+Finds, decodes and encodes ANO V8 frames, with all messages by name. Written
+in C++20, requires only the standard library. Contains a static library,
+headers and the files for find_package(ano) in CMake.")
 include(CPack)

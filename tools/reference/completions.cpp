@@ -250,7 +250,7 @@ std::string for_fish(const Program& program, const Command& command) {
 }    // namespace
 
 std::string bash_completion(const Program& program) {
-    std::string text = "# What bash offers behind " + program.name + ". Made from its tables of options and commands.\n";
+    std::string text = "# Completions of bash for " + program.name + ". Generated from its tables of options and commands.\n";
     std::string common = bash_common;
     replace_all(common, "%MESSAGES%", joined(message_names()));
     replace_all(common, "%LINKS%", joined(link_prefixes()));
@@ -277,7 +277,7 @@ std::string bash_completion(const Program& program) {
 }
 
 std::string zsh_completion(const Program& program) {
-    std::string text = "#compdef %P\n# What zsh offers behind %P. Made from its tables of options and commands.\n";
+    std::string text = "#compdef %P\n# Completions of zsh for %P. Generated from its tables of options and commands.\n";
     text += "_%P_messages() { compadd -- " + joined(message_names()) + "; }\n";
     if (has_commands(program)) text += zsh_known;
     replace_all(text, "%ADDRESSES%", joined(address_names()));
@@ -304,8 +304,8 @@ std::string zsh_completion(const Program& program) {
 }
 
 std::string fish_completion(const Program& program) {
-    std::string text = "# What fish offers behind " + program.name +
-                       ". Made from its tables of options and commands.\ncomplete -c " + program.name + " -f\n";
+    std::string text = "# Completions of fish for " + program.name +
+                       ". Generated from its tables of options and commands.\ncomplete -c " + program.name + " -f\n";
     if (has_commands(program)) text += fish_known;
     replace_all(text, "%P", program.name);
     if (has_commands(program))

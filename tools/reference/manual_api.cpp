@@ -9,40 +9,42 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
     Page page{"anogate-api", 7, "control interface of anogated"};
     page.section("DESCRIPTION");
     page.text(
-        "HTTP/1.1 with JSON over a Unix socket: /run/anogate/control.sock of the service, $XDG_RUNTIME_DIR/anogate.sock of an "
-        "ordinary user, or what --control and \"control\": {\"socket\"} say. The socket of the service is for its group, "
-        "anogate. anoctl(1) asks it for people and scripts. Over TCP only where \"control\": {\"http\"} says so; who asks there "
-        "gives a token, Authorization: Bearer TOKEN, unless a user started the gateway for himself on a loopback address.");
+        "anogated serves HTTP/1.1 with JSON on a Unix socket: /run/anogate/control.sock for the service, "
+        "$XDG_RUNTIME_DIR/anogate.sock for an ordinary user, or the path from --control or \"control\": {\"socket\"}. The socket "
+        "of the service is accessible to the group anogate. anoctl(1) is its client for people and scripts. The interface is "
+        "available over TCP only if \"control\": {\"http\"} is set; requests over TCP require a token, Authorization: Bearer "
+        "TOKEN, unless an ordinary user started the gateway on a loopback address.");
     page.section("ROUTES");
     page.text(
-        "Each with what a token must allow where one is asked for: open (none is needed), view or control. Who answers GET "
-        "answers HEAD as well.");
+        "Each route is listed with the token that it requires over TCP: open (no token), view or control. Routes that support "
+        "GET also support HEAD.");
     page.begin_list();
     for (const auto& row : rows)
         page.item(row.method + " " + row.pattern, "", row.answers + " (" + std::string{text(row.access)} + ")");
     page.end_list();
-    page.section("REFUSALS");
-    page.text("An answer other than 200 has {\"error\": \"one clause\", \"what\": \"a word for programs\"}:");
+    page.section("ERROR RESPONSES");
+    page.text(
+        "Responses other than 200 contain {\"error\": \"a message for people\", \"what\": \"an identifier for programs\"}:");
     page.begin_list();
-    page.item("400", "", "The request can't be meant");
-    page.item("401, 403", "", "A token is needed, or one that allows more; or the Host or Origin is not one of this gateway");
-    page.item("404", "", "There is no such route, link or address; the nearest route is named");
-    page.item("405", "", "The path answers another method: header Allow");
-    page.item("409", "", "What is asked for is not there at the moment");
+    page.item("400", "", "The request is malformed");
+    page.item("401, 403", "",
+              "The token is missing or has insufficient rights; or the Host or Origin header does not belong to this gateway");
+    page.item("404", "", "The route, link or address does not exist; the error suggests the nearest route");
+    page.item("405", "", "The path does not support this method; see the header Allow");
+    page.item("409", "", "The requested resource is not available at the moment");
     page.item("413", "", "The body is too large");
-    page.item("415", "", "Over TCP a body is application/json or application/octet-stream");
-    page.item("422", "", "The configuration has faults: \"faults\" lists them; or a recording can't be called or made like that");
-    page.item("429", "", "Too early, or too many wrong tokens: \"wait_s\" or the header Retry-After says how long to wait");
-    page.item("503", "", "All places are taken: header Retry-After");
-    page.item("507", "", "There is no room on the disk for so large a body, or for a recording");
+    page.item("415", "", "Over TCP the body must be application/json or application/octet-stream");
+    page.item("422", "",
+              "The configuration is invalid (\"faults\" lists the errors), or the name or format of a recording is invalid");
+    page.item("429", "", "Too many requests or wrong tokens; \"wait_s\" or the header Retry-After gives the time to wait");
+    page.item("503", "", "Too many connections or requests; see the header Retry-After");
+    page.item("507", "", "The disk has not enough space for the body or the recording");
     page.end_list();
     page.section("RECORDINGS");
     page.text(
-        "GET /recordings answers with what runs and what is in the folder, the newest first. Times are Unix seconds; frames and "
-        "seconds, from the first frame to the last, are null where a file does not tell them, keep_last where nothing is kept. "
-        "by is configuration or request, state recording, ended "
-        "or "
-        "unfinished.");
+        "GET /recordings returns the running recordings and the files in the folder, newest first. Times are Unix seconds. "
+        "frames and seconds (from the first frame to the last) are null if the file does not contain them; keep_last is null if "
+        "no frames are kept in memory. by is configuration or request; state is recording, ended or unfinished.");
     page.literal(
         "{\"folder\": \"/var/lib/anogate/recordings\", \"free_bytes\": 12000000000, \"free_needed\": 505242880, \"error\": "
         "\"\",\n"
@@ -56,17 +58,13 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
         " \"recordings\": [{\"name\": \"flight.pcapng\", \"format\": \"pcapng\", \"bytes\": 4567, \"frames\": 123,\n"
         "                 \"seconds\": 5.9, \"begun\": 1763898044.1, \"time\": 1763898050, \"state\": \"ended\"}]}");
     page.text(
-        "frames, bytes and seconds of one that runs are those of all its files, file_frames, file_bytes and file_seconds of the "
-        "one that "
-        "is written now, which file names. "
-        "error of one that runs says why nothing of it is written now, and not_written how many frames are missing. others are "
-        "files "
-        "that the gateway did not write: they are neither listed, read nor deleted. The status has the same under recording, "
-        "without "
-        "the files.");
-    page.section("ERRORS OF LINKS");
+        "For a running recording, frames, bytes and seconds cover all its files; file_frames, file_bytes and file_seconds cover "
+        "the current file, named by file. error gives the reason if the recording cannot be written now; not_written counts the "
+        "missing frames. others counts files that the gateway did not write: it does not list, read or delete them. The status "
+        "contains the same data under recording, without the files.");
+    page.section("LINK ERRORS");
     page.text(
-        "In the status each link has \"error\", a clause for people that is empty while all is well, \"error_id\" and "
+        "In the status each link has \"error\", a message for people that is empty without an error, \"error_id\" and "
         "\"error_args\":");
     page.begin_list();
     for (const anogate::LinkErrorId& row : anogate::link_error_ids)

@@ -13,7 +13,7 @@ using namespace anogate;
 
 template <class Section>
 void put_key(Page& page, const Key<Section>& key, const Section& defaults) {
-    page.item(key.name, (key.form == Form::limits ? "{MESSAGE: NUMBER}" : placeholder(key)) + (key.required ? ", needed" : ""),
+    page.item(key.name, (key.form == Form::limits ? "{MESSAGE: NUMBER}" : placeholder(key)) + (key.required ? ", required" : ""),
               help_of(key, key.text_in(defaults)));
 }
 
@@ -29,14 +29,14 @@ void put_section(Page& page, std::string_view title, std::string_view words, Key
 void put_links(Page& page) {
     page.subsection("links");
     page.text(
-        "A list of at most 64 links. Each is a LINK text, as anogated(8) takes it, or an object with \"kind\", the address under "
-        "the name that this kind has for it, and these keys, which links of every kind have:");
+        "A list of at most 64 links. Each is a LINK text as in anogated(8), or an object with \"kind\", the address key of that "
+        "kind, and these keys common to all kinds:");
     page.begin_list();
     for (const Key<LinkSettings>& key : common_link_keys())
         if (key.kinds.empty()) put_key(page, key, LinkSettings{});
     page.end_list();
     for (const LinkKind* kind : link_kinds()) {
-        page.subsection("links of the kind \"" + std::string{kind->name} + "\"");
+        page.subsection("links of kind \"" + std::string{kind->name} + "\"");
         page.text(kind->help);
         page.begin_list();
         const LinkSettings usual = new_link(*kind);
@@ -54,44 +54,40 @@ std::string configuration_page() {
     Page page{"anogate.json", 5, "configuration of anogated"};
     page.section("DESCRIPTION");
     page.text(
-        "JSON with comments (// and /* */). A key that is left out has its default; one that does not exist is an error that "
-        "names it and the nearest one. Durations are written 500ms, 30s, 2m, 1h; addresses (hardware ids) 220 or \"0xDC\". A "
-        "key with a dot in its name stands in an object: \"send.deny\" is {\"send\": {\"deny\": []}}.");
+        "JSON with comments (// and /* */). An omitted key has its default; an unknown key is an error that suggests the nearest "
+        "one. Durations are written 500ms, 30s, 2m, 1h; addresses (hardware ids) 220 or \"0xDC\". A key with a dot in its name "
+        "belongs to an object: \"send.deny\" is {\"send\": {\"deny\": []}}.");
     page.paragraph();
-    page.text("anogated --check says what is wrong with a file, one fault a line.");
+    page.text("anogated --check lists the errors in a file, one per line.");
     page.section("KEYS");
     put_section<GatewaySettings>(page, "gateway", "An object:", gateway_keys());
     put_links(page);
-    put_section<RouteSettings>(page, "routes", "A list of objects: addresses that are always behind a certain link.",
-                               route_keys());
-    put_section<AliasSettings>(page, "alias", "A list of objects: a device behind a link appears under another id.",
-                               alias_keys());
-    put_section<ClassSettings>(
-        page, "classes",
-        "A list of objects: how the frames of an id wait on a slow link, if not as the protocol has it. For "
-        "setpoints in flexible messages.",
-        class_keys());
+    put_section<RouteSettings>(page, "routes", "A list of objects: addresses pinned to a link.", route_keys());
+    put_section<AliasSettings>(page, "alias", "A list of objects: a device on a link appears with another id.", alias_keys());
+    put_section<ClassSettings>(page, "classes",
+                               "A list of objects: queueing class of the frames of a message id on a slow link, if not the "
+                               "default of the protocol. For setpoints in flexible messages.",
+                               class_keys());
     put_section<TunnelSettings>(page, "tunnel", "An object; without it, tunnel frames (0xB1, 0xB2) are not carried over UDP.",
                                 tunnel_keys());
-    put_section<WrapSettings>(page, "tunnel: wrap",
-                              "A list of objects in tunnel: what comes as plain frames is wrapped for a link.", wrap_keys());
+    put_section<WrapSettings>(page, "tunnel: wrap", "A list of objects in tunnel: plain frames are wrapped for a link.",
+                              wrap_keys());
     put_section<GpioSettings>(page, "gpio", "A list of objects: lines of GPIO chips.", gpio_keys());
     page.subsection("flexible");
     page.text(
-        "A list of objects for tools: what the values in the flexible messages 0xF1 to 0xFA are. Each has \"id\", maybe "
-        "\"source\", "
+        "A list of objects for tools: the layouts of the flexible messages 0xF1 to 0xFA. Each has \"id\", optionally \"source\", "
         "\"endian\" (little or big), \"when\" (only frames whose first field has this value), "
         "and \"fields\", a list of {\"name\", \"type\", \"count\", \"scale\", \"unit\"}, where type is u8, i8, u16, i16, u32, "
         "i32 or f32, and a count above 1 makes an array.");
     put_section<ControlSettings>(page, "control", "An object:", control_keys());
-    put_section<RecordSettings>(
-        page, "record", "An object; with it the gateway records what passes it into files that Wireshark opens.", record_keys());
+    put_section<RecordSettings>(page, "record", "An object; if present, the gateway records frames to files for Wireshark.",
+                                record_keys());
     put_section<LogSettings>(page, "log", "An object:", log_keys());
     page.section("FILES");
     page.begin_list();
     page.item("/etc/anogate/anogate.full.json", "", "Every key with its default and a comment");
-    page.item("/usr/share/doc/anogate/config/examples", "", "Whole files to begin with");
-    page.item("/usr/share/doc/anogate/config/anogate.schema.json", "", "The JSON Schema, for editors");
+    page.item("/usr/share/doc/anogate/config/examples", "", "Complete example files");
+    page.item("/usr/share/doc/anogate/config/anogate.schema.json", "", "JSON Schema, for editors");
     page.end_list();
     page.section("EXAMPLES");
     page.literal(

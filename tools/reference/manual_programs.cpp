@@ -36,19 +36,18 @@ std::string anogated_page() {
     page.synopsis("anogated", "[options] [LINK ...]");
     page.section("DESCRIPTION");
     page.text(
-        "Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network, and carries each frame to where its "
-        "destination address is.");
+        "anogated connects serial ports, CAN buses and UDP peers that use ANO V8 into one network, and forwards each frame to "
+        "its destination address.");
     page.paragraph();
     page.text(
-        "Without a LINK and without --config it reads /etc/anogate/anogate.json, see anogate.json(5). A device that is absent "
-        "is waited for; a fault in the configuration is one line that says where, and what was meant.");
+        "Without LINK and --config it reads /etc/anogate/anogate.json, see anogate.json(5). If a device is missing, anogated "
+        "waits for it. For each error in the configuration it prints one line with the location and a suggestion.");
     page.section("OPTIONS");
     put_options(page, program.commands.front());
     page.section("LINKS");
     page.text(
-        "LINK is KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma behind KIND: is the address. A key alone means "
-        "true. The keys are those of the configuration file, with a dot where they stand in an object of their own: "
-        "send.deny=0xB0+firmware.");
+        "LINK is KIND:ADDRESS[,KEY=VALUE...]; the address ends at the first comma after KIND:. A key without a value means true. "
+        "The keys are those of the configuration file; a key inside an object is written with a dot: send.deny=0xB0+firmware.");
     page.begin_list();
     for (const anogate::LinkKind* kind : anogate::link_kinds())
         page.item(std::string{kind->name} + ":" + std::string{kind->example}, "", kind->help);
@@ -56,31 +55,31 @@ std::string anogated_page() {
     page.section("SIGNALS");
     page.begin_list();
     page.item("SIGTERM, SIGINT", "",
-              "Reads no more, lets what waits leave for at most 0.5 s, and exits. A second one ends it at once");
-    page.item("SIGUSR1", "", "Writes a short form of the status to the log");
+              "Stop reading, send queued frames for at most 0.5 s, and exit. A second signal exits immediately");
+    page.item("SIGUSR1", "", "Write a short status to the log");
     page.end_list();
     page.section("ENVIRONMENT");
     page.begin_list();
-    page.item("XDG_RUNTIME_DIR", "", "Where the control socket of an ordinary user is");
-    page.item("NO_COLOR", "", "Ends the colours of the log on a terminal");
+    page.item("XDG_RUNTIME_DIR", "", "Folder of the control socket when not run by root");
+    page.item("NO_COLOR", "", "Disable colors in the log on a terminal");
     page.end_list();
     page.section("FILES");
     page.begin_list();
-    page.item("/etc/anogate/anogate.json", "", "The configuration of the service");
-    page.item("/etc/anogate/NAME.json", "", "That of anogated@NAME.service, a further gateway on this computer");
-    page.item("/etc/default/anogate", "", "Variables of the environment for the service, one NAME=VALUE a line");
-    page.item("/run/anogate/control.sock", "", "The control interface; anogated@NAME.service has /run/anogate-NAME/control.sock");
+    page.item("/etc/anogate/anogate.json", "", "Configuration of the service");
+    page.item("/etc/anogate/NAME.json", "", "Configuration of anogated@NAME.service, an additional gateway on this computer");
+    page.item("/etc/default/anogate", "", "Environment variables of the service, one NAME=VALUE per line");
+    page.item("/run/anogate/control.sock", "", "Control socket; for anogated@NAME.service: /run/anogate-NAME/control.sock");
     page.end_list();
     page.section("EXIT STATUS");
     page.begin_list();
-    page.item("0", "", "Ended by SIGTERM or SIGINT");
+    page.item("0", "", "Stopped by SIGTERM or SIGINT");
     page.item("1", "", "A link with \"required\" was not up within 10 s");
-    page.item("78", "", "The configuration or the command line has a fault");
+    page.item("78", "", "The configuration or the command line is invalid");
     page.end_list();
     page.section("EXAMPLES");
-    page.text("A flight controller at a USB serial port, ground stations by UDP:");
+    page.text("Connect a flight controller on a USB serial port with ground stations on UDP:");
     page.literal("anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333");
-    page.text("The same as a configuration file:");
+    page.text("Print the equivalent configuration file:");
     page.literal("anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333 --print-config");
     page.see_also({"anoctl 1", "anogate.json 5", "anogate-api 7"});
     return page.str();
@@ -93,9 +92,9 @@ std::string anoctl_page() {
     page.synopsis("anoctl", "command [options] [operands]");
     page.section("DESCRIPTION");
     page.text(
-        "Reads, makes and shows frames of ANO V8, and asks a gateway that runs. On a terminal there are columns and units; in a "
-        "file or a pipe there are the names and numbers that encode takes. With --json, before or behind the command, each line "
-        "is one JSON object.");
+        "anoctl decodes, encodes and shows ANO V8 frames, and controls a running gateway. On a terminal, output has columns and "
+        "units; in a file or pipe, it has the names and numbers that encode accepts. With --json, before or after the command, "
+        "each line is one JSON object.");
     page.section("COMMANDS");
     for (const Command& command : program.commands) {
         page.subsection(command.name);
@@ -105,13 +104,13 @@ std::string anoctl_page() {
     }
     page.section("ENVIRONMENT");
     page.begin_list();
-    page.item("NO_COLOR", "", "Ends colours");
+    page.item("NO_COLOR", "", "Disable colors");
     page.end_list();
     page.section("EXIT STATUS");
     page.begin_list();
-    page.item("0", "", "All went well");
-    page.item("1", "", "The work failed: there is no answer, it was refused, or bytes were no frame");
-    page.item("2", "", "The command can't be meant");
+    page.item("0", "", "Success");
+    page.item("1", "", "Failure: no response, request refused, or input that is not a valid frame");
+    page.item("2", "", "Usage error");
     page.end_list();
     page.section("EXAMPLES");
     page.literal(

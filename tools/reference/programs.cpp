@@ -17,7 +17,7 @@
 namespace reference {
 namespace {
 
-constexpr char help_text[] = "Says what there is, and exits";
+constexpr char help_text[] = "Print this help and exit";
 
 bool is_word(std::string_view text) {
     return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
@@ -52,12 +52,12 @@ std::vector<std::string> Argument::words() const {
 }
 
 Program anogated_program() {
-    Command command{"", "Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network", {}, {}};
+    Command command{"", "Connect serial ports, CAN buses and UDP peers that use ANO V8 into one network", {}, {}};
     for (anogate::OptionText& option : anogate::option_texts("/etc/anogate/anogate.json")) {
         const bool is_help = std::find(option.names.begin(), option.names.end(), "--help") != option.names.end();
         Argument argument{option.names, option.value, is_help ? help_text : option.help};
         if (!argument.names.empty()) command.options.push_back(std::move(argument));
-        else command.operands.push_back({{}, "LINK...", "What is joined: KIND:ADDRESS[,KEY=VALUE...]"});
+        else command.operands.push_back({{}, "LINK...", "Link to open: KIND:ADDRESS[,KEY=VALUE...]"});
     }
     return {"anogated", {command}};
 }

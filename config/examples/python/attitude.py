@@ -17,7 +17,7 @@ def ask(method, target, body=None):
     return answer if answer.status == 200 else sys.exit(json.load(answer)["error"])
 
 try:
-    devices = json.load(ask("GET", "/devices"))["devices"] or sys.exit("no device is there")
+    devices = json.load(ask("GET", "/devices"))["devices"] or sys.exit("no devices found")
     device = devices[0]["address"]
     print(name, "was", json.load(ask("GET", f"/devices/{device}/parameters/{name}"))["value"])
     print(name, "is", json.load(ask("PUT", f"/devices/{device}/parameters/{name}", {"value": value}))["stored"])

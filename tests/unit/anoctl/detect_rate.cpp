@@ -86,7 +86,7 @@ TEST(DetectRate, names_the_one_rate_at_which_good_frames_arrive) {
         const Found found = detect(speaker.path());
         EXPECT_EQ(found.exit, 0) << found.wrong;
         const std::string baud = std::to_string(right);
-        EXPECT_EQ(found.out, speaker.path() + ": " + baud + " baud: good frames from 0xDC.\nThe link: serial:" + speaker.path() +
+        EXPECT_EQ(found.out, speaker.path() + ": " + baud + " baud: valid frames from 0xDC\nLink: serial:" + speaker.path() +
                                  ",baud=" + baud + "\n");
         EXPECT_EQ(detect("serial:" + speaker.path() + ",baud=9600", true).out,
                   "{\"device\":\"" + speaker.path() + "\",\"baud\":" + baud + ",\"from\":[220],\"any_rate\":false}\n");
@@ -98,7 +98,7 @@ TEST(DetectRate, says_when_nothing_comes) {
     const support::PtyDevice device{(folder.path() / "tty").string()};
     const Found found = detect(device.path(), false, {moment, moment});
     EXPECT_EQ(found.exit, 1);
-    EXPECT_NE(found.wrong.find(": nothing came at any of 16 rates: is the device powered, are RX and TX crossed"),
+    EXPECT_NE(found.wrong.find(": no data received at any of 16 rates; check that the device is powered, RX and TX are crossed"),
               std::string::npos)
         << found.wrong;
 }
@@ -107,7 +107,8 @@ TEST(DetectRate, says_when_bytes_come_and_no_frames) {
     const Speaker speaker{[](std::uint32_t) { return garbage; }};
     const Found found = detect(speaker.path());
     EXPECT_EQ(found.exit, 1);
-    EXPECT_NE(found.wrong.find(": bytes but no frames at any of 16 rates: another protocol"), std::string::npos) << found.wrong;
+    EXPECT_NE(found.wrong.find(": data but no valid frames at any of 16 rates; check the protocol"), std::string::npos)
+        << found.wrong;
 }
 
 TEST(DetectRate, knows_frames_of_the_version_before) {
@@ -141,7 +142,7 @@ TEST(DetectRate, leaves_a_port_alone_that_somebody_has) {
 }
 
 TEST(DetectRate, says_what_is_no_port) {
-    EXPECT_EQ(detect("/nowhere/tty").wrong, "/nowhere/tty is not there; anoctl ports has those that are");
+    EXPECT_EQ(detect("/nowhere/tty").wrong, "/nowhere/tty not found; to list the ports: anoctl ports");
     EXPECT_NE(detect("/dev/null").wrong.find("this is not a serial port"), std::string::npos) << detect("/dev/null").wrong;
     EXPECT_EQ(support::anoctl({"ports", "--detect", "/nowhere/tty"}).exit, 1);
     EXPECT_EQ(support::anoctl({"ports", "--detect"}).exit, 2);

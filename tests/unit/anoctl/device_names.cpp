@@ -25,9 +25,9 @@ TEST(DeviceNames, are_as_written_or_else_of_any_case) {
 
 TEST(DeviceNames, who_is_there_is_told_where_a_name_is_nobodys) {
     EXPECT_EQ(no_such_device("Flwo", devices),
-              "'Flwo' is no device that answers (did you mean 'Flow'?); there are 0xDC SimFC, 0xDD SIMFC, 0xDE Flow");
-    EXPECT_EQ(no_such_device("Nobody", Json::array({devices[2]})), "'Nobody' is no device that answers; there is 0xDE Flow");
-    EXPECT_EQ(no_such_device("Nobody", Json::array()), "'Nobody' is no device that answers; none is there");
+              "no device 'Flwo' responded (did you mean 'Flow'?); devices: 0xDC SimFC, 0xDD SIMFC, 0xDE Flow");
+    EXPECT_EQ(no_such_device("Nobody", Json::array({devices[2]})), "no device 'Nobody' responded; devices: 0xDE Flow");
+    EXPECT_EQ(no_such_device("Nobody", Json::array()), "no device 'Nobody' responded; no devices known");
 }
 
 TEST(DeviceNames, stand_with_the_address_at_the_beginning_of_what_is_told) {
@@ -39,14 +39,14 @@ TEST(DeviceNames, stand_with_the_address_at_the_beginning_of_what_is_told) {
 
 TEST(DeviceNames, what_was_left_behind_is_told) {
     EXPECT_TRUE(left_behind(devices[0]).empty());
-    EXPECT_EQ(
-        left_behind(Json{{"in_loader", true}, {"kept", {"calibration-0xDC-compass.json"}}}),
-        (std::vector<std::string>{"an upgrade did not end: it was left in its loader, anoctl flash FILE gives it its firmware",
-                                  "a calibration did not end: the old values are kept (calibration-0xDC-compass.json) and "
-                                  "written back when that can be done"}));
+    EXPECT_EQ(left_behind(Json{{"in_loader", true}, {"kept", {"calibration-0xDC-compass.json"}}}),
+              (std::vector<std::string>{
+                  "a firmware update was interrupted; the device is still in its loader. Flash it again: anoctl flash FILE",
+                  "a calibration was interrupted; its old values are kept (calibration-0xDC-compass.json) and will be restored "
+                  "when possible"}));
     EXPECT_EQ(
         left_behind(Json{{"dropped", {"calibration-0xDC-compass.json (removed: the device has other calibration values)"}}}),
-        (std::vector<std::string>{"a calibration did not end, and its old values are not written back: "
+        (std::vector<std::string>{"a calibration was interrupted and its old values were not restored: "
                                   "calibration-0xDC-compass.json (removed: the device has other calibration values)"}));
 }
 

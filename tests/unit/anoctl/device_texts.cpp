@@ -42,13 +42,13 @@ TEST(JobText, says_what_is_half_done) {
     const auto half = [](const char* kind, int done) {
         return half_done(Json{{"kind", kind}, {"done", done}, {"total", 2048}, {"unit", "bytes"}});
     };
-    EXPECT_EQ(half("firmware", 1024), "1 KiB of 2 KiB were written, the device is left in its loader: flash it again");
+    EXPECT_EQ(half("firmware", 1024), "1 KiB of 2 KiB written; the device is still in its loader: flash it again");
     EXPECT_EQ(half("firmware", 0), "");
-    EXPECT_NE(half("apply", 1).find("unless it is saved"), std::string::npos);
-    EXPECT_EQ(half("put_waypoints", 0), "0 bytes of 2 KiB were written");
+    EXPECT_NE(half("apply", 1).find("unless saved"), std::string::npos);
+    EXPECT_EQ(half("put_waypoints", 0), "0 bytes of 2 KiB written");
     EXPECT_EQ(half("put_waypoints", 1),
-              "1 bytes of 2 KiB were written: the device has a mixture of these and its old ones until all are put");
-    EXPECT_EQ(half("command", 0), "the command may have been carried out");
+              "1 bytes of 2 KiB written; the device has a mixture of new and old waypoints until you write all of them");
+    EXPECT_EQ(half("command", 0), "the command may have been executed");
     EXPECT_EQ(half("parameters", 7), "") << "who only reads leaves nothing";
 }
 
@@ -61,10 +61,10 @@ TEST(JobText, says_of_a_cancelled_apply_what_is_written_and_what_was_undone) {
     };
     EXPECT_EQ(half({"unchanged", "waiting"}), "nothing was written");
     EXPECT_EQ(half({"written", "clamped", "failed", "waiting"}),
-              "2 parameters written, which stays until the device restarts, and no longer unless it is saved; P may have been "
+              "2 parameters written; unless saved, the changes are lost when the device restarts; P may have been "
               "written");
-    EXPECT_EQ(half({"undone", "undone", "waiting"}), "2 parameters written and undone");
-    EXPECT_EQ(half({"not_undone", "undone", "not_undone"}), "1 parameter written and undone; not undone: P0, P2");
+    EXPECT_EQ(half({"undone", "undone", "waiting"}), "2 parameters written and restored");
+    EXPECT_EQ(half({"not_undone", "undone", "not_undone"}), "1 parameter written and restored; not restored: P0, P2");
 }
 
 const Json answered{{"device", {{"address", "0xDC"}, {"name", "SimFC"}, {"dev_id", 220}, {"hw", 100}, {"sw", 3}, {"pt", 800}}},
@@ -82,7 +82,8 @@ TEST(ParameterFile, holds_values_by_name_in_their_order) {
 TEST(ParameterFile, has_no_holes) {
     Json holed = answered;
     holed["parameters"][1].erase("value");
-    EXPECT_EQ(thrown<Failure>([&] { parameter_file(holed); }), "nothing is exported: these did not come: CAL_AOFF_X");
+    EXPECT_EQ(thrown<Failure>([&] { parameter_file(holed); }),
+              "nothing was exported; these parameters were not received: CAL_AOFF_X");
 }
 
 TEST(ParameterFile, says_the_number_where_a_name_is_not_enough) {
@@ -103,10 +104,10 @@ TEST(ParameterFile, is_read_as_it_was_written_or_as_plain_names_and_values) {
     EXPECT_EQ(whole["name"], "SimFC");
     EXPECT_EQ(whole["parameters"]["PID_P"], 1.5);
     EXPECT_EQ(parsed_parameter_file(R"({"A": 1})", "f")["parameters"]["A"], 1);
-    EXPECT_NE(thrown<UsageError>([] { parsed_parameter_file("{", "f"); }).find("f: it is not JSON: "), std::string::npos);
-    EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file("{}", "f"); }), "f: there are no parameters in it");
+    EXPECT_NE(thrown<UsageError>([] { parsed_parameter_file("{", "f"); }).find("f: not valid JSON: "), std::string::npos);
+    EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file("{}", "f"); }), "f: the file contains no parameters");
     EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file("[1]", "f"); }),
-              "f: it is no file of parameters: {\"parameters\": {NAME: value}}");
+              "f: not a parameter file; expected {\"parameters\": {NAME: value}}");
     EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file(R"({"A": [1]})", "f"); }),
               "f: the value of 'A' is neither a number nor a text");
 }
@@ -116,9 +117,9 @@ TEST(ParameterFile, of_another_device_is_known) {
     EXPECT_EQ(of_another_device(Json{{"name", "SimFC"}, {"dev_id", 220}}, device), "");
     EXPECT_EQ(of_another_device(Json{{"parameters", Json::object()}}, device), "") << "it does not say";
     EXPECT_EQ(of_another_device(Json{{"name", "Other"}, {"dev_id", 220}}, device),
-              "the file is of Other, this is SimFC, device type 220");
+              "the file is for Other, but the device is SimFC, device type 220");
     EXPECT_EQ(of_another_device(Json{{"name", "Other"}, {"dev_id", 1}}, device),
-              "the file is of Other, device type 1, this is SimFC, device type 220");
+              "the file is for Other, device type 1, but the device is SimFC, device type 220");
 }
 
 TEST(ParameterFile, leaves_out_what_belongs_to_one_piece_of_hardware) {
@@ -147,7 +148,7 @@ TEST(ParameterFile, may_be_what_a_calibration_kept) {
         R"({"device": {"address": "0xDC", "name": "SimFC", "dev_id": 220}, "parameters": {"CAL_AOFF_X": 1}})", "f");
     EXPECT_EQ(kept["device"], "0xDC");
     EXPECT_EQ(of_another_device(kept, answered["device"]), "");
-    EXPECT_EQ(of_another_device(kept, Json{{"name", "Other"}}), "the file is of SimFC, this is Other, device type ");
+    EXPECT_EQ(of_another_device(kept, Json{{"name", "Other"}}), "the file is for SimFC, but the device is Other, device type ");
     EXPECT_TRUE(is_kept_by_calibration("/var/lib/anogate/calibration-0xDC-compass.json"));
     EXPECT_TRUE(is_kept_by_calibration("calibration-0xDC-accelerometer.json"));
     EXPECT_FALSE(is_kept_by_calibration("calibration-0xDC.json"));
@@ -164,10 +165,11 @@ TEST(ParameterFile, shows_what_changes) {
                         {{"name", "G"}, {"was", 1}, {"written", 2}, {"stored", 1}, {"state", "failed"}, {"what", "it keeps 1"}},
                         {{"name", "H"}, {"was", 1}, {"written", 2}, {"state", "waiting"}},
                         {{"name", "E"}, {"was", "a"}, {"written", "b\x1b"}, {"stored", "b\x1b"}, {"state", "written"}}}}};
-    EXPECT_EQ(difference_lines(answer), (std::vector<std::string>{"B: 1.5 -> 2", "C: 1 -> 5, clamped: 9 was asked for",
-                                                                  "D: 9, failed: no parameter is called D",
-                                                                  "F: 1 -> 2, not undone", "G: 1 -> 2, failed: it keeps 1",
-                                                                  "H: 1 -> 2, not tried any more", "E: \"a\" -> \"b\\u001b\""}));
+    EXPECT_EQ(
+        difference_lines(answer),
+        (std::vector<std::string>{"B: 1.5 -> 2", "C: 1 -> 5, limited by the device: 9 was requested",
+                                  "D: 9, failed: no parameter is called D", "F: 1 -> 2, not restored",
+                                  "G: 1 -> 2, failed: it keeps 1", "H: 1 -> 2, not attempted", "E: \"a\" -> \"b\\u001b\""}));
     EXPECT_EQ(rows_with(answer, "failed"), 2u);
     EXPECT_EQ(misfit_line(answer["parameters"][3]), "no parameter is called D");
     EXPECT_EQ(misfit_line(answer["parameters"][5]), "G: it keeps 1");
@@ -183,8 +185,8 @@ TEST(CommandValues, of_a_command_by_name_or_number) {
     EXPECT_EQ(command_called(commands, "0")["name"], "land");
     EXPECT_EQ(command_called(commands, "3")["id"], 3);
     EXPECT_EQ(thrown<UsageError>([] { command_called(commands, "mve"); }),
-              "the device has no command 'mve' (did you mean 'move'?); anoctl command list has them");
-    EXPECT_NE(thrown<UsageError>([] { command_called(commands, "twice"); }).find("several commands are called 'twice'"),
+              "the device has no command 'mve' (did you mean 'move'?); to list the commands: anoctl command list");
+    EXPECT_NE(thrown<UsageError>([] { command_called(commands, "twice"); }).find("several commands are named 'twice'"),
               std::string::npos);
 }
 
@@ -193,7 +195,7 @@ TEST(CommandValues, fit_number_type_and_range) {
     EXPECT_EQ(command_values(move, {"255", "-5", "1.5"}).dump(), "[255,-5,1.5]");
     EXPECT_EQ(thrown<UsageError>([&] { command_values(move, {"1"}); }), "move takes 3 values, not 1: move u8 i16 f32");
     EXPECT_EQ(thrown<UsageError>([&] { command_values(commands[0], {"1"}); }), "land takes 0 values, not 1: land");
-    EXPECT_EQ(thrown<UsageError>([&] { command_values(move, {"1", "x", "1"}); }), "move, value 2: 'x' is no number");
+    EXPECT_EQ(thrown<UsageError>([&] { command_values(move, {"1", "x", "1"}); }), "move, value 2: 'x' is not a number");
     for (const char* wrong : {"256", "-1", "1.5"})
         EXPECT_EQ(thrown<UsageError>([&] {
                       command_values(move, {wrong, "1", "1"});
@@ -209,13 +211,13 @@ TEST(WaypointForm, is_known_by_the_name_or_the_content) {
     EXPECT_EQ(form_of_name("way"), "json");
     EXPECT_EQ(form_of_name("-"), "json");
     EXPECT_EQ(thrown<UsageError>([] { form_of_name("a.kml"); }),
-              "a.kml: '.kml' is no form of waypoints; .json, .geojson and .plan (QGroundControl) are, or say it by --format");
+              "a.kml: '.kml' is not a supported waypoint format; use .json, .geojson or .plan (QGroundControl), or --format");
     EXPECT_EQ(form_of_content(Json{{"type", "FeatureCollection"}}, "f"), "geojson");
     EXPECT_EQ(form_of_content(Json{{"fileType", "Plan"}}, "f"), "qgc");
     EXPECT_EQ(form_of_content(Json{{"waypoints", Json::array()}}, "f"), "json");
     EXPECT_NE(thrown<UsageError>([] {
                   form_of_content(Json{{"way", 1}}, "f");
-              }).find("f: it is none of the forms"),
+              }).find("f: not a waypoint file"),
               std::string::npos);
 }
 
@@ -227,34 +229,34 @@ std::string overwriting(const std::vector<std::uint8_t>& numbers, std::size_t ha
 
 TEST(WaypointForm, what_is_overwritten_is_told_before) {
     EXPECT_EQ(overwriting({0, 1}, 0), "");
-    EXPECT_EQ(overwriting({0, 1}, 1), "It has 1 waypoint, number 0: overwritten is this one. ");
-    EXPECT_EQ(overwriting({0, 1}, 2), "It has 2 waypoints, 0 to 1: overwritten are all of them. ");
-    EXPECT_EQ(
-        overwriting({0}, 2),
-        "It has 2 waypoints, 0 to 1: 0 is overwritten, and 1 stays as it is, for the protocol has no way to remove one. To end "
-        "the route sooner, repeat the last point of the file until it has 2. ");
-    EXPECT_NE(overwriting({0, 1}, 5).find("0 and 1 are overwritten, and 2 to 4 stay as they are, "), std::string::npos);
+    EXPECT_EQ(overwriting({0, 1}, 1), "The device has 1 waypoint (number 0): it is overwritten. ");
+    EXPECT_EQ(overwriting({0, 1}, 2), "The device has 2 waypoints (0 to 1): all are overwritten. ");
+    EXPECT_EQ(overwriting({0}, 2),
+              "The device has 2 waypoints (0 to 1): 0 is overwritten, and 1 remains (the protocol cannot remove waypoints). To "
+              "shorten the route, repeat the last point in the file until it has 2. ");
+    EXPECT_NE(overwriting({0, 1}, 5).find("0 and 1 are overwritten, and 2 to 4 remain "), std::string::npos);
 }
 
 TEST(WaypointForm, what_is_overwritten_goes_by_the_numbers) {
-    EXPECT_EQ(overwriting({7, 3}, 8).find("It has 8 waypoints, 0 to 7: 3 and 7 are overwritten, and 0 to 2 and 4 to 6 stay"), 0u)
+    EXPECT_EQ(
+        overwriting({7, 3}, 8).find("The device has 8 waypoints (0 to 7): 3 and 7 are overwritten, and 0 to 2 and 4 to 6 remain"),
+        0u)
         << overwriting({7, 3}, 8);
     EXPECT_EQ(overwriting({7, 3}, 8).find("To end"), std::string::npos);
-    EXPECT_EQ(
-        overwriting({9}, 8),
-        "It has 8 waypoints, 0 to 7: none is overwritten, and 0 to 7 stay as they are, for the protocol has no way to remove "
-        "one. Of 8 there is nothing in the file: what the device has there is its own affair. ");
+    EXPECT_EQ(overwriting({9}, 8),
+              "The device has 8 waypoints (0 to 7): none is overwritten, and 0 to 7 remain (the protocol cannot remove "
+              "waypoints). The file has no waypoint 8; the device decides their content. ");
 }
 
 TEST(WaypointForm, points_without_a_speed_are_named) {
     std::vector<ano::host::Waypoint> two(2);
     two[1].num = 4;
     const Json plain{{"waypoints", {{{"lng", 1}}, {{"lng", 1}, {"spd", 0}}}}};
-    EXPECT_EQ(speedless_text(plain, "json", two), "The file has no speed for 0 (counted from 0): 0 cm/s is written. ");
+    EXPECT_EQ(speedless_text(plain, "json", two), "The file has no speed for 0 (counted from 0); 0 cm/s is written. ");
     const Json map{{"features", {{{"properties", {{"spd", 0}}}}, {{"geometry", 1}}}}};
-    EXPECT_EQ(speedless_text(map, "geojson", two), "The file has no speed for 4 (counted from 0): 0 cm/s is written. ");
+    EXPECT_EQ(speedless_text(map, "geojson", two), "The file has no speed for 4 (counted from 0); 0 cm/s is written. ");
     EXPECT_EQ(speedless_text({}, "qgc", two),
-              "The file has no speed for 4 (counted from 0): 0 cm/s is written, for the plan changes it nowhere before. ");
+              "The file has no speed for 4 (counted from 0); 0 cm/s is written because the plan does not set a speed before. ");
     two[1].spd = 5;
     EXPECT_EQ(speedless_text({}, "qgc", two), "");
 }
@@ -271,7 +273,7 @@ TEST(CalibrationText, draws_the_face_that_is_up_and_lists_those_that_are_done) {
                                       }));
     EXPECT_EQ(calibration_step(job), "2 of 6 faces: +x, -z");
     const Json enough{{"step", {{"face", "+y"}, {"still", 0.4}, {"faces", {{"+y", 1}}}, {"done", {"+y"}}}}};
-    EXPECT_EQ(calibration_lines(enough)[2], "   /__________/ |   [x] +y, enough: turn it on");
+    EXPECT_EQ(calibration_lines(enough)[2], "   /__________/ |   [x] +y, done: turn it to the next face");
     const Json unknown{{"step", {{"face", nullptr}, {"still", 0}, {"done", Json::array()}}}};
     EXPECT_NE(calibration_lines(unknown)[1].find("/    ?     /|"), std::string::npos);
     EXPECT_TRUE(calibration_lines(Json{{"message", "reading"}}).empty());
@@ -292,9 +294,8 @@ TEST(CalibrationText, draws_the_sphere_from_above_to_below) {
 }
 
 TEST(CalibrationText, is_broken_where_a_terminal_is_narrow) {
-    EXPECT_EQ(
-        broken_lines({"   28 % of all directions, 80 % are enough: turn it to where the dots are", "  . #"}, 60),
-        (std::vector<std::string>{"   28 % of all directions, 80 % are enough: turn it to", "    where the dots are", "  . #"}));
+    EXPECT_EQ(broken_lines({"   28 % of all directions (80 % required); turn it toward the dots", "  . #"}, 60),
+              (std::vector<std::string>{"   28 % of all directions (80 % required); turn it toward", "    the dots", "  . #"}));
 }
 
 TEST(JobText, names_the_option_that_allows_what_is_refused) {
@@ -302,8 +303,8 @@ TEST(JobText, names_the_option_that_allows_what_is_refused) {
     EXPECT_EQ(with_options_named(text, "param"),
               "A: \"xy\" is longer than the 1 byte that the device has: --longer allows a longer one");
     const std::string flies = "0xDC is unlocked or flies: this is for the ground";
-    EXPECT_EQ(with_options_named(flies, "flash"), flies + "; land it and lock it, or do it all the same by --force");
-    EXPECT_EQ(with_options_named(flies, "calibrate"), flies + "; land it and lock it first") << "it has no such option";
+    EXPECT_EQ(with_options_named(flies, "flash"), flies + "; land and lock it, or use --force");
+    EXPECT_EQ(with_options_named(flies, "calibrate"), flies + "; land and lock it first") << "it has no such option";
 }
 
 TEST(JobText, calls_jobs_as_the_commands_are_called) {
@@ -334,11 +335,11 @@ TEST(LiveLines, are_written_anew_where_they_began_although_somebody_pressed_ente
 TEST(CalibrationText, has_the_residuals_and_what_was_found) {
     EXPECT_EQ(calibration_result(Json{{"before", 25.31}, {"after", 1.25}, {"values", {{"CAL_AOFF_X", 1.5}}}}, "accelerometer"),
               (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "CAL_AOFF_X=1.5",
-                                        "the device has stored them: they stay over a restart"}));
+                                        "saved permanently in the device"}));
     EXPECT_EQ(calibration_result(Json{{"before", 25.31}, {"after", 1.25}, {"verified", 2.5}, {"restarts", 2}}, "accelerometer"),
               (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "measured with the new values: 2.5 cm/s²",
-                                        "the device restarted 2 times meanwhile: only samples after that were used",
-                                        "the device has stored them: they stay over a restart"}));
+                                        "the device restarted 2 times during the calibration; only samples after that were used",
+                                        "saved permanently in the device"}));
     EXPECT_EQ(calibration_result(Json{{"values", {{"CAL_AEM1_X", 1.0}}}}, "accelerometer")[1], "CAL_AEM1_X=1")
         << "as param has it";
     EXPECT_EQ(calibration_result(Json{{"before", 0.12}, {"after", 0.012}}, "compass")[0], "residual 12 % before, 1.2 % now");

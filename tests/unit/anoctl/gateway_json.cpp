@@ -67,7 +67,7 @@ TEST(GatewayJson, what_is_recorded_and_what_is_wrong_with_it_are_lines) {
                            "keep_last": {"error": ""}})"),
         Lines{"recording: flight: /a: Permission denied; not written: 12"});
     EXPECT_EQ(lines_of(R"({"keep_last": {"error": "last.mcap is not saved: Input/output error"}})"),
-              Lines{"recording: the last frames are not saved: last.mcap is not saved: Input/output error"});
+              Lines{"recording: cannot save the latest frames: last.mcap is not saved: Input/output error"});
 }
 
 TEST(GatewayJson, a_recording_whose_times_are_of_two_clocks_has_no_length) {
@@ -107,7 +107,7 @@ TEST(GatewayJson, an_answer_that_refuses_is_told_in_its_words) {
     EXPECT_EQ(words_of(answer), "there is nothing");
     for (const char* body : {"", "<html>", "[]", "{}", R"({"error": 7})"}) {
         answer.body = body;
-        EXPECT_EQ(words_of(answer), "the gateway answers with status 404") << body;
+        EXPECT_EQ(words_of(answer), "the gateway returned HTTP status 404") << body;
     }
 }
 

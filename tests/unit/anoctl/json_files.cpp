@@ -23,7 +23,7 @@ const std::vector<BadJson> all_bad{
     {"a key twice", [](const std::string& inner) { return "{\"x\": 1, \"x\": 2" + inner + "}"; }, "'x' is given twice"},
     {"too deep", [](const std::string& inner) { return "{\"x\": " + std::string(40, '[') + std::string(40, ']') + inner + "}"; },
      "nested deeper than 32 levels"},
-    {"more behind it", [](const std::string& inner) { return "{\"x\": 1" + inner + "} {}"; }, "it is not JSON: "},
+    {"more behind it", [](const std::string& inner) { return "{\"x\": 1" + inner + "} {}"; }, "not valid JSON: "},
     {"a byte 0 behind it",
      [](const std::string& inner) {
          return "{\"x\": 1" + inner + "}" + std::string{'\0', 'x'};

@@ -88,30 +88,29 @@ TEST(Messages, bad_input_gets_words) {
     EXPECT_EQ(anoctl({"messages", "eulr"}).err, "anoctl: there is no message 'eulr' (did you mean 'euler'?)\n");
     EXPECT_EQ(anoctl({"messages", "eulr"}).exit, 2);
     EXPECT_EQ(anoctl({"messages", "0x77"}).exit, 2);
-    EXPECT_EQ(anoctl({"messages", "heartbeat"}).err, "anoctl: there is no message 'heartbeat'; anoctl messages lists them all\n");
+    EXPECT_EQ(anoctl({"messages", "heartbeat"}).err, "anoctl: there is no message 'heartbeat'; to list them: anoctl messages\n");
     EXPECT_EQ(anoctl({"messages", "--json", "--lua"}).exit, 2);
 }
 
 TEST(Anoctl, a_command_that_is_none_is_named) {
     const auto ran = anoctl({"mesages"});
     EXPECT_EQ(ran.exit, 2);
-    EXPECT_EQ(
-        ran.err,
-        "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor, "
-        "ports, setup, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, "
-        "calibrate, "
-        "log, alarms, image, "
-        "terminal, top, record, recordings, info, convert, replay, plot-udp, web, certificate\n");
+    EXPECT_EQ(ran.err,
+              "anoctl: unknown command 'mesages' (did you mean 'messages'?); commands: decode, encode, messages, monitor, "
+              "ports, setup, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, "
+              "calibrate, "
+              "log, alarms, image, "
+              "terminal, top, record, recordings, info, convert, replay, plot-udp, web, certificate\n");
     EXPECT_EQ(anoctl({"help"}).out, anoctl({"--help"}).out);
     EXPECT_EQ(anoctl({"help", "decode"}).out, anoctl({"decode", "--help"}).out);
     EXPECT_EQ(anoctl({}).exit, 2);
     EXPECT_EQ(anoctl({}).err,
-              "anoctl: no command; the commands are decode, encode, messages, monitor, "
+              "anoctl: missing command; commands: decode, encode, messages, monitor, "
               "ports, setup, status, links, routes, metrics, reload, flexible, send, devices, param, command, waypoint, flash, "
               "calibrate, "
               "log, alarms, "
-              "image, terminal, top, record, recordings, info, convert, replay, plot-udp, web, certificate, and anoctl COMMAND "
-              "--help says more\n");
+              "image, terminal, top, record, recordings, info, convert, replay, plot-udp, web, certificate; for help: anoctl "
+              "COMMAND --help\n");
 }
 
 }    // namespace

@@ -123,14 +123,14 @@ TEST(Pictures, are_not_made_of_frames_that_say_what_cannot_be) {
         EXPECT_TRUE(pictures.end().empty());
         return taken.fault;
     };
-    EXPECT_EQ(fault(support::frame(0xDF, 0xFE, 0xB0, Bytes(16))), "it is too short");
+    EXPECT_EQ(fault(support::frame(0xDF, 0xFE, 0xB0, Bytes(16))), "the frame is too short");
     EXPECT_EQ(fault(image(1, 7, 8, 8, {1})), "colour 7 is none");
     EXPECT_EQ(fault(image(1, 0, 0, 8, {1})), "a picture of 0x8 has no pixels");
     EXPECT_EQ(fault(image(1, 0, 8, 0, {1})), "a picture of 8x0 has no pixels");
     EXPECT_EQ(fault(image(1, 0, 65535, 65535, Bytes(65))), "a picture of 65535x65535 is too large");
-    EXPECT_EQ(fault(image(1, 0, 3, 3, {})), "it has no rows");
-    EXPECT_EQ(fault(image(1, 0, 3, 3, {1, 2, 3, 4})), "4 bytes are no whole rows of 3");
-    EXPECT_EQ(fault(image(1, 0, 1, 2, {1, 2, 3})), "it has more rows than a picture of 1x2");
+    EXPECT_EQ(fault(image(1, 0, 3, 3, {})), "the frame has no rows");
+    EXPECT_EQ(fault(image(1, 0, 3, 3, {1, 2, 3, 4})), "4 bytes are not a whole number of rows of 3");
+    EXPECT_EQ(fault(image(1, 0, 1, 2, {1, 2, 3})), "the frame has more rows than a picture of 1x2");
     EXPECT_EQ(fault(support::frame(0xDF, 0xFE, 0x03, {1})), "") << "of other messages it knows nothing";
 }
 

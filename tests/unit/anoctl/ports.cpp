@@ -109,7 +109,7 @@ TEST(Ports, are_shown_with_driver_product_and_the_name_that_stays) {
               "    /dev/serial/by-id/usb-1a86_USB_Serial-if00-port0\n"
               "/dev/ttyUSB10 cp210x CP2102N (1a86:7523)\n"
               "    /dev/serial/by-path/pci-0000:00:14.0-usb-0:2:1.0-port0\n"
-              "no CAN interface\n");
+              "no CAN interface found\n");
 }
 
 // Two CH340: udev gives both the same name, and the one plugged in last has it.
@@ -130,7 +130,7 @@ TEST(Ports, of_adapters_without_a_serial_number_are_named_by_their_socket) {
     EXPECT_EQ(ports[0].stable, "/dev/serial/by-path/pci-0000:00:14.0-usb-0:0:1.0-port0");
     EXPECT_EQ(ports[1].stable, "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0");
     EXPECT_EQ(ports[2].stable, "/dev/serial/by-id/usb-maker_2-if00-port0");
-    EXPECT_NE(computer.shown(administrator).find("by its USB socket: the adapter has no serial number of its own"),
+    EXPECT_NE(computer.shown(administrator).find("named by USB socket: the adapter has no unique serial number"),
               std::string::npos);
     EXPECT_TRUE(nlohmann::json::parse(lines_of(computer.shown(administrator, true)).at(0))["by_place"].get<bool>());
     const auto fault = [&](const std::string& device) { return anogate::fault_of_by_id(computer.root(), device); };
@@ -213,7 +213,7 @@ TEST(Ports, have_the_driver_that_stands_behind_the_kernels_own_devices) {
     computer.link("sys/devices/platform/fe201000.serial/ctrl0/driver", "../../bus/drivers/ctrl");
     computer.link("sys/devices/platform/fe201000.serial/driver", "../../bus/drivers/uart-pl011");
     computer.link("dev/serial0", "ttyAMA0");
-    EXPECT_EQ(computer.shown(administrator), "/dev/ttyAMA0 uart-pl011\n    /dev/serial0\nno CAN interface\n");
+    EXPECT_EQ(computer.shown(administrator), "/dev/ttyAMA0 uart-pl011\n    /dev/serial0\nno CAN interface found\n");
 }
 
 TEST(Ports, are_said_to_be_held_by_who_has_them_open_or_locked) {
@@ -291,8 +291,9 @@ TEST(Ports, for_people_fit_80_columns_and_no_name_is_cut) {
     const std::string shown = computer.shown({54321, "eve", {}});
     for (const std::string& line : lines_of(shown)) EXPECT_TRUE(line.size() <= 80 || line == name) << line;
     EXPECT_NE(shown.find("\n" + name + "\n"), std::string::npos) << shown;
-    EXPECT_NE(shown.find(::geteuid() == 0 ? "    no permission: only root may open it:" : "    no permission: it belongs to "),
-              std::string::npos)
+    EXPECT_NE(
+        shown.find(::geteuid() == 0 ? "    permission denied: only root may open it:" : "    permission denied: it belongs to "),
+        std::string::npos)
         << shown;
 }
 
@@ -330,7 +331,7 @@ TEST(Ports, of_can_are_shown_with_what_brings_them_up) {
               "can0 mcp251x down; to bring it up:\n"
               "    sudo ip link set can0 up type can bitrate 500000 restart-ms 100\n"
               "vcan0 virtual up\n"
-              "no serial port: is the adapter plugged in? sudo dmesg says what the kernel found\nof it\n");
+              "no serial port found; check that the adapter is plugged in (kernel messages:\nsudo dmesg)\n");
 }
 
 // --- netlink ----------------------------------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ TEST(Info, says_what_a_recording_holds) {
     const auto said = anoctl({"info", folder.write("flight.pcapng", flight())});
     EXPECT_EQ(said.exit, 0) << said.err;
     for (const char* words : {"pcapng of anoctl 0.1.0", "4 frames in 2.0 s",
-                              "7 frames are not in it: the gateway had no room for them: euler 4, power 3",
+                              "7 frames are missing: the buffer of the gateway was full: euler 4, power 3",
                               "fc    serial   3    0        1  limited 1", "0x03  euler         2      1.00     30  0xDC"})
         EXPECT_NE(said.out.find(words), std::string::npos) << words << "\n" << said.out;
     const json told = json::parse(anoctl({"info", "--json", "-"}, flight()).out);
@@ -73,11 +73,11 @@ TEST(Info, reads_what_is_cut_or_damaged_and_says_so) {
     EXPECT_NE(cut.out.find("cut off: the last "), std::string::npos) << cut.out;
     const auto running = anoctl({"info", "-"},
                                 support::write_pcapng({item(0, support::frame(1, 2, 3))}, {"anoctl 0.1.0"}, false));
-    EXPECT_NE(running.out.find("not ended: what records it still runs"), std::string::npos) << running.out;
+    EXPECT_NE(running.out.find("not finished: the recording is still running"), std::string::npos) << running.out;
     const auto damaged = anoctl({"info", "-"}, whole + std::string(5000, '\0'));
     EXPECT_EQ(damaged.exit, 1);
     EXPECT_NE(damaged.out.find("4 frames"), std::string::npos);
-    EXPECT_NE(damaged.out.find("damaged behind byte " + std::to_string(whole.size())), std::string::npos) << damaged.out;
+    EXPECT_NE(damaged.out.find("damaged after byte " + std::to_string(whole.size())), std::string::npos) << damaged.out;
 }
 
 TEST(Info, says_that_the_clock_was_set) {
@@ -91,7 +91,7 @@ TEST(Info, says_that_the_clock_was_set) {
 TEST(Info, says_what_is_no_recording) {
     const support::TempDir folder;
     EXPECT_EQ(anoctl({"info", folder / "nothing"}).exit, 2);
-    EXPECT_NE(anoctl({"info", "-"}, "").err.find("it is empty"), std::string::npos);
+    EXPECT_NE(anoctl({"info", "-"}, "").err.find("the file is empty"), std::string::npos);
     const auto text = anoctl({"info", folder.write("a.txt", "no capture, but more than enough text")});
     EXPECT_EQ(text.exit, 1);
     EXPECT_NE(text.err.find("it is neither pcapng nor MCAP"), std::string::npos);
@@ -110,7 +110,7 @@ TEST(Convert, makes_a_table_of_each_message) {
     EXPECT_NE(text_of(folder / "out-wind.csv").find("dropped,limited"), std::string::npos);
     const auto again = anoctl({"convert", file, folder / "out.csv"});
     EXPECT_EQ(again.exit, 2);
-    EXPECT_NE(again.err.find("is there already: --force writes over it"), std::string::npos) << again.err;
+    EXPECT_NE(again.err.find("already exists; use --force to overwrite it"), std::string::npos) << again.err;
     EXPECT_EQ(anoctl({"convert", file, folder / "out.csv", "--force"}).exit, 0);
     EXPECT_EQ(text_of(folder / "out-euler.csv"), euler);
 }
@@ -125,7 +125,7 @@ TEST(Convert, names_what_it_wrote) {
     EXPECT_NE(lines.find(" written into " + (folder / "out.ndjson")), std::string::npos) << lines;
     EXPECT_EQ(anoctl({"convert", file, "-"}).err.find(" into "), std::string::npos);
     const std::string none = anoctl({"convert", file, folder / "none.csv", "--id", "mode", "gps"}).err;
-    EXPECT_NE(none.find(" written: there is no table"), std::string::npos) << none;
+    EXPECT_NE(none.find(" written: no table was written"), std::string::npos) << none;
 }
 
 // Who has `alias anoctl='anoctl --control X'` has it for these as well, which ask no gateway.
@@ -208,7 +208,7 @@ TEST(Convert, has_decoded_messages_as_it_is_asked_for) {
     EXPECT_EQ(anoctl({"convert", file, folder / "b.mcap", "--message-encoding", "xml"}).exit, 2);
     const auto other = anoctl({"convert", file, folder / "b.pcapng", "--message-encoding", "cdr"});
     EXPECT_EQ(other.exit, 2);
-    EXPECT_NE(other.err.find("name OUT_FILE .mcap"), std::string::npos) << other.err;
+    EXPECT_NE(other.err.find("name OUT_FILE with .mcap"), std::string::npos) << other.err;
 }
 
 TEST(Info, says_of_mcap_by_its_index_what_it_says_of_all_of_it) {
@@ -242,8 +242,8 @@ TEST(Info, reads_all_of_an_mcap_file_whose_index_is_not_there_or_wrong) {
     const auto all = anoctl({"info", "--all", folder / "damaged.mcap"});
     EXPECT_EQ(all.exit, 1);
     EXPECT_NE(all.out.find("the chunk at byte "), std::string::npos) << all.out;
-    EXPECT_NE(all.out.find(" is damaged and left out, "), std::string::npos) << all.out;
-    EXPECT_NE(all.out.find("4 frames of the recording can't be read for that"), std::string::npos) << all.out;
+    EXPECT_NE(all.out.find(" is damaged and skipped, "), std::string::npos) << all.out;
+    EXPECT_NE(all.out.find("4 frames cannot be read because of this"), std::string::npos) << all.out;
     const json told = json::parse(anoctl({"info", "--all", "--json", folder / "damaged.mcap"}).out);
     EXPECT_EQ(told["skipped"]["parts"], 1);
     EXPECT_EQ(told["skipped"]["frames"], 4);
@@ -295,7 +295,7 @@ TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     EXPECT_EQ(said.exit, 1);
     EXPECT_NE(said.out.find("3 frames in"), std::string::npos) << said.out;
     EXPECT_NE(said.out.find("the block at byte " + std::to_string(packet) +
-                            " is damaged and left out, 1 message: a packet is of an interface that is not described"),
+                            " is damaged and skipped, 1 message: a packet is of an interface that is not described"),
               std::string::npos)
         << said.out;
     const support::TempDir folder;
@@ -329,7 +329,7 @@ TEST(Info, says_of_a_capture_of_a_network_that_it_is_none_of_a_gateway) {
     for (const auto& words : all) {
         const auto said = anoctl(words);
         EXPECT_EQ(said.exit, 1) << words[0];
-        EXPECT_NE(said.err.find("it is a capture of a network, not of a gateway: "), std::string::npos) << said.err;
+        EXPECT_NE(said.err.find("this is a network capture, not a recording of a gateway"), std::string::npos) << said.err;
     }
     EXPECT_EQ(anoctl({"info", "-"}, capture_of(static_cast<char>(147))).exit, 0);    // LINKTYPE_USER0
 }
@@ -342,9 +342,9 @@ TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
     for (const char* name : {"f.mcap.gz", "f.PCAP", "f.csv"}) {
         const auto refused = record(name);
         EXPECT_EQ(refused.exit, 2) << name;
-        EXPECT_NE(refused.err.find("name it .pcapng or .mcap"), std::string::npos) << refused.err;
+        EXPECT_NE(refused.err.find("name the file .pcapng or .mcap"), std::string::npos) << refused.err;
     }
-    EXPECT_NE(record("flight2").err.find("flight2: pcapng is written; for MCAP end the name with .mcap"), std::string::npos);
+    EXPECT_NE(record("flight2").err.find("flight2: writing pcapng; for MCAP, end the name with .mcap"), std::string::npos);
     EXPECT_EQ(record("F.MCAP").err.find(".pcapng"), std::string::npos);
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "A.MCAP", "--message-encoding", "json"}).exit, 0);
@@ -355,15 +355,14 @@ TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
 TEST(Record, says_where_the_name_of_its_file_went) {
     const auto said = anoctl({"record", "--id", "euler", "power", "e1.mcap", "--seconds", "2"});
     EXPECT_EQ(said.exit, 2);
-    EXPECT_NE(said.err.find("FILE is missing; 'e1.mcap' was taken for a value of --id: write it in front of --id"),
-              std::string::npos)
+    EXPECT_NE(said.err.find("missing FILE; 'e1.mcap' was read as a value of --id; place it before --id"), std::string::npos)
         << said.err;
     EXPECT_EQ(anoctl({"record", "--id", "euler", "power", "--seconds", "2"}).err.find("was taken"), std::string::npos);
 }
 
 TEST(WithoutAGateway, each_command_tells_its_own_way) {
     const support::TempDir folder;
-    const std::string none = folder / "none.sock", starts = "; anogated LINK... starts one";
+    const std::string none = folder / "none.sock", starts = "; to start one: anogated LINK...";
     const auto said = [&](std::vector<std::string> words) {
         words.insert(words.end(), {"--control", none});
         return anoctl(words).err;
@@ -371,9 +370,9 @@ TEST(WithoutAGateway, each_command_tells_its_own_way) {
     for (const std::string& err : {said({"record", folder / "a.mcap"}), said({"recordings"})})
         EXPECT_TRUE(err.ends_with(starts + "\n")) << err;
     const std::string plot = said({"plot-udp", "127.0.0.1:9870"}), monitor = said({"monitor"}), list = said({"param", "list"});
-    EXPECT_TRUE(plot.ends_with(starts + ", and anoctl plot-udp IP:PORT LINK does without\n")) << plot;
-    EXPECT_TRUE(monitor.ends_with(starts + ", and anoctl monitor LINK does without\n")) << monitor;
-    EXPECT_TRUE(list.ends_with(starts + ", and --link LINK does without\n")) << list;
+    EXPECT_TRUE(plot.ends_with(starts + "; to work without a gateway: anoctl plot-udp IP:PORT LINK\n")) << plot;
+    EXPECT_TRUE(monitor.ends_with(starts + "; to work without a gateway: anoctl monitor LINK\n")) << monitor;
+    EXPECT_TRUE(list.ends_with(starts + "; to work without a gateway, add --link LINK\n")) << list;
 }
 
 TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_it) {
@@ -383,7 +382,8 @@ TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_i
     anogate::mcap::put_message(file, {1, 0, 1, 1, "abc"});
     const auto said = anoctl({"info", folder.write("other.mcap", file)});
     EXPECT_EQ(said.exit, 1);
-    EXPECT_NE(said.err.find("it is an MCAP file, but not of a gateway: it has no channel /anogate/frames"), std::string::npos)
+    EXPECT_NE(said.err.find("this MCAP file is not a recording of a gateway: it has no channel /anogate/frames"),
+              std::string::npos)
         << said.err;
 }
 

@@ -16,8 +16,8 @@ TEST(RefusedLengths, names_the_link_and_what_to_set) {
     const auto sentences = refused_lengths(before, now);
     ASSERT_EQ(sentences.size(), 2u);
     EXPECT_EQ(sentences[0],
-              "the link 'cam' refused 2 headers for LEN (bad_length): if pictures are missing, set max_data=20000 on it");
-    EXPECT_NE(sentences[1].find("4 frames did not fit the link 'ground' (too_big): set max_data_out=20000"), std::string::npos);
+              "the link 'cam' refused 2 headers due to LEN (bad_length); if pictures are missing, set max_data=20000 on it");
+    EXPECT_NE(sentences[1].find("4 frames did not fit the link 'ground' (too_big); set max_data_out=20000"), std::string::npos);
     EXPECT_TRUE(refused_lengths({}, {}).empty()) << "no gateway answers";
     EXPECT_TRUE(refused_lengths(now, before).empty()) << "it was started again";
 }

@@ -114,7 +114,7 @@ TEST(TopScreen, is_as_large_as_the_terminal_and_counts_what_has_no_room) {
             for (const std::string& line : screen) EXPECT_LE(line.size(), width);
         }
     const auto screen = top_screen(view, TopSort::out, 80, 24);
-    EXPECT_EQ(screen.back(), "q quit   s sort, now by out");
+    EXPECT_EQ(screen.back(), "q quit   s sort, by out");
     EXPECT_TRUE(contains(screen, "... and 28 more")) << "of the channels";
     EXPECT_TRUE(contains(screen, "... and 35 more")) << "of the addresses";
 }

@@ -32,7 +32,7 @@ public:
         const bool waits = text_at(job, "state") == "waiting";
         if (streams_.err_is_terminal) {
             std::vector<std::string> lines = calibration_lines(job);
-            lines.push_back(message + (waits ? " (Enter goes on, Ctrl-C cancels)" : ""));
+            lines.push_back(message + (waits ? " (Enter continues, Ctrl-C cancels)" : ""));
             const std::size_t width = Screen::size().width;
             return lines_.show(broken_lines(lines, width), width);
         }
@@ -58,9 +58,9 @@ struct Calibrate {
         DeviceClient client{options, streams};
         client.will_act();
         client.must_be_able_to_ask("calibrate");
-        const char* todo = what == "compass" ? "turn it slowly in all directions, far from iron"
-                                             : "lay it still on each of its six faces";
-        if (!client.may("Calibrate the " + what + " of " + client.device_words() + "? You will " + todo + ".")) {
+        const char* todo = what == "compass" ? "need to rotate it slowly in all directions, away from magnetic metal"
+                                             : "need to place it on each of its six faces and keep it still";
+        if (!client.may("Calibrate the " + what + " of " + client.device_words() + "? You " + todo + ".")) {
             tell(streams, "nothing was changed");
             return failed;
         }
@@ -82,14 +82,14 @@ struct Calibrate {
 Run add_calibrate(Options& options) {
     const auto self = std::make_shared<Calibrate>();
     const auto read_what = [self](const std::string& word) -> std::string {
-        if (word != "accelerometer" && word != "compass") return ano::in_quotes(word) + " is neither accelerometer nor compass";
+        if (word != "accelerometer" && word != "compass") return ano::in_quotes(word) + " is not accelerometer or compass";
         self->what = word;
         return {};
     };
-    options.push_back(
-        {"what", Option::Read{read_what}, "accelerometer|compass",
-         "Shows what is still to be done; the old calibration comes back when it is cancelled or the new one is no better",
-         true});
+    options.push_back({"what", Option::Read{read_what}, "accelerometer|compass",
+                       "Sensor to calibrate. Shows the remaining steps; restores the old calibration if you cancel or if the new "
+                       "one is not better",
+                       true});
     DeviceOptions::add(options, self->options, "calibrate");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };

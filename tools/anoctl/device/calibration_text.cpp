@@ -53,7 +53,7 @@ std::vector<std::string> faces_drawn(const Json& step) {
         lines[i] += (is_done ? "[x] " : is_up ? "[>] " : "[ ] ") + face;
         if (is_up && !is_done)
             lines[i] += ", " + percent(number_at(at(step, "faces"), face)) + ", still " + percent(number_at(step, "still"));
-        if (is_up && is_done) lines[i] += ", enough: turn it on";
+        if (is_up && is_done) lines[i] += ", done: turn it to the next face";
     }
     return lines;
 }
@@ -71,8 +71,7 @@ std::vector<std::string> sphere_drawn(const Json& step) {
         }
         lines.push_back(line);
     }
-    lines.push_back("   " + percent(number_at(step, "filled")) +
-                    " of all directions, 80 % are enough: turn it to where the dots are");
+    lines.push_back("   " + percent(number_at(step, "filled")) + " of all directions (80 % required); turn it toward the dots");
     return lines;
 }
 
@@ -122,10 +121,10 @@ std::vector<std::string> calibration_result(const Json& result, const std::strin
         lines.push_back("measured with the new values: " + residual_text(number_at(result, "verified"), is_share));
     if (const double restarts = number_at(result, "restarts"); restarts > 0)
         lines.push_back("the device restarted " + ano::number_text(restarts) + (restarts > 1 ? " times" : " time") +
-                        " meanwhile: only samples after that were used");
+                        " during the calibration; only samples after that were used");
     for (const auto& [name, value] : at(result, "values").items())
         lines.push_back(without_controls(name) + "=" + plain_at(at(result, "values"), name.c_str()));
-    lines.emplace_back("the device has stored them: they stay over a restart");
+    lines.emplace_back("saved permanently in the device");
     return lines;
 }
 

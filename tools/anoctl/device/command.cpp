@@ -31,14 +31,14 @@ struct Command {
     int run(Streams& streams) const {
         if (action == "list") return list(streams);
         if (action == "call") return call(streams);
-        throw UsageError{"command " + ano::in_quotes(action) +
-                         " is nothing to do; list, call NAME [VALUE...] and call --cid CID [TYPE:VALUE...] are"};
+        throw UsageError{"unknown action " + ano::in_quotes(action) +
+                         "; actions: list, call NAME [VALUE...], call --cid CID [TYPE:VALUE...]"};
     }
 
 private:
     int list(Streams& streams) const {
-        if (!words.empty()) throw UsageError{ano::in_quotes(words[0]) + " is a word too many"};
-        if (!cid.empty()) throw UsageError{"--cid is for command call"};
+        if (!words.empty()) throw UsageError{"unexpected argument " + ano::in_quotes(words[0])};
+        if (!cid.empty()) throw UsageError{"--cid requires command call"};
         DeviceClient client{options, streams};
         const Json answer = client.run("GET", client.target("/commands"));
         Table table{{" ID", "COMMAND", "WHAT"}};
@@ -67,7 +67,7 @@ private:
 
     int call(Streams& streams) const {
         if (!cid.empty()) return call_the_cid(streams);
-        if (words.empty()) throw UsageError{"which? anoctl command call NAME [VALUE...]"};
+        if (words.empty()) throw UsageError{"missing NAME: anoctl command call NAME [VALUE...]"};
         DeviceClient client{options, streams};
         client.will_act();
         client.must_be_able_to_ask("command call");
@@ -81,7 +81,7 @@ private:
             came = client.run("POST", client.target("/commands/" + text_at(command, "id")), body.dump());
         } catch (const Outdated&) {    // once: the board was swapped, for instance
             if (name.empty()) throw;
-            tell(streams, client.device_words() + " has other commands than before: they are read again");
+            tell(streams, client.device_words() + " has different commands than before; reading them again");
             const Json now = client.run("GET", client.target("/commands"));
             command = command_called(at(now, "commands"), name);    // that the user agreed to, whatever its number
             body = body_of(command, given);
@@ -118,7 +118,7 @@ private:
         return text;
     }
     static bool is_wanted(DeviceClient& client, const std::string& text, Streams& streams) {
-        if (client.may("Tell " + client.device_words() + ": " + text + "?")) return true;
+        if (client.may("Send " + text + " to " + client.device_words() + "?")) return true;
         tell(streams, "nothing was sent");
         return false;
     }
@@ -133,23 +133,22 @@ private:
 
 Run add_command(Options& options) {
     const auto self = std::make_shared<Command>();
-    options.push_back({"action", &self->action, "list|call", "list, or call NAME [VALUE...]: asks before it is sent", true});
-    options.push_back(
-        {"words", &self->words, "[COMMAND [VALUE...]]", "The command by name or number, and a value for each of its types"});
-    options.push_back(
-        {"--cid", &self->cid, "CID",
-         "call: the command by its three bytes, as in 16,0,5, with values as in u16:150, instead of by its name; the "
-         "device is asked nothing first"});
-    options.push_back({"--repeat", &self->repeat, "", "Sends it again when no answer comes: it may be carried out twice then"});
-    options.push_back(
-        {"--type7",
-         [self](const std::string& word) {
-             self->type7 = word;
-             return word == "f32" || word == "u64" ? std::string{} : ano::in_quotes(word) + " is neither f32 nor u64";
-         },
-         "f32|u64",
-         "call: what value type 7 means for a device whose descriptions do not show it (f32 in older ones); the gateway "
-         "keeps it"});
+    options.push_back({"action", &self->action, "list|call",
+                       "list: list the commands; call NAME [VALUE...]: send a command, after confirmation", true});
+    options.push_back({"words", &self->words, "[COMMAND [VALUE...]]", "Command, by name or number, and one value per argument"});
+    options.push_back({"--cid", &self->cid, "CID",
+                       "call: select the command by its three CID bytes, such as 16,0,5, with values such as u16:150, instead of "
+                       "by name; sends nothing else to the device first"});
+    options.push_back({"--repeat", &self->repeat, "", "Retry until acknowledged; the command may be executed twice"});
+    options.push_back({"--type7",
+                       [self](const std::string& word) {
+                           self->type7 = word;
+                           return word == "f32" || word == "u64" ? std::string{}
+                                                                 : ano::in_quotes(word) + " is neither f32 nor u64";
+                       },
+                       "f32|u64",
+                       "call: meaning of value type 7 for a device whose descriptions do not show it (f32 on older devices); the "
+                       "gateway remembers it"});
     DeviceOptions::add(options, self->options, "command");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };

@@ -22,7 +22,7 @@ namespace {
 Json value_typed(const std::string& word, const std::string& type_name, const std::string& where) {
     if (const std::string misfit = misfit_of(word, type_name); !misfit.empty()) throw UsageError{where + misfit};
     const auto number = ano::parse_number(word);
-    if (!number) throw UsageError{where + ano::in_quotes(word) + " is no number"};
+    if (!number) throw UsageError{where + ano::in_quotes(word) + " is not a number"};
     return std::visit([](auto plain) { return Json(plain); }, *number);
 }
 
@@ -57,14 +57,14 @@ const Json& command_called(const Json& commands, const std::string& word) {
         names.push_back(text_at(command, "name"));
         if (names.back() != word && text_at(command, "id") != word) continue;
         if (found != nullptr && text_at(*found, "id") != word)
-            throw UsageError{"several commands are called " + ano::in_quotes(word) +
-                             ": say its number, anoctl command list has them"};
+            throw UsageError{"several commands are named " + ano::in_quotes(word) +
+                             "; use the number shown by anoctl command list"};
         found = &command;
     }
     if (found != nullptr) return *found;
     throw UsageError{"the device has no command " + ano::in_quotes(word) +
                      ano::did_you_mean(word, std::vector<std::string_view>{names.begin(), names.end()}) +
-                     "; anoctl command list has them"};
+                     "; to list the commands: anoctl command list"};
 }
 
 std::string command_usage(const Json& command) {

@@ -57,7 +57,8 @@ std::string words_of_refusal(const http::Answer& answer, const Json& device, con
     const Json json = Json::parse(answer.body, nullptr, false);
     const std::string job = answer.status == 409 ? text_at(json, "job") : "", place = place_to_type(options);
     if (!job.empty())
-        words += "; anoctl devices --jobs" + place + " shows what it does, anoctl devices --cancel " + job + place + " ends it";
+        words += "; anoctl devices --jobs" + place + " shows its progress, anoctl devices --cancel " + job + place +
+                 " cancels it";
     return words;
 }
 
@@ -151,7 +152,7 @@ private:
             if (ec) return;
             if (std::exchange(interrupted_, true) || !has_job_) return loop_.io.stop();
             view_.end();
-            streams_.err << "\nanoctl: cancelling at the device; Ctrl-C again quits without waiting for the end of that"
+            streams_.err << "\nanoctl: cancelling the operation on the device; press Ctrl-C again to quit without waiting"
                          << std::endl;
             loop_.door->ask(request_of("DELETE", "/jobs/" + text_at(job_, "id"), {}), [](const http::Outcome&) {});
             await_signal();
@@ -167,12 +168,12 @@ private:
             throw Interrupted{end + what_is_half_done()};
         }
         if (const std::string rest = half_done(job_); error.starts_with(gateway_ends))
-            throw Failure{"the gateway ended" + (rest.empty() ? error.substr(gateway_ends.size()) : ": " + rest)};
+            throw Failure{"the gateway stopped" + (rest.empty() ? error.substr(gateway_ends.size()) : ": " + rest)};
         const bool is_over = state != "running" && state != "waiting";
         if (has_job_ && !is_over && outcome_->answer.status / 100 != 4)
-            throw Failure{"the gateway ended; outcome unknown" + what_is_half_done()};
+            throw Failure{"the gateway stopped; outcome unknown" + what_is_half_done()};
         if (!error.empty() && job_.contains("result")) throw JobFailure{error, job_["result"].dump()};
-        if (state == "cancelled") throw Failure{"somebody else cancelled it" + what_is_half_done()};
+        if (state == "cancelled") throw Failure{"cancelled by another client" + what_is_half_done()};
         const bool is_counted = text_at(job_, "kind") == "put_waypoints" && number_at(job_, "total") > 0;
         if (text_at(job_, "what") == Outdated::what_of_commands) throw Outdated{error};
         if (!error.empty()) throw Failure{error + (is_counted ? what_is_half_done() : "")};
@@ -183,7 +184,7 @@ private:
             if (text_at(refusal, "what") == Outdated::what_of_commands) throw Outdated{words};
             throw Failure{words};
         }
-        if (has_job_) throw Failure{"the job ended without a word of how"};
+        if (has_job_) throw Failure{"the job ended without reporting a result"};
         return parse_answer(outcome_->answer.body);
     }
     std::string what_is_half_done() const {
@@ -207,20 +208,20 @@ private:
 };
 
 void DeviceOptions::add(Options& declared, DeviceOptions& self, const char* command) {
-    declared.push_back({"--device", &self.device, "DEVICE", "The device, by address or name (default: the only one there)"});
+    declared.push_back({"--device", &self.device, "DEVICE", "Device, by address or name (default: the only device)"});
     add_place(declared, self, command);
 }
 
 void DeviceOptions::add_place(Options& declared, DeviceOptions& self, const char* command) {
     self.command = command;
     declared.push_back(
-        {"--link", &self.link, "KIND:ADDRESS[,KEY=VALUE...]", "Without a gateway: by a link of its own, as for anogated"});
+        {"--link", &self.link, "KIND:ADDRESS[,KEY=VALUE...]", "Use this link, as for anogated, instead of a gateway"});
     GatewayOptions::add(declared, self.gateway);
-    declared.push_back({"--json", &self.json, "", "As JSON, one object a line"});
+    declared.push_back({"--json", &self.json, "", "Print one JSON object per line"});
 }
 
 void DeviceOptions::add_yes(Options& declared, DeviceOptions& self) {
-    declared.push_back({"--yes", &self.yes, "", "Does it without asking first"});
+    declared.push_back({"--yes", &self.yes, "", "Run without confirmation"});
 }
 
 DeviceClient::DeviceClient(const DeviceOptions& options, Streams& streams)
@@ -245,7 +246,7 @@ Json DeviceClient::ask(const std::string& method, const std::string& target, std
         loop_->io.stop();
     });
     loop_->io.run();
-    if (!outcome) throw Failure{"there is no answer"};
+    if (!outcome) throw Failure{"no response"};
     if (!outcome->fault.empty()) throw Failure{outcome->fault};
     if (outcome->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome->answer, loop_->device, options_)};
     return parse_answer(outcome->answer.body);
@@ -273,8 +274,8 @@ const Json& DeviceClient::device() {
     if (found.empty() && options_.link.empty()) found = choose(devices(true));
     if (found.size() > 1 && !all_have_names(found)) found = choose(devices(true));    // so that the user can choose by name
     if (found.size() == 1) return loop_->device = found.front();
-    if (found.size() > 1) throw UsageError{"there are several devices, choose one by --device: " + list_of(found)};
-    throw Failure{options_.device.empty() ? "no device answers" : no_such_device(options_.device, devices(false))};
+    if (found.size() > 1) throw UsageError{"several devices found; choose one with --device: " + list_of(found)};
+    throw Failure{options_.device.empty() ? "no device responded" : no_such_device(options_.device, devices(false))};
 }
 
 Json DeviceClient::choose(const Json& found) const {
@@ -302,20 +303,19 @@ std::string DeviceClient::device_words() { return words_of_device(device()); }
 
 void DeviceClient::must_be_able_to_ask(const std::string& what) const {
     if (!options_.yes && !streams_.in_is_terminal)
-        throw UsageError{what + " asks first, and there is no terminal to ask at: --yes does it without"};
+        throw UsageError{what + ": confirmation required, but stdin is not a terminal; use --yes"};
 }
 
 bool DeviceClient::may(const std::string& question) {
     if (options_.yes) return true;
-    must_be_able_to_ask("it");
+    must_be_able_to_ask("this command");
     return agrees(streams_, question);
 }
 
 bool DeviceClient::may_write(const std::string& path) {
     if (!is_file(path) || options_.yes) return true;
-    if (!streams_.in_is_terminal)
-        throw UsageError{path + " is there already, and there is no terminal to ask at: --yes replaces it"};
-    return may(path + " is there already. Replace it?");
+    if (!streams_.in_is_terminal) throw UsageError{path + " already exists; use --yes to replace it"};
+    return may(path + " already exists. Replace it?");
 }
 
 }    // namespace anoctl

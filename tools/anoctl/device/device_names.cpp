@@ -43,10 +43,9 @@ std::string no_such_device(const std::string& name, const Json& devices) {
     for (const Json& device : devices)
         for (const char* key : {"name", "address"})
             if (std::string word = text_at(device, key); !word.empty()) known.push_back(std::move(word));
-    return ano::in_quotes(name) + " is no device that answers" +
+    return "no device " + ano::in_quotes(name) + " responded" +
            ano::did_you_mean(name, std::vector<std::string_view>{known.begin(), known.end()}) +
-           (devices.empty() ? "; none is there"
-                            : "; there " + std::string{devices.size() == 1 ? "is " : "are "} + list_of(devices));
+           (devices.empty() ? "; no devices known" : "; devices: " + list_of(devices));
 }
 
 std::string words_of_device(const Json& device) {
@@ -63,11 +62,12 @@ std::string with_device_named(std::string words, const Json& device) {
 std::vector<std::string> left_behind(const Json& device) {
     std::vector<std::string> all;
     if (text_at(device, "in_loader") == "true")
-        all.emplace_back("an upgrade did not end: it was left in its loader, anoctl flash FILE gives it its firmware");
+        all.emplace_back(
+            "a firmware update was interrupted; the device is still in its loader. Flash it again: anoctl flash FILE");
     if (const std::string kept = names_at(device, "kept"); !kept.empty())
-        all.push_back("a calibration did not end: the old values are kept (" + kept + ") and written back when that can be done");
+        all.push_back("a calibration was interrupted; its old values are kept (" + kept + ") and will be restored when possible");
     if (const std::string dropped = names_at(device, "dropped"); !dropped.empty())
-        all.push_back("a calibration did not end, and its old values are not written back: " + dropped);
+        all.push_back("a calibration was interrupted and its old values were not restored: " + dropped);
     if (const std::string hint = text_at(device, "hint"); !hint.empty()) all.push_back(hint);
     return all;
 }

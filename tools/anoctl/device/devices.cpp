@@ -69,9 +69,9 @@ private:
                        text_at(device, "job")});
             for (const std::string& words : left_behind(device)) table.note("    " + words);
         }
-        if (table.empty()) tell(streams, std::string{"no device is there"} + (scan ? "" : "; --scan asks everybody"));
+        if (table.empty()) tell(streams, std::string{"no devices found"} + (scan ? "" : "; to search for devices, add --scan"));
         else table.write(streams.out, "", streams.terminal ? streams.width : 0);
-        if (!have_names && !scan) say(streams, "(some have not said their names yet; --scan asks)");
+        if (!have_names && !scan) say(streams, "(some names are not known yet; to request them, add --scan)");
         return fine;
     }
 
@@ -89,7 +89,7 @@ private:
                            text_at(one, "state"), percent_of(one), text_at(one, "client"), text_at(one, "message")});
         }
         if (options.json) return fine;
-        if (table.empty()) tell(streams, "nothing is asked of any device, nor was lately");
+        if (table.empty()) tell(streams, "no current or recent jobs");
         else table.write(streams.out, "", streams.terminal ? streams.width : 0);
         return fine;
     }
@@ -98,9 +98,9 @@ private:
     static std::string question_before_cancelling(const Json& job) {
         if (has_ended(job) || text_at(job, "kind") != "firmware") return {};
         const std::string by = text_at(job, "client");
-        return "Job " + text_at(job, "id") + (by.empty() ? by : " of " + by) + " writes the firmware of " +
+        return "Job " + text_at(job, "id") + (by.empty() ? by : " of " + by) + " is writing the firmware of " +
                text_at(job, "device") + " (" + percent_of(job) +
-               "): cut off, it is left in its loader and does nothing until it is flashed again. Cancel it?";
+               "). If you cancel, the device stays in its loader and does not work until it is flashed again. Cancel it?";
     }
 
     int cancel(DeviceClient& client, Streams& streams) const {
@@ -108,7 +108,7 @@ private:
         const Json now = client.ask("GET", target);
         const std::string before = text_at(now, "state");
         if (const std::string question = question_before_cancelling(now); !question.empty()) {
-            client.must_be_able_to_ask("cancelling an upgrade");
+            client.must_be_able_to_ask("cancelling a firmware update");
             if (!client.may(question)) {
                 tell(streams, "nothing was cancelled");
                 return failed;
@@ -123,7 +123,7 @@ private:
         std::string words = "job " + text_at(ended, "id") + " (" + command_of_job(text_at(ended, "kind")) +
                             (by.empty() ? by : " of " + by) + "): ";
         const bool says_so = error.starts_with("cancelled");
-        words += state == "cancelled" && before != state ? "cancelled" : "it was over: " + state;
+        words += state == "cancelled" && before != state ? "cancelled" : "already ended: " + state;
         if (says_so) words += error.substr(std::string_view{"cancelled"}.size());
         else if (!error.empty()) words += "; " + error;
         say(streams, words);
@@ -138,17 +138,22 @@ Run add_devices(Options& options) {
     const auto read_job = [self](const std::string& word) -> std::string {
         const auto number = ano::parse_number(word);
         const auto* id = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
-        if (id == nullptr || *id > std::numeric_limits<unsigned>::max()) return ano::in_quotes(word) + " is no number of a job";
+        if (id == nullptr || *id > std::numeric_limits<unsigned>::max()) return ano::in_quotes(word) + " is not a job number";
         self->job = static_cast<unsigned>(*id);
         return {};
     };
-    options.push_back({"--scan", &self->scan, "", "Asks everybody who he is; without it, those that were heard"});
     options.push_back(
-        {"--jobs", &self->jobs, "", "What is asked of devices just now, by whom, and what came of it lately", false, {"--scan"}});
+        {"--scan", &self->scan, "", "Query all devices for their information; without it, list only devices already seen"});
+    options.push_back({"--jobs",
+                       &self->jobs,
+                       "",
+                       "List current and recent jobs on devices, with their clients and results",
+                       false,
+                       {"--scan"}});
     options.push_back({"--cancel",
                        Option::Read{read_job},
                        "JOB",
-                       "Ends this job of --jobs, whoever began it; asks first where it writes firmware",
+                       "Cancel this job from --jobs, of any client; asks for confirmation if it writes firmware",
                        false,
                        {"--scan", "--jobs"}});
     DeviceOptions::add_place(options, self->options, "devices");

@@ -19,23 +19,23 @@ std::string why() { return std::generic_category().message(errno); }
 }    // namespace
 
 std::string text_of_file(const std::string& path, std::size_t max_bytes) {
-    if (path.empty()) throw UsageError{"a FILE has a name"};
+    if (path.empty()) throw UsageError{"FILE is an empty name"};
     const int fd = path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (fd < 0) throw UsageError{path + ": it can't be read: " + why()};
+    if (fd < 0) throw UsageError{path + ": cannot read: " + why()};
     std::string text;
     char room[64 * 1024];
     ssize_t n = 0;
     while ((n = ::read(fd, room, sizeof room)) > 0 && text.size() <= max_bytes) text.append(room, static_cast<std::size_t>(n));
     const std::string fault = n < 0 ? why() : "";
     ::close(fd);
-    if (!fault.empty()) throw UsageError{path + ": it can't be read: " + fault};
-    if (text.size() > max_bytes) throw UsageError{path + ": it has more than " + std::to_string(max_bytes >> 20) + " MiB"};
+    if (!fault.empty()) throw UsageError{path + ": cannot read: " + fault};
+    if (text.size() > max_bytes) throw UsageError{path + ": larger than " + std::to_string(max_bytes >> 20) + " MiB"};
     return text;
 }
 
 std::string given_text(const std::string& path, const std::string& what, Streams& streams) {
     if (path == "-" && streams.in_is_terminal)
-        tell(streams, "reading " + what + " from standard input, up to Ctrl-D at the beginning of a line");
+        tell(streams, "reading " + what + " from standard input; finish with Ctrl-D at the start of a line");
     return text_of_file(path);
 }
 
@@ -46,7 +46,7 @@ bool is_file(const std::string& path) {
 
 void write_file(const std::string& path, const std::string& text) {
     namespace fs = std::filesystem;
-    if (path.empty()) throw UsageError{"a FILE has a name"};
+    if (path.empty()) throw UsageError{"FILE is an empty name"};
     std::error_code error;
     const fs::file_status there = fs::status(path, error);
     const bool is_plain = !fs::exists(there) || fs::is_regular_file(there);
@@ -61,7 +61,7 @@ void write_file(const std::string& path, const std::string& text) {
     if (good && std::rename(part.c_str(), target.c_str()) == 0) return;
     const std::string fault = why();
     if (is_plain) ::unlink(part.c_str());
-    throw Failure{path + ": it can't be written: " + fault};
+    throw Failure{path + ": cannot write: " + fault};
 }
 
 }    // namespace anoctl

@@ -29,19 +29,18 @@ struct Flash {
     int run(Streams& streams) const {
         anogate::http::Request request;
         request.body = given_text(file, "firmware", streams);
-        if (request.body.empty()) throw UsageError{file + ": it is empty"};
+        if (request.body.empty()) throw UsageError{file + ": the file is empty"};
         const bool has_header = request.body.starts_with("bia");
         if (!has_header && file.ends_with(".bia"))
-            throw UsageError{file +
-                             ": it does not begin as a .bia does; what is no .bia but firmware all the same is called .bin"};
+            throw UsageError{file + ": not a .bia file (wrong header); name raw firmware .bin"};
         if (!has_header && file != "-" && !file.ends_with(".bin") && !file.ends_with(".BIN"))
-            throw UsageError{file + ": it is no .bia, and only firmware called .bin is taken as it is"};
+            throw UsageError{file + ": not a .bia file; raw firmware must be named .bin"};
         DeviceClient client{options, streams};
         client.will_act();
         client.must_be_able_to_ask("flash");
         const std::string size = bytes_text(static_cast<double>(request.body.size()));
-        if (!client.may("Replace the firmware of " + device_with_versions(client) + " by " + file + ", " + size +
-                        (has_header ? "" : ", which says nothing of the hardware that it is for") + "?")) {
+        if (!client.may("Replace the firmware of " + device_with_versions(client) + " with " + file + ", " + size +
+                        (has_header ? "" : ", which does not name its hardware") + "?")) {
             tell(streams, "nothing was changed");
             return failed;
         }
@@ -55,7 +54,7 @@ struct Flash {
         if (options.json) streams.out << ano::json_text(came) << '\n';
         else {
             const std::string note = text_at(came, "note");
-            say(streams, client.device_words() + ": written and checked, " +
+            say(streams, client.device_words() + ": written and verified, " +
                              plural(static_cast<std::size_t>(number_at(came, "frames")), "frame") + ", " +
                              text_at(came, "repeats") + " repeated, in " + time_text(number_at(came, "seconds")) +
                              (note.empty() ? "" : "; " + note));
@@ -76,10 +75,11 @@ private:
 
 Run add_flash(Options& options) {
     const auto self = std::make_shared<Flash>();
-    options.push_back({"file", &self->file, "FILE", ".bia, which is checked against the hardware, or .bin", true});
-    options.push_back({"--force", &self->force, "", "Although it is for other hardware, or the device says that it flies"});
+    options.push_back({"file", &self->file, "FILE", "Firmware file: .bia, checked against the hardware, or .bin", true});
     options.push_back(
-        {"--crc", &self->crc, "ibm-3740|xmodem|kermit|modbus|arc", "The CRC-16 of the device's loader (default: ibm-3740)"});
+        {"--force", &self->force, "", "Update even if the file is for other hardware or the device reports that it is flying"});
+    options.push_back(
+        {"--crc", &self->crc, "ibm-3740|xmodem|kermit|modbus|arc", "CRC-16 variant of the device's loader (default: ibm-3740)"});
     DeviceOptions::add(options, self->options, "flash");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };

@@ -49,9 +49,9 @@ private:
 }    // namespace
 
 void FramesOf::add(Options& declared, FramesOf& self) {
-    declared.push_back({"--device", &self.devices, "DEVICE...", "Only from these devices, by address or name"});
+    declared.push_back({"--device", &self.devices, "DEVICE...", "Select only these devices, by address or name"});
     declared.push_back(
-        {"--link", &self.link, "KIND:ADDRESS[,KEY=VALUE...]", "Without a gateway: by a link of its own, as for anogated"});
+        {"--link", &self.link, "KIND:ADDRESS[,KEY=VALUE...]", "Use this link, as for anogated, instead of a gateway"});
     GatewayOptions::add(declared, self.gateway);
 }
 
@@ -62,7 +62,7 @@ std::vector<std::string> FramesOf::by_address() const {
         if (!std::holds_alternative<ano::JsonFault>(ano::address_called(word))) continue;
         if (!link.empty())
             throw UsageError{"--device: " + ano::in_quotes(word) +
-                             " is no address (0xDC), and by a link of its own nobody is asked for his name"};
+                             " is not an address (0xDC); with --link, give addresses instead of names"};
         word = address_named(word);
     }
     return all;
@@ -76,10 +76,11 @@ std::string FramesOf::address_named(const std::string& word) const {
         called = with_name(at(known, "devices"), word);
     }
     if (called.size() == 1) return text_at(called.front(), "address");
-    if (called.size() > 1) throw UsageError{"--device: several are called " + ano::in_quotes(word) + ": " + list_of(called)};
+    if (called.size() > 1)
+        throw UsageError{"--device: several devices are named " + ano::in_quotes(word) + ": " + list_of(called)};
     const std::string there = list_of(at(known, "devices"));
-    throw UsageError{"--device: no device is called " + ano::in_quotes(word) +
-                     (there.empty() ? ", and none was heard" : "; there are " + there)};
+    throw UsageError{"--device: no device is named " + ano::in_quotes(word) +
+                     (there.empty() ? "; no devices known" : "; devices: " + there)};
 }
 
 std::string FramesOf::each(const std::vector<std::string>& ids, FrameTaker& taker, Streams& streams,

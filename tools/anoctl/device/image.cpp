@@ -39,7 +39,7 @@ public:
     explicit PictureFolder(fs::path folder) : folder_{std::move(folder)} {
         std::error_code error;
         fs::create_directories(folder_, error);
-        if (error) throw Failure{folder_.string() + ": it can't be made: " + error.message()};
+        if (error) throw Failure{folder_.string() + ": cannot create: " + error.message()};
     }
 
     /// Writes the file, and returns its name. The file appears only when it is complete.
@@ -91,7 +91,7 @@ public:
         return bool{streams_.out.flush()};
     }
     void miss(std::uint64_t count, const std::string&, std::string_view) override {
-        tell(streams_, plural(count, "frame") + " did not come, the gateway had no room for " + (count == 1 ? "it" : "them"));
+        tell(streams_, plural(count, "frame") + " lost: the buffer of the gateway was full");
     }
     /// No more frames will come.
     void end() {
@@ -99,8 +99,8 @@ public:
         if (!done_)
             for (const Picture& picture : pictures_.end()) write(picture, false);
         std::string words = plural(written_, "picture");
-        if (partial_ > 0) words += ", " + std::to_string(partial_) + " of them with a part lost";
-        if (joined_ > 0) words += "; and the rest of " + plural(joined_, "picture") + " that probably began before";
+        if (partial_ > 0) words += ", " + std::to_string(partial_) + " of them incomplete";
+        if (joined_ > 0) words += "; and the end of " + plural(joined_, "picture") + " that probably started earlier";
         tell(streams_, words);
     }
 
@@ -118,7 +118,7 @@ private:
         if (json_) return tell_json(picture, file);
         streams_.out << file << ": " << ano::hex_byte(picture.source) << ' ' << picture.width << 'x' << picture.height << ' '
                      << color_name(picture.color);
-        if (!picture.is_whole()) streams_.out << ", " << picture.rows() << " of " << picture.height << " rows came";
+        if (!picture.is_whole()) streams_.out << ", " << picture.rows() << " of " << picture.height << " rows received";
         streams_.out << '\n';
     }
     void tell_json(const Picture& picture, const std::string& file) {
@@ -172,18 +172,17 @@ Run add_image(Options& options) {
     const auto read_count = [self](const std::string& word) -> std::string {
         const auto number = ano::parse_number(word);
         const auto* count = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
-        if (count == nullptr || *count == 0) return ano::in_quotes(word) + " is not a number of pictures, 1 or more";
+        if (count == nullptr || *count == 0) return ano::in_quotes(word) + " is not a number of pictures (1 or more)";
         self->count = *count;
         return {};
     };
-    options.push_back(
-        {"folder", &self->folder, "DIR",
-         "Where they are written: 0xDF-0001.png, and on behind those that are there; "
-         "-part.png when a part was lost, with the rows that came (the first, joined in the middle, is not counted)",
-         true});
-    options.push_back({"--count", Option::Read{read_count}, "N", "Ends after so many pictures"});
+    options.push_back({"folder", &self->folder, "DIR",
+                       "Output folder: 0xDF-0001.png, continuing after existing files; incomplete pictures are named -part.png "
+                       "and contain the received rows (an incomplete first picture is not counted)",
+                       true});
+    options.push_back({"--count", Option::Read{read_count}, "N", "Exit after N pictures"});
     FramesOf::add(options, self->from);
-    options.push_back({"--json", &self->json, "", "One JSON object a picture"});
+    options.push_back({"--json", &self->json, "", "Print one JSON object per picture"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -52,11 +52,10 @@ std::string what_became_of(const ano::Json& rows) {
         else if (state == "not_undone") still += (still.empty() ? "" : ", ") + name;
         else if (state == "failed") unsure += "; " + text_at(row, "what");
     }
-    std::string words = written > 0 ? plural(written, "parameter") +
-                                          " written, which stays until the device restarts, and no longer unless it is saved"
-                                    : "";
-    if (undone > 0) words += (words.empty() ? "" : "; ") + plural(undone, "parameter") + " written and undone";
-    if (!still.empty()) words += (words.empty() ? "" : "; ") + ("not undone: " + still);
+    std::string words =
+        written > 0 ? plural(written, "parameter") + " written; unless saved, the changes are lost when the device restarts" : "";
+    if (undone > 0) words += (words.empty() ? "" : "; ") + plural(undone, "parameter") + " written and restored";
+    if (!still.empty()) words += (words.empty() ? "" : "; ") + ("not restored: " + still);
     words = words.empty() ? "nothing was written" : words;
     return undone > 0 || !still.empty() ? words : words + unsure;
 }
@@ -92,14 +91,13 @@ std::string with_options_named(std::string words, std::string_view command) {
     if (const std::size_t at = words.find(longer); at != words.npos)
         words.replace(at, longer.size(), "--longer allows a longer one");
     constexpr std::string_view beyond = "a value beyond it must be allowed (force)";
-    if (const std::size_t at = words.find(beyond); at != words.npos)
-        words.replace(at, beyond.size(), "--force sends it all the same");
+    if (const std::size_t at = words.find(beyond); at != words.npos) words.replace(at, beyond.size(), "--force sends it anyway");
     constexpr std::string_view seven = "state it once (type7)";
     if (const std::size_t at = words.find(seven); at != words.npos)
         words.replace(at, seven.size(), "state it once, --type7 f32 or --type7 u64");
     if (words.find(ground) == words.npos) return words;
     const bool has_force = command == "param" || command == "flash";
-    words += has_force ? "; land it and lock it, or do it all the same by --force" : "; land it and lock it first";
+    words += has_force ? "; land and lock it, or use --force" : "; land and lock it first";
     return words;
 }
 
@@ -121,15 +119,15 @@ std::string half_done(const ano::Json& job) {
     const double done = number_at(job, "done"), total = number_at(job, "total");
     const std::string deed = text_at(job, "kind"), unit = text_at(job, "unit");
     if (deed == "firmware" && done > 0)
-        return counts(done, total, unit) + " were written, the device is left in its loader: flash it again";
+        return counts(done, total, unit) + " written; the device is still in its loader: flash it again";
     if (deed == "apply" && job.contains("result")) return what_became_of(at(job["result"], "parameters"));
     if (deed == "apply" && done > 0)
-        return "it was at " + counts(done, total, unit) + ": what was written stays until the device restarts, and no longer " +
-               "unless it is saved";
+        return "stopped at " + counts(done, total, unit) + "; unless saved, the changes are lost when the device restarts";
     if (deed == "put_waypoints" && done > 0)
-        return counts(done, total, unit) + " were written: the device has a mixture of these and its old ones until all are put";
-    if (deed == "put_waypoints" && total > 0) return counts(done, total, unit) + " were written";
-    if (deed == "command") return "the command may have been carried out";
+        return counts(done, total, unit) +
+               " written; the device has a mixture of new and old waypoints until you write all of them";
+    if (deed == "put_waypoints" && total > 0) return counts(done, total, unit) + " written";
+    if (deed == "command") return "the command may have been executed";
     return {};
 }
 

@@ -20,7 +20,7 @@ std::string step_text(const ano::Json& job);
 /// The command of anoctl that asks for jobs of this kind: "waypoint put".
 std::string command_of_job(const std::string& kind);
 
-/// A clause: what is half done after it was cancelled: "4096 of 16384 bytes were written, the device is left in its loader: flash it
+/// A clause: what is half done after it was cancelled: "4096 of 16384 bytes written; the device is still in its loader: flash it
 /// again". Empty: nothing.
 std::string half_done(const ano::Json& job);
 

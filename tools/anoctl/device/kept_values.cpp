@@ -74,18 +74,18 @@ std::string path_in_state_folder(const std::string& name) { return (state_folder
 
 std::string keep_in_state_folder(const std::string& name, const std::string& text, Earlier earlier) {
     const fs::path folder = state_folder();
-    if (folder.empty()) return "neither XDG_STATE_HOME nor HOME says where";
+    if (folder.empty()) return "neither XDG_STATE_HOME nor HOME is set";
     const fs::path path = folder / name;
     std::error_code error;
     if (text.empty()) {
         fs::remove(path, error);
-        return error ? path.string() + ": it can't be removed: " + error.message() : std::string{};
+        return error ? path.string() + ": cannot remove: " + error.message() : std::string{};
     }
     if (earlier == Earlier::stays && fs::exists(path, error) && anogate::sensor_of_note(name))
-        return path.string() + " has those of a calibration that did not end: write them back by anoctl param import " +
-               path.string() + " and anoctl param save, then remove it";
+        return path.string() + " contains the old values of an interrupted calibration; restore them with anoctl param import " +
+               path.string() + " and anoctl param save, then remove the file";
     fs::create_directories(folder, error);
-    if (error) return folder.string() + ": it can't be made: " + error.message();
+    if (error) return folder.string() + ": cannot create: " + error.message();
     try {
         write_file(path.string(), text);
     } catch (const Failure& e) {

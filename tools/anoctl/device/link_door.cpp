@@ -137,7 +137,7 @@ private:
     void cache(const std::string& name, const std::string& text) override { cache_text(name, text); }
     std::string date_text() override { return utc_text(std::time(nullptr)); }
     std::string way_to_write_back(const std::string& name) override {
-        return "write them back with: anoctl param import " + path_in_state_folder(name) + " --link LINK";
+        return "restore them with: anoctl param import " + path_in_state_folder(name) + " --link LINK";
     }
     anogate::DeviceManners manners(std::uint8_t) override { return manners_; }
 
@@ -259,7 +259,7 @@ private:
     void when_open(const std::shared_ptr<Answering>& answering, http::Request request) {
         if (net_.is_up() || ano::Clock::now() >= opened_by_) {
             asio::post(io_, [this, answering, request = std::move(request)]() mutable {
-                if (!net_.is_up()) return answering->take(http::error(504, net_.name() + " is not there"));
+                if (!net_.is_up()) return answering->take(http::error(504, net_.name() + " is not available"));
                 request.came_at = ano::Clock::now();
                 answering->take(net_.routes().answer(std::move(request)));
             });

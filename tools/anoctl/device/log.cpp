@@ -86,9 +86,7 @@ public:
     bool flush() override { return bool{streams_.out.flush()}; }
     void miss(std::uint64_t count, const std::string&, std::string_view json) override {
         if (json_) streams_.out << json << '\n';
-        else
-            tell(streams_, plural(count, "line") + (count == 1 ? " is" : " are") + " not shown, the gateway had no room for " +
-                               (count == 1 ? "it" : "them"));
+        else tell(streams_, plural(count, "line") + " not shown: the buffer of the gateway was full");
     }
 
 private:
@@ -127,8 +125,8 @@ struct Log {
     // The gateway keeps the last lines of each device.
     void print_kept(LogPrinter& printer) const {
         const auto back = anogate::parse_duration(since);
-        if (!back) throw UsageError{"--since: " + ano::in_quotes(since) + " is no time such as 90s, 10m or 2h"};
-        if (!from.link.empty()) throw UsageError{"--since: only a gateway keeps log lines; leave --link out"};
+        if (!back) throw UsageError{"--since: " + ano::in_quotes(since) + " is not a time such as 90s, 10m or 2h"};
+        if (!from.link.empty()) throw UsageError{"--since cannot be combined with --link: only a gateway stores log lines"};
         const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
         const double begin = now - std::chrono::duration<double>(*back).count();
         std::vector<ano::Json> lines;
@@ -149,7 +147,7 @@ struct Log {
             if (const auto of_link = link_settings_of(from.link).encoding)
                 options.encoding = *of_link == anogate::TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
         LogPrinter printer{streams, options};
-        if (no_follow && since.empty()) throw UsageError{"--no-follow needs --since"};
+        if (no_follow && since.empty()) throw UsageError{"--no-follow requires --since"};
         if (!since.empty()) print_kept(printer);
         if (no_follow) return fine;
         const std::string why = from.each({"log", "log_value"}, printer, streams, "log");
@@ -164,10 +162,10 @@ Run add_log(Options& options) {
     const auto self = std::make_shared<Log>();
     FramesOf::add(options, self->from);
     FrameOptions::add_encoding(options, self->frames);
-    options.push_back(
-        {"--since", &self->since, "TIME", "First the lines of the last TIME (10m) that the gateway kept: up to 500 of a device"});
-    options.push_back({"--no-follow", &self->no_follow, "", "End after the kept lines"});
-    options.push_back({"--json", &self->frames.json, "", "One JSON object a line"});
+    options.push_back({"--since", &self->since, "TIME",
+                       "First show the lines of the last TIME (such as 10m) stored by the gateway: up to 500 per device"});
+    options.push_back({"--no-follow", &self->no_follow, "", "Exit after the stored lines"});
+    options.push_back({"--json", &self->frames.json, "", "Print one JSON object per line"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -48,17 +48,17 @@ struct Param {
         if (action == "export") return export_to(streams);
         if (action == "import") return import_from(streams);
         if (action == "diff") return diff(streams);
-        throw UsageError{"param " + ano::in_quotes(action) + " is nothing to do" + ano::did_you_mean(action, actions) +
-                         "; list, get, set, save, reset, export, import and diff are"};
+        throw UsageError{"unknown action " + ano::in_quotes(action) + ano::did_you_mean(action, actions) +
+                         "; actions: list, get, set, save, reset, export, import, diff"};
     }
 
 private:
     void no_words() const {
-        if (!words.empty()) throw UsageError{ano::in_quotes(words[0]) + " is a word too many"};
+        if (!words.empty()) throw UsageError{"unexpected argument " + ano::in_quotes(words[0])};
     }
     const std::string& file() const {
-        if (words.empty()) throw UsageError{"the FILE is missing: anoctl param " + action + " FILE"};
-        if (words.size() > 1) throw UsageError{ano::in_quotes(words[1]) + " is a word too many"};
+        if (words.empty()) throw UsageError{"missing FILE: anoctl param " + action + " FILE"};
+        if (words.size() > 1) throw UsageError{"unexpected argument " + ano::in_quotes(words[1])};
         return words[0];
     }
 
@@ -78,7 +78,7 @@ private:
                 table.row({text_at(row, "id"), text_at(row, "name"), text_at(row, "type"),
                            row.contains("value")        ? without_controls(value_text(row["value"]))
                            : row.contains("unreadable") ? "not readable: " + text_at(row, "unreadable")
-                                                        : "did not come",
+                                                        : "not received",
                            text_at(row, "min"), text_at(row, "max"), text_at(row, "text")});
             if (table.empty()) say(streams, client.device_words() + " has no parameters");
             else table.write(streams.out, "", streams.terminal ? streams.width : 0);
@@ -93,7 +93,7 @@ private:
     }
 
     int get(Streams& streams) const {
-        if (words.empty()) throw UsageError{"which? anoctl param get NAME..., or --all"};
+        if (words.empty()) throw UsageError{"missing NAME: anoctl param get NAME..., or --all"};
         DeviceClient client{options, streams};
         std::string query;
         for (const std::string& name : words) query += (query.empty() ? "?name=" : "&name=") + percent_encoded(name);
@@ -200,8 +200,10 @@ private:
             return;
         }
         streams.out << text_at(came, "name") << '=' << plain_at(came, "stored");
-        if (text_at(came, "clamped") == "true") streams.out << " (the device clamps " << plain_at(came, "written") << ')';
-        if (text_at(came, "acknowledged") == "false") streams.out << " (the device did not acknowledge it; it was read back)";
+        if (text_at(came, "clamped") == "true")
+            streams.out << " (device limited the requested " << plain_at(came, "written") << ')';
+        if (text_at(came, "acknowledged") == "false")
+            streams.out << " (not acknowledged by the device; verified by reading it back)";
         streams.out << '\n' << std::flush;
         if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
     }
@@ -222,12 +224,11 @@ private:
         DeviceClient client{options, streams};
         client.will_act();
         client.must_be_able_to_ask("param reset");
-        if (!client.may(
-                "All parameters of " + client.device_words() +
-                " become what its maker meant, those of its calibration (CAL_...) too; anoctl param export keeps them in a "
-                "file. Go on?"))
+        if (!client.may("All parameters of " + client.device_words() +
+                        " are reset to factory defaults, including its calibration (CAL_...). To back them up first, use anoctl "
+                        "param export. Continue?"))
             return declined(streams);
-        return act(client, "restore_defaults", "has the parameters that its maker meant", streams);
+        return act(client, "restore_defaults", "reset to factory defaults", streams);
     }
     static int declined(Streams& streams) {
         tell(streams, "nothing was changed");
@@ -245,10 +246,10 @@ private:
         const Json answer = client.run("GET", client.target("/parameters"));
         const Json made = parameter_file(answer);
         const std::string not_readable = names_not_readable(at(answer, "parameters"));
-        if (!not_readable.empty()) tell(streams, "left out, because they are not readable: " + not_readable);
+        if (!not_readable.empty()) tell(streams, "not readable, omitted: " + not_readable);
         const int exit = not_readable.empty() ? fine : failed;
         if (const std::string names = names_without_value(made); !names.empty())
-            tell(streams, "inf and nan are null in the file, and import leaves them out: " + names);
+            tell(streams, "inf and nan are stored as null, which import skips: " + names);
         const std::string text = ano::with_json_escapes(made.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
         if (path == "-") {
             streams.out << text;
@@ -266,7 +267,7 @@ private:
         const bool is_word = extension.size() > 1 && std::all_of(extension.begin() + 1, extension.end(),
                                                                  [](unsigned char c) { return std::isalpha(c) != 0; });
         if (is_word && extension != ".json")
-            throw UsageError{path + ": " + ano::in_quotes(extension) + " is no form of parameters; .json is"};
+            throw UsageError{path + ": " + ano::in_quotes(extension) + " is not a supported parameter file format; use .json"};
     }
 
     /// What a file would change.
@@ -307,18 +308,18 @@ private:
             else if (all || wrong <= max_misfits) say(streams, misfit_line(row));
         }
         if (!options.json && !all && wrong > max_misfits)
-            say(streams, "and " + std::to_string(wrong - max_misfits) + " more that do not fit; --all lists them");
+            say(streams, "and " + std::to_string(wrong - max_misfits) + " more that do not fit; to list them, add --all");
         return plural(wrong, "parameter") + " of " + words[0] + (wrong == 1 ? " does" : " do") + " not fit " +
-               client.device_words() + ": nothing was written; take " + (wrong == 1 ? "it" : "them") +
-               " out of the file to go on with the others" + (some_longer ? ", or allow longer texts by --longer" : "");
+               client.device_words() + ": nothing was written. To write the others, remove " + (wrong == 1 ? "it" : "them") +
+               " from the file" + (some_longer ? ", or allow longer texts with --longer" : "");
     }
     static constexpr std::size_t max_misfits = 8;    // lines: with more, the file is probably of another device
     static bool is_misfit(const Json& row) { return text_at(row, "state") == "failed" || text_at(row, "encodable") == "false"; }
     static void show(const Difference& d, Streams& streams) {
         for (const std::string& line : difference_lines(d.answer)) say(streams, line);
-        if (d.changes == 0) say(streams, "nothing differs");
-        if (d.left_out > 0) say(streams, plural(d.left_out, "calibration parameter") + " left out, see --with-calibration");
-        if (!d.without_value.empty()) say(streams, "without a value in the file: " + d.without_value);
+        if (d.changes == 0) say(streams, "no differences");
+        if (d.left_out > 0) say(streams, plural(d.left_out, "calibration parameter") + " omitted (see --with-calibration)");
+        if (!d.without_value.empty()) say(streams, "no value in the file: " + d.without_value);
     }
 
     // Exit status as of the command diff: 1: something differs; 2: the comparison failed.
@@ -343,7 +344,7 @@ private:
     }
     void show_row(const Json& row, Streams& streams) const {
         if (options.json) streams.out << ano::json_text(row) << '\n';
-        else say(streams, text_at(row, "name") + ": " + value_text(row["written"]) + ", the same");
+        else say(streams, text_at(row, "name") + ": " + value_text(row["written"]) + " (unchanged)");
     }
 
     int import_from(Streams& streams) const {
@@ -356,8 +357,8 @@ private:
             client.must_be_able_to_ask("param import");
             const std::string other = of_another_device(given, client.known_device());
             if (!other.empty() && options.yes) tell(streams, other);
-            if (!other.empty() && !client.may(other + ". Go on all the same?")) return declined(streams);
-            if (!client.may("Write " + plural(d.changes, "parameter") + " into " + client.device_words() + "?"))
+            if (!other.empty() && !client.may(other + ". Continue anyway?")) return declined(streams);
+            if (!client.may("Write " + plural(d.changes, "parameter") + " to " + client.device_words() + "?"))
                 return declined(streams);
         }
         return apply(client, d, streams);
@@ -394,18 +395,19 @@ private:
             say(streams, left > 0       ? plural(left, "parameter") + " could not be undone"
                          : written == 0 ? "no parameter was written"
                          : is_another   ? plural(written, "parameter") + " written to the device that was there before"
-                                        : plural(written, "parameter") + " written; anoctl param save keeps them over a restart");
+                                        : plural(written, "parameter") + " written; to save permanently: anoctl param save");
             for (const std::string& line : difference_lines(without_the_written(came))) say(streams, line);
         }
         if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
         if (!why.empty() && (rollback || failures == 0)) throw Failure{why};
         if (failures > 0)
             throw Failure{plural(failures, "parameter") + (failures == 1 ? " was" : " were") + " not written" +
-                          (untried > 0 ? ", and " + std::to_string(untried) + " not tried any more: " + why : "")};
+                          (untried > 0 ? ", and " + std::to_string(untried) + " not attempted: " + why : "")};
         if (wrong == 0 && is_kept_by_calibration(words[0]) && is_file(words[0]))    // a gateway removes its own file itself
             tell(streams,
-                 "the old calibration is in the device; when it is saved, remove " + words[0] +
-                     (is_in_state_folder(words[0]) ? ": while it is there, anoctl calibrate --link begins no other" : ""));
+                 "the old calibration was restored; save it (anoctl param save), then remove " + words[0] +
+                     (is_in_state_folder(words[0]) ? ". Until then, anoctl calibrate --link does not start another calibration"
+                                                   : ""));
         return wrong == 0 ? fine : failed;
     }
 };
@@ -416,20 +418,21 @@ Run add_param(Options& options) {
     const auto self = std::make_shared<Param>();
     options.push_back(
         {"action", &self->action, "list|get|set|save|reset|export|import|diff",
-         "list, get NAME... or --all, set NAME VALUE or NAME=VALUE..., save (keeps them over a restart), reset (to what the "
-         "maker meant), export [FILE], import FILE (shows what changes, and asks; exit status 1 when the device refused one), "
-         "diff FILE (exit status 1 when something differs, 2 when that can't be found out)",
+         "list; get NAME... or --all; set NAME VALUE or NAME=VALUE...; save: save permanently; reset: restore factory defaults; "
+         "export [FILE]; import FILE: show the changes and write them after confirmation (exit status 1 if the device refused a "
+         "value); diff FILE (exit status 1 if values differ, 2 if the comparison failed)",
          true});
-    options.push_back({"words", &self->words, "[PARAMETER|FILE...]", "What for"});
+    options.push_back({"words", &self->words, "[PARAMETER|FILE...]", "Arguments of the action"});
     options.push_back(
-        {"--all", &self->all, "", "get: every one; diff: those that are the same as well; import: all that do not fit"});
+        {"--all", &self->all, "",
+         "get: read all parameters; diff: list unchanged parameters too; import: list all parameters that do not fit"});
     options.push_back({"--with-calibration", &self->with_calibration, "",
-                       "import, diff: CAL_... as well, which belongs to one piece of hardware"});
-    options.push_back({"--longer", &self->longer, "", "set, import: a text may be longer than the one that it replaces"});
-    options.push_back({"--force", &self->force, "",
-                       "set, import: also a value beyond the range that the device states; reset: although it flies"});
+                       "import, diff: include CAL_... parameters, which are specific to one device"});
+    options.push_back({"--longer", &self->longer, "", "set, import: allow texts longer than the current ones"});
     options.push_back(
-        {"--rollback", &self->rollback, "", "import: all or nothing; without it the others are written when one is refused"});
+        {"--force", &self->force, "", "set, import: allow values outside the range stated by the device; reset: even in flight"});
+    options.push_back({"--rollback", &self->rollback, "",
+                       "import: restore all old values if one value is refused; without it the other values are still written"});
     DeviceOptions::add(options, self->options, "param");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };

@@ -21,10 +21,10 @@ std::vector<Assignment> assignments(const std::vector<std::string>& words) {
     for (const std::string& word : words) {
         const std::size_t equals = word.find('=');
         if (equals == std::string::npos || equals == 0)
-            throw UsageError{ano::in_quotes(word) + " is no NAME=VALUE; one parameter is NAME VALUE as well"};
+            throw UsageError{ano::in_quotes(word) + " is not NAME=VALUE (a single parameter can also be NAME VALUE)"};
         found.push_back({word.substr(0, equals), word.substr(equals + 1)});
     }
-    if (found.empty()) throw UsageError{"what? anoctl param set NAME VALUE, or NAME=VALUE..."};
+    if (found.empty()) throw UsageError{"missing arguments: anoctl param set NAME VALUE, or NAME=VALUE..."};
     return found;
 }
 
@@ -34,14 +34,14 @@ const Json& parameter_called(const Json& parameters, const std::string& word) {
     for (const Json& row : parameters) {
         names.push_back(text_at(row, "name"));
         if (names.back() != word || word.empty()) continue;
-        if (found != nullptr) throw Failure{"several parameters are called " + ano::in_quotes(word) + ": say its number"};
+        if (found != nullptr) throw Failure{"several parameters are named " + ano::in_quotes(word) + "; use the number"};
         found = &row;
     }
     if (found != nullptr) return *found;
     const auto numbered = std::find_if(parameters.begin(), parameters.end(),
                                        [&](const Json& row) { return text_at(row, "id") == word; });
     if (numbered != parameters.end()) return *numbered;
-    throw Failure{"no parameter is called " + ano::in_quotes(word) +
+    throw Failure{"no parameter is named " + ano::in_quotes(word) +
                   ano::did_you_mean(word, std::vector<std::string_view>{names.begin(), names.end()})};
 }
 
@@ -50,7 +50,7 @@ void check(const std::vector<Assignment>& wanted, const Json& parameters) {
     for (const auto& [word, value] : wanted) {
         const Json& row = parameter_called(parameters, word);
         const std::string id = text_at(row, "id"), name = text_at(row, "name");
-        if (std::find(seen.begin(), seen.end(), id) != seen.end()) throw Failure{name + " is there twice"};
+        if (std::find(seen.begin(), seen.end(), id) != seen.end()) throw Failure{name + " is given twice"};
         seen.push_back(id);
         if (const std::string misfit = misfit_of(value, text_at(row, "type"), row.value("mul", 1)); !misfit.empty())
             throw Failure{name + ": " + misfit};

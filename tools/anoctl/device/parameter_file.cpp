@@ -67,8 +67,8 @@ Json parameter_file(const Json& answer) {
         else if (values.contains(name)) add_name(twice, name);
         else values[name] = is_real(row) && row["value"].is_string() ? Json(nullptr) : row["value"];
     }
-    if (!missing.empty()) throw Failure{"nothing is exported: these did not come: " + missing};
-    if (!twice.empty()) throw Failure{"nothing is exported: several parameters are called " + twice};
+    if (!missing.empty()) throw Failure{"nothing was exported; these parameters were not received: " + missing};
+    if (!twice.empty()) throw Failure{"nothing was exported; several parameters are named " + twice};
     file["parameters"] = std::move(values);
     return file;
 }
@@ -77,8 +77,8 @@ Json parsed_parameter_file(const std::string& text, const std::string& path) {
     Json file = json_in_text(text, path);
     if (file.is_object() && !file.contains("parameters")) file = Json{{"parameters", file}};
     if (!file.is_object() || !file["parameters"].is_object())
-        throw UsageError{path + ": it is no file of parameters: {\"parameters\": {NAME: value}}"};
-    if (file["parameters"].empty()) throw UsageError{path + ": there are no parameters in it"};
+        throw UsageError{path + ": not a parameter file; expected {\"parameters\": {NAME: value}}"};
+    if (file["parameters"].empty()) throw UsageError{path + ": the file contains no parameters"};
     if (const Json whose = file.value("device", Json{}); whose.is_object())
         for (const auto& [key, value] : whose.items()) file[key == "address" ? "device" : key] = value;
     for (const auto& [name, value] : file["parameters"].items())
@@ -92,10 +92,12 @@ std::string of_another_device(const Json& file, const Json& device) {
     for (const char* key : {"name", "dev_id"}) {
         const std::string here = text_at(device, key), there = text_at(file, key);
         if (there.empty() || here.empty() || there == here) continue;
-        words += words.empty() ? "the file is of " : ", ";
+        words += words.empty() ? "the file is for " : ", ";
         words += std::string{key} == "name" ? there : "device type " + there;
     }
-    return words.empty() ? words : words + ", this is " + text_at(device, "name") + ", device type " + text_at(device, "dev_id");
+    return words.empty()
+               ? words
+               : words + ", but the device is " + text_at(device, "name") + ", device type " + text_at(device, "dev_id");
 }
 
 bool is_calibration(std::string_view name) noexcept { return name.starts_with("CAL_"); }
@@ -144,9 +146,9 @@ std::vector<std::string> difference_lines(const Json& answer) {
         std::string line = text_at(row, "name") + ": ";
         if (row.contains("was")) line += value_text(row["was"]) + " -> ";
         line += value_text(row[is_stored ? "stored" : "written"]);
-        if (state == "clamped") line += ", clamped: " + value_text(row["written"]) + " was asked for";
-        else if (state == "not_undone") line += ", not undone";
-        else if (state == "waiting") line += ", not tried any more";
+        if (state == "clamped") line += ", limited by the device: " + value_text(row["written"]) + " was requested";
+        else if (state == "not_undone") line += ", not restored";
+        else if (state == "waiting") line += ", not attempted";
         else if (state != "differs" && state != "written") line += ", " + state;
         if (!what.empty()) line += ": " + with_options_named(what, "param");
         lines.push_back(without_controls(line));

@@ -20,7 +20,7 @@ ano::Json parameter_file(const ano::Json& answer);
 /// else.
 ano::Json parsed_parameter_file(const std::string& text, const std::string& path);
 
-/// A clause: why the file is of another device than `device` ({"name", "dev_id"…}); empty: it is of this one, or its device is not known.
+/// A clause: why the file is for another device than `device` ({"name", "dev_id"…}); empty: it is of this one, or its device is not known.
 std::string of_another_device(const ano::Json& file, const ano::Json& device);
 
 /// CAL_…: what a calibration found for one piece of hardware.

@@ -21,10 +21,10 @@ std::string fault_of(const Picture& picture, std::size_t bytes) {
     const std::string size = std::to_string(picture.width) + "x" + std::to_string(picture.height);
     if (picture.width == 0 || picture.height == 0) return "a picture of " + size + " has no pixels";
     if (picture.row_bytes() * picture.height > Pictures::max_bytes) return "a picture of " + size + " is too large";
-    if (bytes == 0) return "it has no rows";
+    if (bytes == 0) return "the frame has no rows";
     if (bytes % picture.row_bytes() != 0)
-        return std::to_string(bytes) + " bytes are no whole rows of " + std::to_string(picture.row_bytes());
-    if (bytes / picture.row_bytes() > picture.height) return "it has more rows than a picture of " + size;
+        return std::to_string(bytes) + " bytes are not a whole number of rows of " + std::to_string(picture.row_bytes());
+    if (bytes / picture.row_bytes() > picture.height) return "the frame has more rows than a picture of " + size;
     return {};
 }
 
@@ -42,7 +42,7 @@ Pictures::Taken Pictures::take(ano::FrameView frame, ano::TimePoint now, double 
     if (frame.id() != 0xB0) return taken;
     const auto image = ano::as<"image">(frame);
     if (!image) {
-        taken.fault = "it is too short";
+        taken.fault = "the frame is too short";
         return taken;
     }
     Picture part{

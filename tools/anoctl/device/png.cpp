@@ -49,7 +49,7 @@ std::string png_of(const Picture& picture) {
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     const bool written = info && write_png(png, info, picture, out);
     png_destroy_write_struct(&png, &info);
-    if (!written) throw Failure{"libpng can't write this picture"};
+    if (!written) throw Failure{"libpng cannot encode this picture"};
     return out;
 }
 

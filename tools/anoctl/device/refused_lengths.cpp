@@ -27,10 +27,10 @@ std::vector<std::string> refused_lengths(const ano::Json& before, const ano::Jso
         const std::string quoted = ano::in_quotes(name);
         if (const std::size_t n = growth("bad_length"); n > 0)
             sentences.push_back("the link " + quoted + " refused " + plural(n, "header") +
-                                " for LEN (bad_length): if pictures are missing, set max_data=20000 on it");
+                                " due to LEN (bad_length); if pictures are missing, set max_data=20000 on it");
         if (const std::size_t n = growth("too_big"); n > 0)
             sentences.push_back(plural(n, "frame") + " did not fit the link " + quoted +
-                                " (too_big): set max_data_out=20000 on it, and queue=65536 where it is smaller");
+                                " (too_big); set max_data_out=20000 on it, and queue=65536 if smaller");
     }
     return sentences;
 }

@@ -29,9 +29,9 @@ std::string misfit_of(const std::string& word, const std::string& type_name, std
     if (!ano::is_utf8(word)) return ano::in_quotes(word) + " is not UTF-8";
     if (!type || !ano::is_number(*type)) return {};
     const auto number = ano::parse_number(word);
-    if (!number) return ano::in_quotes(word) + " is no number";
+    if (!number) return ano::in_quotes(word) + " is not a number";
     const auto* const real = std::get_if<double>(&*number);
-    if (real != nullptr && !std::isfinite(*real)) return ano::in_quotes(word) + " is no number that can be stored";
+    if (real != nullptr && !std::isfinite(*real)) return ano::in_quotes(word) + " is not a number that can be stored";
     std::vector<std::uint8_t> bytes;
     const auto value = std::visit([](auto plain) { return ano::host::AnyValue{plain}; }, *number);
     ano::host::ParameterInfo info;

@@ -35,7 +35,7 @@ struct Waypoint {
     int run(Streams& streams) const {
         if (action == "get") return get(streams);
         if (action == "put") return put(streams);
-        throw UsageError{"waypoint " + ano::in_quotes(action) + " is nothing to do; get [FILE] and put FILE are"};
+        throw UsageError{"waypoint " + ano::in_quotes(action) + " is not an action; actions: get [FILE], put FILE"};
     }
 
 private:
@@ -55,7 +55,7 @@ private:
             return fine;
         }
         write_file(file, whole);
-        tell(streams, "the waypoints of " + client.device_words() + " are in " + file);
+        tell(streams, "waypoints of " + client.device_words() + " saved to " + file);
         return fine;
     }
 
@@ -72,14 +72,14 @@ private:
         const Json json = given(streams);
         const std::string form = format.empty() ? form_of_content(json, file) : format;
         const auto waypoints = waypoints_of(json, form);
-        if (waypoints.empty()) throw UsageError{file + ": there is no waypoint in it"};
+        if (waypoints.empty()) throw UsageError{file + ": the file contains no waypoints"};
         DeviceClient client{options, streams};
         client.will_act();
         client.must_be_able_to_ask("waypoint put");
         const std::size_t had = at(client.run("GET", client.target("/waypoints")), "waypoints").size();
         const std::string before = overwriting_text(waypoints, had) + speedless_text(json, form, waypoints);
         if (options.yes && !before.empty()) tell(streams, client.device_words() + ": " + before.substr(0, before.size() - 1));
-        if (!client.may(before + "Write " + plural(waypoints.size(), "waypoint") + " into " + client.device_words() + "?")) {
+        if (!client.may(before + "Write " + plural(waypoints.size(), "waypoint") + " to " + client.device_words() + "?")) {
             tell(streams, "nothing was written");
             return failed;
         }
@@ -100,19 +100,18 @@ private:
 Run add_waypoint(Options& options) {
     const auto self = std::make_shared<Waypoint>();
     const auto read_format = [self](const std::string& word) -> std::string {
-        if (word != "json" && word != "geojson" && word != "qgc")
-            return ano::in_quotes(word) + " is neither json, geojson nor qgc";
+        if (word != "json" && word != "geojson" && word != "qgc") return ano::in_quotes(word) + " is not json, geojson or qgc";
         self->format = word;
         return {};
     };
+    options.push_back({"action", &self->action, "get|put",
+                       "get [FILE]: read the waypoints of the device; put FILE: write them to the device, after confirmation. "
+                       "Waypoints are numbered from 0",
+                       true});
+    options.push_back({"file", &self->file, "[FILE]", "File to write or read (default: -, standard input or output)"});
     options.push_back(
-        {"action", &self->action, "get|put",
-         "get [FILE] reads them out of the device, put FILE writes them into it, and asks first; they are numbered from 0",
-         true});
-    options.push_back(
-        {"file", &self->file, "[FILE]", "Where they are written to or come from (default: -, standard input and output)"});
-    options.push_back({"--format", Option::Read{read_format}, "json|geojson|qgc",
-                       "Of the file (default: put looks, get goes by its name: .geojson, .plan of QGroundControl, else json)"});
+        {"--format", Option::Read{read_format}, "json|geojson|qgc",
+         "File format (default: get uses the name: .geojson, .plan for QGroundControl, otherwise json; put uses the content)"});
     DeviceOptions::add(options, self->options, "waypoint");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };

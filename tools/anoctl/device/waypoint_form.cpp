@@ -44,7 +44,7 @@ std::string form_of_name(const std::string& file) {
     if (extension == ".plan") return "qgc";
     if (extension.empty() || extension == ".json") return "json";
     throw UsageError{file + ": " + ano::in_quotes(extension) +
-                     " is no form of waypoints; .json, .geojson and .plan (QGroundControl) are, or say it by --format"};
+                     " is not a supported waypoint format; use .json, .geojson or .plan (QGroundControl), or --format"};
 }
 
 std::string form_of_content(const ano::Json& json, const std::string& file) {
@@ -52,7 +52,7 @@ std::string form_of_content(const ano::Json& json, const std::string& file) {
     if (type == "FeatureCollection" || type == "Feature") return "geojson";
     if (text_at(json, "fileType") == "Plan") return "qgc";
     if (json.is_object() && json.contains("waypoints")) return "json";
-    throw UsageError{file + R"(: it is none of the forms of waypoints: {"waypoints": [...]}, GeoJSON, a plan of QGroundControl)"};
+    throw UsageError{file + R"(: not a waypoint file; expected {"waypoints": [...]}, GeoJSON or a QGroundControl plan)"};
 }
 
 std::string overwriting_text(const std::vector<ano::host::Waypoint>& waypoints, std::size_t had) {
@@ -70,19 +70,18 @@ std::string overwriting_text(const std::vector<ano::host::Waypoint>& waypoints, 
     };
     std::string text;
     if (had > 0) {
-        text = "It has " + plural(had, "waypoint") + (had > 1 ? ", 0 to " + std::to_string(had - 1) : ", number 0") + ": ";
+        text = "The device has " + plural(had, "waypoint") +
+               (had > 1 ? " (0 to " + std::to_string(had - 1) + ")" : " (number 0)") + ": ";
         if (over.empty()) text += "none is overwritten";
-        else if (stay.empty()) text += "overwritten " + std::string{had == 1 ? "is this one" : "are all of them"};
+        else if (stay.empty()) text += std::string{had == 1 ? "it is" : "all are"} + " overwritten";
         else text += number_ranges(over) + are(over, " is overwritten", " are overwritten");
         if (!stay.empty())
-            text += ", and " + number_ranges(stay) + are(stay, " stays as it is", " stay as they are") +
-                    ", for the protocol has no way to remove one";
+            text += ", and " + number_ranges(stay) + are(stay, " remains", " remain") + " (the protocol cannot remove waypoints)";
         text += ". ";
     }
     if (wanted < had)
-        text += "To end the route sooner, repeat the last point of the file until it has " + std::to_string(had) + ". ";
-    if (!gaps.empty())
-        text += "Of " + number_ranges(gaps) + " there is nothing in the file: what the device has there is its own affair. ";
+        text += "To shorten the route, repeat the last point in the file until it has " + std::to_string(had) + ". ";
+    if (!gaps.empty()) text += "The file has no waypoint " + number_ranges(gaps) + "; the device decides their content. ";
     return text;
 }
 
@@ -94,8 +93,8 @@ std::string speedless_text(const Json& json, const std::string& form, const std:
     }
     if (without.empty()) return {};
     std::sort(without.begin(), without.end());
-    return "The file has no speed for " + number_ranges(without) + " (counted from 0): 0 cm/s is written" +
-           (form == "qgc" ? ", for the plan changes it nowhere before. " : ". ");
+    return "The file has no speed for " + number_ranges(without) + " (counted from 0); 0 cm/s is written" +
+           (form == "qgc" ? " because the plan does not set a speed before. " : ". ");
 }
 
 }    // namespace anoctl

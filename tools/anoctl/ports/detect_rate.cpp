@@ -66,20 +66,21 @@ std::string named(const std::vector<Holder>& holders) {
     const bool is_ours = std::any_of(holders.begin(), holders.end(), [](const Holder& h) { return h.program == "anogated"; });
     if (is_ours)
         throw Failure{port + " is in use by " + named(holders) +
-                      ", whose status says whether frames come: stop it first, by sudo systemctl stop anogated or Ctrl-C"};
+                      "; its status shows whether it receives frames. To detect the rate, stop it first (sudo systemctl stop "
+                      "anogated, or Ctrl-C)"};
     throw Failure{port + " is in use by " +
-                  (holders.empty() ? "another program; sudo fuser -v " + port + " names it" : named(holders)) + ": end it first"};
+                  (holders.empty() ? "another program (to identify it: sudo fuser -v " + port + ")" : named(holders)) +
+                  "; stop it first"};
 }
 
 [[noreturn]] void fail_to_open(const std::string& port, int error) {
     if (error == EBUSY) fail_busy(port);
-    if (error == ENOENT || error == ENXIO || error == ENODEV)
-        throw Failure{port + " is not there; anoctl ports has those that are"};
+    if (error == ENOENT || error == ENXIO || error == ENODEV) throw Failure{port + " not found; to list the ports: anoctl ports"};
     std::error_code none;
     const std::string real = std::filesystem::canonical(port, none).string();
     const std::string missing = error == EACCES ? anogate::missing_permission("/", real, anogate::DeviceUser::this_process())
                                                 : "";
-    throw Failure{port + ": " + (missing.empty() ? error_text(error) : "no permission: " + missing)};
+    throw Failure{port + ": " + (missing.empty() ? error_text(error) : "permission denied: " + missing)};
 }
 
 /// A serial port, opened exclusively.
@@ -124,9 +125,9 @@ public:
                 continue;
             }
             ++tried_;
-            if (streams_.terminal) streams_.err << "anoctl: listening at " << baud << std::endl;
+            if (streams_.terminal) streams_.err << "anoctl: trying " << baud << std::endl;
             const HeardAtRate heard = listen(baud);
-            if (interrupted_) throw Failure{"interrupted: nothing found until " + std::to_string(baud) + " baud"};
+            if (interrupted_) throw Failure{"interrupted: no frames found up to " + std::to_string(baud) + " baud"};
             if (heard.is_right()) return {baud, heard.from, terminal::driver(port_.fd()) == "cdc_acm"};
             bytes_ += heard.counters.bytes_in;
             if (heard.counters.v7_frames > 1) v7_at_ = v7_at_.value_or(baud);
@@ -177,11 +178,12 @@ private:
         const std::string rates = " at any of " + std::to_string(tried_) + " rates";
         if (v7_at_) return "older V7 frames (0xAA) at " + std::to_string(*v7_at_) + " baud: switch the device to protocol V8";
         if (bytes_ > 0)
-            return "bytes but no frames" + rates + ": another protocol, an unusual rate, parity, or RX inverted (SBUS)?";
-        return "nothing came" + rates +
-               ": is the device powered, are RX and TX crossed, do both have a common ground? Some speak only when spoken to: "
-               "run anogated serial:" +
-               path_ + ",baud=500000,profile=vendor, and with other rates";
+            return "data but no valid frames" + rates +
+                   "; check the protocol, baud rate, parity and RX polarity (SBUS is inverted)";
+        return "no data received" + rates +
+               "; check that the device is powered, RX and TX are crossed, and the ground is connected. Some devices send only "
+               "after a hello: run anogated serial:" +
+               path_ + ",baud=500000,profile=vendor, then try other rates";
     }
 
     std::string path_;
@@ -221,11 +223,11 @@ int detect_rate(const std::string& port, bool json, Streams& streams, ListeningT
     for (const std::uint8_t address : found.from) from += (from.empty() ? "" : ", ") + ano::hex_byte(address);
     const std::string link = "serial:" + path;
     if (found.any_rate)
-        streams.out << path << ": good frames from " << from << " at any rate: by USB alone (cdc_acm) it means nothing.\n"
-                    << "The link: " << link << '\n';
+        streams.out << path << ": valid frames from " << from << " at any rate (a USB device, cdc_acm, ignores the baud rate)\n"
+                    << "Link: " << link << '\n';
     else
-        streams.out << path << ": " << found.baud << " baud: good frames from " << from << ".\n"
-                    << "The link: " << link << ",baud=" << found.baud << '\n';
+        streams.out << path << ": " << found.baud << " baud: valid frames from " << from << '\n'
+                    << "Link: " << link << ",baud=" << found.baud << '\n';
     return fine;
 }
 

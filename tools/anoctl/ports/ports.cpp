@@ -57,12 +57,12 @@ std::string told(const SerialPort& port) {
     if (!port.stable.empty()) all += paragraph(safe(port.stable), 4);
     if (port.by_place)
         all += paragraph(
-            "by its USB socket: the adapter has no serial number of its own, so a name in by-id can lead to another one "
-            "after plugging",
+            "named by USB socket: the adapter has no unique serial number, so its name in by-id can refer to another adapter "
+            "after replugging",
             4);
     for (const Holder& h : port.holders)
         all += paragraph("in use by " + safe(h.program) + " (pid " + std::to_string(h.pid) + ")", 4);
-    if (!port.missing.empty()) all += paragraph("no permission: " + port.missing, 4);
+    if (!port.missing.empty()) all += paragraph("permission denied: " + port.missing, 4);
     return all;
 }
 
@@ -119,10 +119,10 @@ void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& a
     }
     if (json) return;
     if (serial.empty())
-        out << paragraph("no serial port: is the adapter plugged in? sudo dmesg says what the kernel found of it", 0);
-    if (can.empty()) out << "no CAN interface\n";
+        out << paragraph("no serial port found; check that the adapter is plugged in (kernel messages: sudo dmesg)", 0);
+    if (can.empty()) out << "no CAN interface found\n";
     if (asker.uid != 0 && !serial.empty())
-        out << paragraph("Who has a port open is shown of your own programs and of those that lock it; sudo shows all.", 0);
+        out << paragraph("Shown are your own programs and programs that lock the port; with sudo, all programs.", 0);
 }
 
 namespace {
@@ -142,9 +142,9 @@ struct Ports {
 
 Run add_ports(Options& options) {
     const auto self = std::make_shared<Ports>();
-    options.push_back({"--detect", &self->detect, "PORT",
-                       "Listens at the usual rates, and names the one at which good frames arrive; sends nothing"});
-    options.push_back({"--json", &self->json, "", "One JSON object a port, one a line"});
+    options.push_back(
+        {"--detect", &self->detect, "PORT", "Listen at the usual baud rates and report the one with valid frames; send nothing"});
+    options.push_back({"--json", &self->json, "", "Print one JSON object per port and line"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

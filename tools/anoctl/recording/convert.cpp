@@ -49,7 +49,7 @@ public:
         if (bytes.size() < enough) return;
         output_.write(bytes);
         bytes.clear();
-        if (!output_.fault().empty()) throw Failure{path_ + ": it can't be written: " + output_.fault()};
+        if (!output_.fault().empty()) throw Failure{path_ + ": cannot write: " + output_.fault()};
     }
 
 private:
@@ -73,7 +73,7 @@ public:
 std::string places(const std::vector<std::string>& files) {
     constexpr std::size_t max_named = 5;
     if (files.size() == 1) return files[0] == "-" ? "" : " into " + files[0];
-    std::string text = files.empty() ? ": there is no table" : " into " + counted(files.size(), "table") + ": ";
+    std::string text = files.empty() ? ": no table was written" : " into " + counted(files.size(), "table") + ": ";
     for (std::size_t i = 0; i < std::min(files.size(), max_named); ++i) text += (i > 0 ? ", " : "") + files[i];
     return files.size() > max_named ? text + ", \u2026" : text;
 }
@@ -240,7 +240,7 @@ private:
         const auto format = anogate::recording_format_of(out);
         const std::string lower = ano::lower_case(out);
         if (encoding && format != anogate::RecordingFormat::mcap)
-            throw UsageError{"--message-encoding says how MCAP has decoded messages: name OUT_FILE .mcap"};
+            throw UsageError{"--message-encoding applies only to MCAP; name OUT_FILE with .mcap"};
         if (lower.ends_with(".csv") || (out == "-" && one && !frames.json))
             return std::make_unique<CsvTarget>(out, one, force, options, streams);
         if (lower.ends_with(".ndjson") || lower.ends_with(".jsonl") || out == "-")
@@ -249,7 +249,7 @@ private:
             return std::make_unique<RecordingTarget>(
                 out, force, *format,
                 anogate::RecordingOptions{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true}, streams);
-        throw UsageError{ano::in_quotes(out) + " ends neither in .csv nor in .ndjson, .pcapng or .mcap"};
+        throw UsageError{ano::in_quotes(out) + " does not end in .csv, .ndjson, .pcapng or .mcap"};
     }
 };
 
@@ -257,18 +257,18 @@ private:
 
 Run add_convert(Options& options) {
     const auto self = std::make_shared<Convert>();
-    options.push_back({"file", &self->file, "FILE", "A recording; - is standard input", true});
-    options.push_back(
-        {"out", &self->out, "OUT_FILE",
-         "NAME.csv makes a table of each message, NAME-euler.csv; NAME.ndjson is one JSON object a line, "
-         "NAME.pcapng or NAME.mcap a part of the recording; - is standard output, in JSON, or as the table of the only message",
-         true});
-    options.push_back(
-        {"--id", &self->messages, "ID...", "Only these messages, by name or id; a single one is the table OUT_FILE itself"});
+    options.push_back({"file", &self->file, "FILE", "Recording; - reads standard input", true});
+    options.push_back({"out", &self->out, "OUT_FILE",
+                       "NAME.csv: one table per message, such as NAME-euler.csv; NAME.ndjson: one JSON object per line; "
+                       "NAME.pcapng or NAME.mcap: a selected part of the recording; -: standard output, as JSON, or as a table "
+                       "if only one message is selected",
+                       true});
+    options.push_back({"--id", &self->messages, "ID...",
+                       "Select only these messages, by name or id; a single message is written to OUT_FILE itself"});
     options.push_back({"--message-encoding",
                        Option::Read{[self](const std::string& word) { return read_message_encoding(word, self->encoding); }},
-                       "cdr|json", "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
-    options.push_back({"--force", &self->force, "", "Writes over files that are there"});
+                       "cdr|json", "Encoding of decoded messages in MCAP: cdr as in ROS 2 (default), or json"});
+    options.push_back({"--force", &self->force, "", "Overwrite existing files"});
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

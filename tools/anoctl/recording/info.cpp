@@ -114,7 +114,7 @@ void show(const std::string& file, const RecordingCounts& counts, const Recordin
     out << '\n';
     if (counts.lost > 0) {
         out << counted(counts.lost, "frame") << (counts.lost == 1 ? " is" : " are")
-            << " not in it: the gateway had no room for them";
+            << " missing: the buffer of the gateway was full";
         out << (counts.lost_messages.empty() ? "" : ": ") << joined(counts.lost_messages) << '\n';
     }
     if (const double by = counts.clock_was_set(); by != 0)
@@ -205,10 +205,9 @@ struct Info {
 Run add_info(Options& options) {
     const auto self = std::make_shared<Info>();
     options.push_back({"file", &self->file, "FILE",
-                       "A recording; one that is still written is read as far as it goes; - is standard input", true});
-    options.push_back(
-        {"--all", &self->all, "", "Reads all of it, and finds what is damaged, also where its index tells what it holds"});
-    options.push_back({"--json", &self->json, "", "One JSON object"});
+                       "Recording; a running recording is read up to its current end; - reads standard input", true});
+    options.push_back({"--all", &self->all, "", "Read the whole file and report damaged parts, even if the file has an index"});
+    options.push_back({"--json", &self->json, "", "Print one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -53,8 +53,8 @@ public:
 
     void sum_up(Streams& streams) const {
         std::string text = counted(sent, "frame") + " sent to " + to_.text();
-        if (not_sent > 0) text += "; " + std::to_string(not_sent) + " were not: " + why;
-        if (lost > 0) text += "; " + std::to_string(lost) + " were not told by the gateway, which had no room for them";
+        if (not_sent > 0) text += "; " + std::to_string(not_sent) + " failed: " + why;
+        if (lost > 0) text += "; " + std::to_string(lost) + " dropped by the gateway because its buffer was full";
         tell(streams, text);
     }
 
@@ -78,14 +78,13 @@ private:
 
     void tell_that_none_leave(int error) {
         if (std::exchange(is_told_that_none_leave_, true)) return;
-        tell(streams_, "nothing leaves for " + to_.text() + ": " + error_text(error) + "; it is tried again with each frame");
+        tell(streams_, "cannot send to " + to_.text() + ": " + error_text(error) + "; retrying with each frame");
     }
 
     void tell_that_nobody_listens() {
         if (std::exchange(is_told_, true)) return;
         tell(streams_, "nothing listens at " + to_.text() +
-                           ": start PlotJuggler's UDP Server there, with the protocol json; frames "
-                           "are sent there all the while");
+                           "; start PlotJuggler's UDP Server there, with the protocol json. Frames are still sent");
     }
 
     const Endpoint to_;
@@ -124,8 +123,7 @@ struct PlotOptions {
 
 private:
     std::string listen_at_link(Plotted& plotted, Streams& streams) const {
-        if (!links.empty() || !directions.empty())
-            throw UsageError{"--link and --direction are for the frames of a gateway: without a LINK"};
+        if (!links.empty() || !directions.empty()) throw UsageError{"--link and --direction apply to a gateway; omit LINK"};
         listen(link, plotted, streams, "plot-udp");
         return {};
     }
@@ -140,20 +138,18 @@ private:
 
 Run add_plot_udp(Options& options) {
     const auto self = std::make_shared<PlotOptions>();
+    options.push_back({"to", &self->to, "IP:PORT", "Address of PlotJuggler's UDP Server, protocol json: 127.0.0.1:9870", true});
     options.push_back(
-        {"to", &self->to, "IP:PORT", "Where PlotJuggler's UDP Server listens, with the protocol json: 127.0.0.1:9870", true});
-    options.push_back(
-        {"link", &self->link, "LINK", "A link to listen at, as for monitor; without it, the frames of the gateway that runs"});
-    options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
-    options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
-    options.push_back({"--to", &self->addresses, "ADDRESS...", "Only to these addresses"});
-    options.push_back({"--link", &self->links, "LINK...", "Of the gateway: only by these links, by name"});
+        {"link", &self->link, "LINK", "Link to listen on, as for monitor; without it, the frames of the running gateway"});
+    options.push_back({"--id", &self->ids, "ID...", "Select only these messages, by name or id"});
+    options.push_back({"--from", &self->from, "ADDRESS...", "Select only frames from these addresses"});
+    options.push_back({"--to", &self->addresses, "ADDRESS...", "Select only frames to these addresses"});
+    options.push_back({"--link", &self->links, "LINK...", "With a gateway: select only frames on these links, by name"});
     options.push_back({"--direction", &self->directions, "in|out|dropped...",
-                       "Of the gateway: only what comes, leaves or is dropped (default: in)"});
+                       "With a gateway: select received, sent or dropped frames (default: in)"});
     GatewayOptions::add(options, self->gateway);
     FrameOptions::add_encoding(options, self->frames);
-    options.push_back(
-        {"--config", &self->frames.config, "FILE", "A gateway's configuration, for its layouts of flexible messages"});
+    options.push_back({"--config", &self->frames.config, "FILE", "Gateway configuration with the layouts of flexible messages"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -139,12 +139,13 @@ struct Record {
 
     int run(Streams& streams) const {
         if (encoding && format() != anogate::RecordingFormat::mcap)
-            throw UsageError{"--message-encoding says how MCAP has decoded messages: name the file .mcap"};
+            throw UsageError{"--message-encoding applies only to MCAP; name the file with .mcap"};
         check_ending(streams);
         if (last) return save_last(streams);
         const anogate::RecordingOptions options{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true};
         if (file == "-" && streams.terminal)
-            throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
+            throw UsageError{
+                "recordings are binary and not written to a terminal; give a file, or pipe the output: | wireshark -k -i -"};
         const ano::Json links_now = parse_answer(
             gateway.ask("GET", "/links"));    // before a file is made: there may be no gateway
         auto decoding = std::make_shared<const anogate::Decoding>(layouts_of_gateway(gateway), lx_links(links_now));
@@ -160,7 +161,7 @@ struct Record {
         recorder.end();
         sum_up(recorder, output, streams);
         if (!output.fault().empty())
-            throw Failure{file + ": it can't be written any more: " + output.fault() + "; what is in it until then is whole"};
+            throw Failure{file + ": cannot continue writing: " + output.fault() + "; the frames written so far are intact"};
         if (!why.empty()) throw Failure{why};
         return fine;
     }
@@ -169,22 +170,22 @@ private:
     void check_ending(Streams& streams) const {
         for (const std::string_view word : {"status", "start", "stop", "list", "end", "get", "delete", "save"})
             if (file == word)
-                throw UsageError{"record writes a FILE here; what the gateway itself records: anoctl recordings " +
+                throw UsageError{"record writes a FILE on this computer; for recordings made by the gateway: anoctl recordings " +
                                  std::string{word == "status" ? "list"
                                              : word == "stop" ? "end NAME"
                                                               : word} +
-                                 " (for a file of this name: ./" + file + ")"};
+                                 " (for a file with this name: ./" + file + ")"};
         const std::string name = file.substr(file.rfind('/') + 1);
         if (name.empty() || name == "-" || anogate::recording_format_of(name)) return;
         if (name.rfind('.') != name.npos) throw UsageError{ending_refused(file)};
-        tell(streams, file + ": pcapng is written; for MCAP end the name with .mcap");
+        tell(streams, file + ": writing pcapng; for MCAP, end the name with .mcap");
     }
     anogate::RecordingFormat format() const {
         return anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
     }
     /// Saves the latest frames, which the gateway keeps in memory.
     int save_last(Streams& streams) const {
-        if (file == "-" && streams.terminal) throw UsageError{"a recording is nothing for a terminal: say a file"};
+        if (file == "-" && streams.terminal) throw UsageError{"recordings are binary and not written to a terminal; give a file"};
         std::string path = "/recordings/last?format=";
         path += text(format());
         if (encoding) path.append("&message_encoding=").append(text(*encoding));
@@ -192,11 +193,11 @@ private:
         RecordingOutput output{file, force, streams};
         output.write(recording);
         output.sync();
-        if (!output.fault().empty()) throw Failure{file + ": it can't be written: " + output.fault()};
+        if (!output.fault().empty()) throw Failure{file + ": cannot write: " + output.fault()};
         if (json)
             (file == "-" ? streams.err : streams.out)
                 << ano::json_text(ano::Json{{"file", file}, {"bytes", output.size()}}) << '\n';
-        else tell(streams, file + ": " + counted(output.size(), "byte") + ", what the gateway held of the last while");
+        else tell(streams, file + ": " + counted(output.size(), "byte") + ", the latest frames kept by the gateway");
         return fine;
     }
     std::string query() const {
@@ -232,7 +233,7 @@ private:
                            counted(output.size(), "byte");
         if (recorder.lost > 0)
             text += "; " + counted(recorder.lost, "frame") + (recorder.lost == 1 ? " is" : " are") +
-                    " not in it: the gateway had no room for them";
+                    " missing: the buffer of the gateway was full";
         tell(streams, text);
     }
 };
@@ -249,27 +250,27 @@ Run add_record(Options& options) {
         return {};
     };
     options.push_back({"file", &self->file, "FILE",
-                       "What is written: NAME.mcap as MCAP, for Foxglove, PlotJuggler and ROS 2; otherwise as pcapng, which "
-                       "Wireshark opens with the "
-                       "dissector of anoctl messages --lua; - is standard output",
+                       "Output file: NAME.mcap is MCAP, for Foxglove, PlotJuggler and ROS 2; otherwise pcapng, for Wireshark "
+                       "with the dissector from anoctl messages --lua; - writes standard output",
                        true});
-    options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
-    options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
-    options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
-    options.push_back({"--link", &self->links, "LINK...", "Only by these links of the gateway, by name"});
-    options.push_back({"--direction", &self->directions, "in|out|dropped...", "What comes, leaves or is dropped (default: in)"});
-    options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Ends after so long; otherwise Ctrl-C does"});
+    options.push_back({"--id", &self->ids, "ID...", "Select only these messages, by name or id"});
+    options.push_back({"--from", &self->from, "ADDRESS...", "Select only frames from these addresses"});
+    options.push_back({"--to", &self->to, "ADDRESS...", "Select only frames to these addresses"});
+    options.push_back({"--link", &self->links, "LINK...", "Record only frames on these links, by name"});
+    options.push_back(
+        {"--direction", &self->directions, "in|out|dropped...", "Record received, sent or dropped frames (default: in)"});
+    options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Stop after this time (default: on Ctrl-C)"});
     options.push_back({"--last",
                        &self->last,
                        "",
-                       "What the gateway holds of the last while (keep_last in its configuration), and nothing more",
+                       "Save only the latest frames that the gateway keeps in memory (keep_last in its configuration)",
                        false,
                        {"--id", "--from", "--to", "--link", "--direction", "--seconds"}});
     options.push_back({"--message-encoding",
                        Option::Read{[self](const std::string& word) { return read_message_encoding(word, self->encoding); }},
-                       "cdr|json", "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
-    options.push_back({"--force", &self->force, "", "Writes over a file that is there"});
-    options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
+                       "cdr|json", "Encoding of decoded messages in MCAP: cdr as in ROS 2 (default), or json"});
+    options.push_back({"--force", &self->force, "", "Overwrite an existing file"});
+    options.push_back({"--json", &self->json, "", "Print the summary as one JSON object"});
     GatewayOptions::add(options, self->gateway);
     return [self](Streams& streams) { return self->run(streams); };
 }

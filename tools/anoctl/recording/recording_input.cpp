@@ -20,14 +20,14 @@ namespace {
 constexpr std::size_t piece = 256 * 1024;
 
 [[noreturn]] void fail_to_read(const std::string& path) {
-    throw UsageError{path + ": it can't be read: " + std::generic_category().message(errno)};
+    throw UsageError{path + ": cannot read: " + std::generic_category().message(errno)};
 }
 
 }    // namespace
 
 RecordingInput::RecordingInput(const std::string& path, Streams& streams)
     : path_{path}, fd_{-1}, room_(piece), reader_{anogate::make_recording_reader({})} {
-    if (path.empty()) throw UsageError{"a FILE has a name"};
+    if (path.empty()) throw UsageError{"FILE is an empty name"};
     fd_ = path == "-" ? ::dup(streams.in) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
     if (fd_ < 0) fail_to_read(path);
 }
@@ -53,15 +53,15 @@ std::optional<anogate::Recorded> RecordingInput::next() {
     while (read());
     if (reader_->is_strange() && reader_->format() == anogate::RecordingFormat::pcapng)
         throw Failure{path_ +
-                      ": it is a capture of a network, not of a gateway: Wireshark shows the frames in its packets, with the "
-                      "dissector of anoctl messages --lua; anoctl record makes recordings of a gateway"};
+                      ": this is a network capture, not a recording of a gateway; to see its frames, open it in Wireshark with "
+                      "the dissector from anoctl messages --lua"};
     if (reader_->is_strange())
-        throw Failure{path_ + ": it is an MCAP file, but not of a gateway: it has no channel " +
-                      std::string{anogate::mcap::frames_topic} + ", and of others no frames can be made"};
+        throw Failure{path_ + ": this MCAP file is not a recording of a gateway: it has no channel " +
+                      std::string{anogate::mcap::frames_topic}};
     if (reader_->position() > 0) return std::nullopt;
-    const char* const why = size_ == 0              ? "it is empty"
+    const char* const why = size_ == 0              ? "the file is empty"
                             : reader_->is_damaged() ? reader_->fault()
-                                                    : "it ends before its head does";
+                                                    : "the file ends within its header";
     throw Failure{path_ + ": " + why};
 }
 
@@ -111,11 +111,11 @@ RecordingFacts read_recording(const std::string& path, Streams& streams, const T
 
 namespace {
 
-// "the chunk at byte 4711 is damaged and left out, 120 messages: it can't be unpacked"
+// "the chunk at byte 4711 is damaged and skipped, 120 messages: it can't be unpacked"
 std::string note_on(const anogate::SkippedPart& part, anogate::RecordingFormat format) {
     std::string line = format == anogate::RecordingFormat::mcap ? "the chunk" : "the block";
-    line += " at byte " + std::to_string(part.at) + " is damaged and left out, ";
-    if (!part.messages) line += "with nothing behind it that tells what it had";
+    line += " at byte " + std::to_string(part.at) + " is damaged and skipped, ";
+    if (!part.messages) line += "its contents are unknown";
     else if (*part.messages == 0) line += "without messages";
     else line += counted(*part.messages, "message");
     return line + ": " + std::string{part.why};
@@ -124,9 +124,9 @@ std::string note_on(const anogate::SkippedPart& part, anogate::RecordingFormat f
 void add_notes_on(const anogate::SkippedParts& skipped, anogate::RecordingFormat format, std::vector<std::string>& lines) {
     for (const anogate::SkippedPart& part : skipped.first) lines.push_back(note_on(part, format));
     if (skipped.count > skipped.first.size())
-        lines.push_back("and " + counted(skipped.count - skipped.first.size(), "other") + " like that, " +
-                        counted(skipped.bytes, "byte") + " in all");
-    if (skipped.frames > 0) lines.push_back(counted(skipped.frames, "frame") + " of the recording can't be read for that");
+        lines.push_back("and " + counted(skipped.count - skipped.first.size(), "other") + " skipped, " +
+                        counted(skipped.bytes, "byte") + " in total");
+    if (skipped.frames > 0) lines.push_back(counted(skipped.frames, "frame") + " cannot be read because of this");
 }
 
 }    // namespace
@@ -135,13 +135,13 @@ std::vector<std::string> RecordingFacts::notes() const {
     std::vector<std::string> lines;
     add_notes_on(skipped, format, lines);
     for (const std::string_view mismatch : mismatches)
-        lines.push_back("damaged: " + std::string{mismatch} + "; what can be read is read as it stands there");
+        lines.push_back("damaged: " + std::string{mismatch} + "; the readable parts are used as they are");
     const std::string rest = std::to_string(size - read) + " of " + std::to_string(size) + " bytes";
-    if (!fault.empty()) lines.push_back("damaged behind byte " + std::to_string(read) + ", " + rest + " are not read: " + fault);
-    else if (read < size) lines.push_back("cut off: the last " + rest + " are no whole block");
+    if (!fault.empty()) lines.push_back("damaged after byte " + std::to_string(read) + ", " + rest + " skipped: " + fault);
+    else if (read < size) lines.push_back("cut off: the last " + rest + " are an incomplete block");
     const bool ours = head.program.starts_with("ano");
-    if (fault.empty() && !has_end && ours) lines.push_back("not ended: what records it still runs, or was ended by force");
-    if (foreign > 0) lines.push_back(counted(foreign, "packet") + " in it that are no whole frame");
+    if (fault.empty() && !has_end && ours) lines.push_back("not finished: the recording is still running or was aborted");
+    if (foreign > 0) lines.push_back(counted(foreign, "packet") + " without a complete frame");
     return lines;
 }
 

@@ -16,19 +16,19 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 std::string ending_refused(const std::string& file) {
     return file +
-           ": what is recorded is pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl convert makes "
-           "others of it";
+           ": recordings are pcapng (for Wireshark) or MCAP; name the file .pcapng or .mcap. To get other formats, use anoctl "
+           "convert afterwards";
 }
 
 RecordingOutput::RecordingOutput(const std::string& path, bool force, Streams& streams) : path_{path}, streams_{streams} {
-    if (path.empty()) throw UsageError{"a FILE has a name"};
+    if (path.empty()) throw UsageError{"FILE is an empty name"};
     if (path == "-") return;
     constexpr int flags = O_WRONLY | O_CREAT | O_CLOEXEC | O_NOCTTY;
     fd_ = ::open(path.c_str(), flags | O_EXCL, 0666);
     is_new_ = fd_ >= 0;
-    if (fd_ < 0 && errno == EEXIST && !force) throw UsageError{path + " is there already: --force writes over it"};
+    if (fd_ < 0 && errno == EEXIST && !force) throw UsageError{path + " already exists; use --force to overwrite it"};
     if (fd_ < 0 && errno == EEXIST) fd_ = ::open(path.c_str(), flags, 0666);
-    if (fd_ < 0) throw UsageError{path + ": it can't be written: " + reason(errno)};
+    if (fd_ < 0) throw UsageError{path + ": cannot write: " + reason(errno)};
 }
 
 RecordingOutput::~RecordingOutput() {
@@ -44,7 +44,7 @@ void RecordingOutput::write(std::string_view parts) {
     if (!fault_.empty() || parts.empty()) return;
     if (fd_ < 0) {
         if (!streams_.out.write(parts.data(), static_cast<std::streamsize>(parts.size())).flush())
-            fault_ = "nobody reads it any more";
+            fault_ = "the reader closed the pipe";
         else size_ += parts.size();
         return;
     }

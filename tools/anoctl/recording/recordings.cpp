@@ -72,7 +72,7 @@ struct Recordings {
         if (what == "list") return list(streams);
         if (what == "start") return start(streams);
         if (what == "save") return save(streams);
-        if (name.empty()) throw UsageError{"say which: anoctl recordings " + what + " NAME; anoctl recordings lists them"};
+        if (name.empty()) throw UsageError{"missing NAME: anoctl recordings " + what + " NAME; to list them: anoctl recordings"};
         if (what == "end") return end(streams);
         return what == "get" ? get(streams) : remove(streams);
     }
@@ -102,7 +102,7 @@ private:
         for (const Json& one : at(all, "running")) table.row(cells_of_running(one));
         for (const Json& one : at(all, "recordings"))
             if (text_at(one, "state") != "recording") table.row(cells_of_file(one));
-        if (table.empty()) streams.out << "nothing was recorded yet\n";
+        if (table.empty()) streams.out << "no recordings yet\n";
         else table.write(streams.out, {}, streams.terminal ? streams.width : 0);
         const std::string folder = text_at(all, "folder"), error = text_at(all, "error"), free = text_at(all, "free_bytes");
         if (!error.empty()) say(streams, error);
@@ -116,7 +116,7 @@ private:
         std::string note = text_at(one, "error");
         if (const auto missing = static_cast<std::uint64_t>(number_at(one, "not_written")); missing > 0)
             note += (note.empty() ? "" : "; ") + counted(missing, "frame") + " not written";
-        const char* const state = note.empty() ? "recording" : "troubled";
+        const char* const state = note.empty() ? "recording" : "failing";
         if (number_at(one, "files") > 1) {
             const RecordingSum sum = sum_of_recording(one);
             note += (note.empty() ? "" : "; ") + sum.of + ": " + sum.frames;
@@ -151,7 +151,7 @@ private:
             {"id", &ids}, {"from", &from}, {"to", &to}, {"link", &links}, {"direction", &directions}};
         for (const auto& [key, words] : filters)
             if (!words->empty()) body[key] = *words;
-        return say_one(ask("POST", "/recordings", body), "is being recorded", streams);
+        return say_one(ask("POST", "/recordings", body), "started", streams);
     }
     // With --format, any ending of the name is allowed.
     void check_ending() const {
@@ -164,10 +164,10 @@ private:
         if (!name.empty()) body["name"] = name;
         if (!format.empty()) body["format"] = format;
         if (!encoding.empty()) body["message_encoding"] = encoding;
-        return say_one(ask("POST", "/recordings", body), "is saved", streams);
+        return say_one(ask("POST", "/recordings", body), "saved", streams);
     }
-    int end(Streams& streams) const { return say_one(ask("POST", path_of(name) + "/end", Json::object()), "is ended", streams); }
-    int remove(Streams& streams) const { return say_one(ask("DELETE", path_of(file_meant())), "is deleted", streams); }
+    int end(Streams& streams) const { return say_one(ask("POST", path_of(name) + "/end", Json::object()), "stopped", streams); }
+    int remove(Streams& streams) const { return say_one(ask("DELETE", path_of(file_meant())), "deleted", streams); }
 
     /// NAME with the ending of its only file. Unchanged when there is none: the gateway then says so.
     std::string file_meant() const {
@@ -180,7 +180,7 @@ private:
         if (files.empty()) return name;
         std::string some;
         for (std::size_t i = 0; i < std::min(files.size(), max_named); ++i) some += (i > 0 ? ", " : "") + files[i];
-        throw UsageError{name + " has " + std::to_string(files.size()) + " files: say which: " + some +
+        throw UsageError{name + " has " + std::to_string(files.size()) + " files; give one of: " + some +
                          (files.size() > max_named ? ", …" : "")};
     }
 
@@ -197,14 +197,14 @@ private:
     // Gets the file piece by piece, since it may be larger than memory, and checks that it is not replaced meanwhile.
     int get(Streams& streams) const {
         const std::string which = file_meant(), into = place_for(which);
-        if (into == "-" && streams.terminal) throw UsageError{"a recording is nothing for a terminal: say a file"};
+        if (into == "-" && streams.terminal) throw UsageError{"recordings are binary and not written to a terminal; give a file"};
         std::unique_ptr<RecordingOutput> output;
         std::string tag;
         for (std::uint64_t at = 0, size = 1; at < size;) {
             const http::Answer part = piece_at(which, at, tag);
             if (part.status == 416) break;    // the file is empty
             if (part.status / 100 != 2) throw Failure{words_of(part)};
-            if (part.status != 206 && at > 0) throw Failure{which + " is another one now: get it again"};
+            if (part.status != 206 && at > 0) throw Failure{which + " changed meanwhile; get it again"};
             const std::string_view range = part.header("Content-Range");
             const auto whole = ano::parse_number(range.substr(range.rfind('/') + 1));
             size = whole && std::holds_alternative<std::uint64_t>(*whole) ? std::get<std::uint64_t>(*whole)
@@ -213,7 +213,7 @@ private:
             if (!output) output = std::make_unique<RecordingOutput>(into, force, streams);
             output->write(part.body);
             at += part.body.size();
-            if (!output->fault().empty()) throw Failure{into + ": it can't be written: " + output->fault()};
+            if (!output->fault().empty()) throw Failure{into + ": cannot write: " + output->fault()};
             if (part.body.empty()) break;
         }
         if (!output) output = std::make_unique<RecordingOutput>(into, force, streams);
@@ -232,7 +232,7 @@ private:
                               (anogate::recording_format_of(file) &&
                                anogate::recording_format_of(file) != anogate::recording_format_of(which));
         if (is_other)
-            throw UsageError{file + ": get copies " + plain + " as it is; anoctl convert makes " + ending + " of it afterwards"};
+            throw UsageError{file + ": get copies " + plain + " unchanged; to get " + ending + ", use anoctl convert afterwards"};
         return file;
     }
     http::Answer piece_at(const std::string& which, std::uint64_t at, const std::string& tag) const {
@@ -254,7 +254,7 @@ Run add_recordings(Options& options) {
     const auto read_what = [self](const std::string& word) -> std::string {
         constexpr std::string_view all[] = {"list", "start", "end", "get", "delete", "save"};
         if (std::find(std::begin(all), std::end(all), word) == std::end(all))
-            return ano::in_quotes(word) + " is none of list, start, end, get, delete and save";
+            return ano::in_quotes(word) + " is not list, start, end, get, delete or save";
         self->what = word;
         return {};
     };
@@ -263,25 +263,25 @@ Run add_recordings(Options& options) {
         self->seconds = number ? std::visit([](auto n) { return static_cast<double>(n); }, *number) : 0;
         return self->seconds > 0 ? std::string{} : ano::in_quotes(word) + " is not a number of seconds";
     };
+    options.push_back({"what", Option::Read{read_what}, "list|start|end|get|delete|save",
+                       "list (default): running and stored recordings; start [NAME]; end NAME; get NAME [FILE]: download one; "
+                       "delete NAME; save [NAME]: save the frames kept by keep_last"});
     options.push_back(
-        {"what", Option::Read{read_what}, "list|start|end|get|delete|save",
-         "list (default): those that run and those in the folder; start [NAME]; end NAME; get NAME [FILE] copies one here; "
-         "delete NAME; save [NAME] keeps what keep_last holds"});
-    options.push_back({"name", &self->name, "NAME", "A-Z, a-z, 0-9, '.', '_' and '-' (default of a new one: the time)"});
+        {"name", &self->name, "NAME", "Name, of A-Z, a-z, 0-9, '.', '_' and '-' (default of a new recording: the time)"});
     options.push_back(
-        {"file", &self->file, "FILE", "Of get: where to, a file or a folder (default: NAME, here); - is standard output"});
-    options.push_back({"--format", &self->format, "pcapng|mcap", "Of start and save (default: as the configuration says)"});
+        {"file", &self->file, "FILE", "get: output file or folder (default: NAME, in this folder); - writes standard output"});
+    options.push_back({"--format", &self->format, "pcapng|mcap", "start, save: file format (default: as configured)"});
     options.push_back({"--message-encoding", &self->encoding, "cdr|json",
-                       "Of start and save: how MCAP has decoded messages, as ROS 2 does or as JSON (default: as the "
-                       "configuration says)"});
-    options.push_back({"--id", &self->ids, "ID...", "Of start: only these messages, by name or id"});
-    options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
-    options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
-    options.push_back({"--link", &self->links, "LINK...", "Only by these links of the gateway, by name"});
-    options.push_back({"--direction", &self->directions, "in|out|dropped...", "What comes, leaves or is dropped (default: in)"});
-    options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Ends after so long"});
-    options.push_back({"--force", &self->force, "", "Of get: writes over a file that is there"});
-    options.push_back({"--json", &self->json, "", "What the gateway answers, as a JSON object"});
+                       "start, save: encoding of decoded messages in MCAP, cdr as in ROS 2, or json (default: as configured)"});
+    options.push_back({"--id", &self->ids, "ID...", "start: record only these messages, by name or id"});
+    options.push_back({"--from", &self->from, "ADDRESS...", "Select only frames from these addresses"});
+    options.push_back({"--to", &self->to, "ADDRESS...", "Select only frames to these addresses"});
+    options.push_back({"--link", &self->links, "LINK...", "start: record only frames on these links, by name"});
+    options.push_back(
+        {"--direction", &self->directions, "in|out|dropped...", "start: record received, sent or dropped frames (default: in)"});
+    options.push_back({"--seconds", Option::Read{read_seconds}, "N", "start: stop after this time"});
+    options.push_back({"--force", &self->force, "", "get: overwrite an existing file"});
+    options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     GatewayOptions::add(options, self->gateway);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -176,12 +176,12 @@ struct Replay {
         } else {
             std::string text = counted(replayer.given, "frame") + " replayed";
             if (replayer.given + replayer.kept_back == 0 && !replayer.was_interrupted)
-                text += replayer.has_frames ? ": none of those in it came in" : ": there is none in it";
+                text += replayer.has_frames ? ": the recording has no received frames" : ": the recording has no frames";
             if (replayer.not_sent > 0)
-                text += ", of which " + std::to_string(replayer.not_sent) + " did not leave: the link was not there, or too slow";
+                text += ", of which " + std::to_string(replayer.not_sent) + " were not sent: the link was down or too slow";
             if (replayer.kept_back > 0)
                 text += "; " + std::to_string(replayer.kept_back) +
-                        " of hosts and to command a vehicle kept back: --commands says them, too";
+                        " from hosts or commanding a vehicle omitted; use --commands to include them";
             tell(streams, text);
         }
         if (replayer.was_interrupted) return interrupted;
@@ -199,15 +199,14 @@ Run add_replay(Options& options) {
         const bool is_rate = self->rate == 0 || (self->rate >= 0.001 && self->rate <= 1000);
         return is_rate ? "" : ano::in_quotes(word) + " is neither 0 nor a number from 0.001 to 1000";
     };
-    options.push_back({"file", &self->file, "FILE", "A recording; of it, what came in is said again, and only that", true});
+    options.push_back({"file", &self->file, "FILE", "Recording; only its received frames are replayed", true});
+    options.push_back({"link", &self->link, "LINK",
+                       "Link to send on, as for anogated: serial:/dev/ttyUSB0,baud=500000 udp:127.0.0.1:12333 pty:PATH", true});
     options.push_back(
-        {"link", &self->link, "LINK",
-         "The link by which it is said, as for anogated: serial:/dev/ttyUSB0,baud=500000 udp:127.0.0.1:12333 pty:PATH", true});
-    options.push_back({"--commands", &self->commands, "",
-                       "Also what hosts said and what commands or changes a vehicle: the vehicle at this link does it"});
-    options.push_back(
-        {"--rate", Option::Read{read_rate}, "R", "So many times as fast; 0: as fast as the link takes it (default: 1)"});
-    options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
+        {"--commands", &self->commands, "",
+         "Include frames sent by hosts and frames that command or change a vehicle; the vehicle on this link will execute them"});
+    options.push_back({"--rate", Option::Read{read_rate}, "R", "Speed factor; 0: as fast as the link allows (default: 1)"});
+    options.push_back({"--json", &self->json, "", "Print the summary as one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -54,12 +54,12 @@ struct Setup {
 
 private:
     void check(const Streams& streams) const {
-        if (!yes && !streams.in_is_terminal)
-            throw UsageError{"setup asks before each step, and there is no terminal to ask at: --yes does it without"};
+        if (!yes && !streams.in_is_terminal) throw UsageError{"confirmation required, but stdin is not a terminal; use --yes"};
         const fs::path folder = fs::path{file}.parent_path();
         if (!fs::is_directory(folder))
-            throw Failure{"there is no folder " + folder.string() + ": install the package anogate first"};
-        if (::access(folder.c_str(), W_OK) != 0) throw Failure{"no permission to write " + file + ": sudo anoctl setup"};
+            throw Failure{"folder not found: " + folder.string() + "; install the package anogate first"};
+        if (::access(folder.c_str(), W_OK) != 0)
+            throw Failure{"permission denied: cannot write " + file + "; use sudo anoctl setup"};
     }
 
     bool may(Streams& streams, const std::string& question) const { return yes || agrees(streams, question); }
@@ -68,16 +68,17 @@ private:
         const std::vector<SerialPort> ports = serial_ports("/", anogate::DeviceUser::this_process());
         write_ports("/", anogate::DeviceUser::this_process(), false, streams.out);
         if (ports.empty())
-            throw Failure{"no serial port found: plug the device in, then repeat; or name a port: anoctl setup PORT"};
+            throw Failure{"no serial port found; plug the device in and repeat, or give a port: anoctl setup PORT"};
         if (ports.size() == 1 && may(streams, "Use " + ports[0].device + "?")) return lasting_name(ports[0]);
-        if (yes) throw UsageError{"there are several ports: name one, for example: anoctl setup " + ports[0].device + " --yes"};
+        if (yes)
+            throw UsageError{"several serial ports found; choose one, for example: anoctl setup " + ports[0].device + " --yes"};
         for (;;) {
             ask_for(streams, "Which port?");
             const std::string wanted = answer(streams);
-            if (wanted.empty()) throw Failure{"no port chosen; nothing was changed"};
+            if (wanted.empty()) throw Failure{"no port selected; nothing was changed"};
             for (const SerialPort& one : ports)
                 if (one.device == wanted || one.stable == wanted || one.device == "/dev/" + wanted) return lasting_name(one);
-            tell(streams, "there is no port " + ano::in_quotes(wanted) + " in the list above");
+            tell(streams, "no port " + ano::in_quotes(wanted) + " in the list above");
         }
     }
     static std::string lasting_name(const SerialPort& port) { return port.stable.empty() ? port.device : port.stable; }
@@ -93,8 +94,8 @@ private:
             return found.any_rate ? 0 : found.baud;
         } catch (const Failure& nothing) {
             tell(streams, nothing.what());
-            if (!may(streams, "Continue with " + std::to_string(rate_of_the_vendor) +
-                                  " baud? Some devices only send when they are asked."))
+            if (!may(streams,
+                     "Continue with " + std::to_string(rate_of_the_vendor) + " baud? Some devices send only after a hello."))
                 throw Failure{"nothing was changed"};
             return rate_of_the_vendor;
         }
@@ -104,7 +105,7 @@ private:
         const std::string text = service_config(port, baud);
         streams.out << text;
         const bool is_there = is_file(file);
-        if (!may(streams, "Write this to " + file + "?" + (is_there ? " The file there is kept as " + file + ".old." : "")))
+        if (!may(streams, "Write this to " + file + "?" + (is_there ? " The existing file is kept as " + file + ".old." : "")))
             return false;
         std::error_code ec;
         if (is_there) fs::rename(file, file + ".old", ec);
@@ -118,24 +119,25 @@ private:
 
     bool start_service(Streams& streams) const {
         if (!may(streams, "Enable and start the service now?")) {
-            say(streams, "To start it later: sudo systemctl enable --now anogated");
+            say(streams, "to start it later: sudo systemctl enable --now anogated");
             return false;
         }
         for (const std::vector<std::string>& words :
              {std::vector<std::string>{"systemctl", "enable", "anogated"}, {"systemctl", "restart", "anogated"}}) {
             streams.out.flush();
             const auto status = run_program(words);
-            if (!status) throw Failure{"systemctl is not installed; without systemd, start it by: anogated --config " + file};
-            if (*status != 0) throw Failure{"systemctl " + words[1] + " failed; journalctl -u anogated has the reason"};
+            if (!status)
+                throw Failure{"systemctl is not installed; without systemd, start the gateway with: anogated --config " + file};
+            if (*status != 0) throw Failure{"systemctl " + words[1] + " failed; for the reason: journalctl -u anogated"};
         }
         return true;
     }
 
     int show_page(Streams& streams) const {
         const bool has_screen = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-        say(streams, std::string{"The page: "} + url_of_page);
-        say(streams, "Sign in there: sudo anoctl web --open, or sudo anoctl web --pair for digits to type");
-        say(streams, "The status: sudo anoctl status");
+        say(streams, std::string{"Page: "} + url_of_page);
+        say(streams, "To sign in: sudo anoctl web --open, or sudo anoctl web --pair for a code to type");
+        say(streams, "Status: sudo anoctl status");
         if (!has_screen || !may(streams, "Open the page?")) return fine;
         try {
             await_page();
@@ -157,7 +159,7 @@ private:
             } catch (const Failure&) {
                 if (is_over) throw;
             }
-            if (is_over) throw Failure{"the gateway does not serve the page; journalctl -u anogated has the reason"};
+            if (is_over) throw Failure{"the gateway does not serve the page; for the reason: journalctl -u anogated"};
         }
     }
 };
@@ -166,8 +168,7 @@ private:
 
 Run add_setup(Options& options) {
     const auto self = std::make_shared<Setup>();
-    options.push_back(
-        {"port", &self->port, "PORT", "The serial port of the device (default: the only one, or the one that you choose)"});
+    options.push_back({"port", &self->port, "PORT", "Serial port of the device (default: the only one, or the one you select)"});
     options.push_back({"--baud",
                        [self](const std::string& word) {
                            const char* const end = word.data() + word.size();
@@ -175,10 +176,10 @@ Run add_setup(Options& options) {
                            const bool is_rate = wrong == std::errc{} && last == end && self->baud > 0;
                            return is_rate ? std::string{} : ano::in_quotes(word) + " is not a baud rate";
                        },
-                       "N", "Its baud rate (default: found by listening)"});
-    options.push_back({"--into", &self->file, "FILE", "Where the configuration is written (default: /etc/anogate/anogate.json)"});
+                       "N", "Baud rate of the device (default: detected by listening)"});
+    options.push_back({"--into", &self->file, "FILE", "Configuration file to write (default: /etc/anogate/anogate.json)"});
     GatewayOptions::add(options, self->gateway);
-    options.push_back({"--yes", &self->yes, "", "Does each step without asking"});
+    options.push_back({"--yes", &self->yes, "", "Run each step without confirmation"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

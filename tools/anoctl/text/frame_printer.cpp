@@ -112,8 +112,7 @@ void FrameOptions::add_encoding(Options& options, FrameOptions& self) {
         return {};
     };
     options.push_back({"--encoding", Option::Read{read_encoding}, "utf8|gbk",
-                       "What text on the wire is written in (default: read as UTF-8, as GBK "
-                       "where it is not UTF-8; written as UTF-8)"});
+                       "Text encoding in frames (default: UTF-8; received text that is not valid UTF-8 is read as GBK)"});
 }
 
 void FrameOptions::add(Options& options, FrameOptions& self) {
@@ -122,12 +121,11 @@ void FrameOptions::add(Options& options, FrameOptions& self) {
         self.value_type_7 = word == "u64" ? ValueType7::u64 : ValueType7::f32;
         return {};
     };
-    options.push_back({"--json", &self.json, "", "One JSON object a line"});
+    options.push_back({"--json", &self.json, "", "Print one JSON object per line"});
     add_encoding(options, self);
     options.push_back({"--value-type-7", Option::Read{read_value_type}, "f32|u64",
-                       "What 7 is among the types of a command's values: f32 (default), or u64 "
-                       "as on current devices"});
-    options.push_back({"--config", &self.config, "FILE", "A gateway's configuration, for its layouts of flexible messages"});
+                       "Meaning of value type 7 in commands: f32 (default), or u64 as on current devices"});
+    options.push_back({"--config", &self.config, "FILE", "Gateway configuration with the layouts of flexible messages"});
 }
 
 std::vector<FlexibleSpec> FrameOptions::specs() const {
@@ -135,10 +133,10 @@ std::vector<FlexibleSpec> FrameOptions::specs() const {
     std::error_code error;
     const std::string text = anogate::read_file(config, anogate::max_config_size, error);
     if (error == std::errc::operation_not_supported)
-        throw UsageError{"--config " + config + ": it is no ordinary file, but a pipe, socket or device"};
-    if (error) throw UsageError{"--config " + config + ": it can't be read: " + error.message()};
+        throw UsageError{"--config " + config + ": not a regular file, but a pipe, socket or device"};
+    if (error) throw UsageError{"--config " + config + ": cannot read: " + error.message()};
     const nlohmann::json whole = json_with_comments(text, "--config " + config);
-    if (!whole.is_object()) throw UsageError{"--config " + config + ": it is not an object"};
+    if (!whole.is_object()) throw UsageError{"--config " + config + ": not a JSON object"};
     std::vector<FlexibleSpec> specs;
     if (!whole.contains("flexible")) return specs;
     for (const JsonFault& fault : read_flexible(whole["flexible"], "/flexible", specs))
@@ -253,7 +251,7 @@ std::string undecoded(FrameView frame, const FlexibleLayouts& layouts) {
         return "unknown layout of " + std::string{reading.message()->name} + ", LEN " + std::to_string(frame.data().size());
     if (reading.readable() != Readable::too_short) return {};
     return "malformed " + std::string{reading.message()->name} + ": " + std::to_string(frame.data().size()) +
-           " bytes of data, it has " + std::to_string(reading.fixed_size()) + " at least";
+           " bytes of data, expected at least " + std::to_string(reading.fixed_size());
 }
 
 }    // namespace anoctl

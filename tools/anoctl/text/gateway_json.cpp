@@ -30,7 +30,7 @@ std::vector<std::string> names_of(const Rows& rows, Wanted is_wanted) {
 
 Json parse_answer(const std::string& body) {
     Json json = Json::parse(body, nullptr, false);
-    if (json.is_discarded()) throw Failure{"the answer of the gateway is not JSON"};
+    if (json.is_discarded()) throw Failure{"the response of the gateway is not valid JSON"};
     return json;
 }
 
@@ -79,7 +79,7 @@ std::vector<std::string> recording_lines(const Json& recording) {
         lines.push_back(std::move(line));
     }
     if (const std::string error = text_at(at(recording, "keep_last"), "error"); !error.empty())
-        lines.push_back("recording: the last frames are not saved: " + error);
+        lines.push_back("recording: cannot save the latest frames: " + error);
     return lines;
 }
 

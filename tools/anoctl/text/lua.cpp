@@ -42,7 +42,7 @@ local header = {
     add = ProtoField.uint8("ano.add", "Additional check", base.HEX),
     extra = ProtoField.bytes("ano.extra", "Extra"),
     data = ProtoField.bytes("ano.data", "Data"),
-    junk = ProtoField.bytes("ano.junk", "Bytes of no frame"),
+    junk = ProtoField.bytes("ano.junk", "Bytes outside any frame"),
 }
 local malformed = ProtoExpert.new("ano.malformed", "Fewer bytes than the layout has", expert.group.MALFORMED,
                                   expert.severity.ERROR)

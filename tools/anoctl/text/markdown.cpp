@@ -45,7 +45,7 @@ std::string remark(const Field& f) {
         add(only);
     }
     if (f.range) add(number_text(f.range.first) + " to " + number_text(f.range.last));
-    if (f.no_data) add(std::to_string(*f.no_data) + " on the wire is no data");
+    if (f.no_data) add(std::to_string(*f.no_data) + " on the wire: no data");
     for (const Meaning& m : f.meanings) add(std::to_string(m.value) + " " + std::string{m.text});
     if (!f.note.empty()) add(std::string{f.note});
     return text;
@@ -64,7 +64,8 @@ void write_layout(std::ostream& out, const Message& row) {
     out << taken_for(row);
     if (!row.is_base() || row.variant.length != 0) out << '.';
     if (acknowledged(row) == Acknowledged::yes) out << " Acknowledged.";
-    if (acknowledged(row) == Acknowledged::as_write) out << " Acknowledged as a write; not as the answer to a read.";
+    if (acknowledged(row) == Acknowledged::as_write)
+        out << " Acknowledged if it is a write, not if it is the response to a read.";
     if (row.fields().empty()) {
         out << " The layout comes from the configuration.\n";
         return;
@@ -86,8 +87,7 @@ std::string type_text(const Field& f) {
 
 std::string taken_for(const Message& row) {
     if (row.variant.by_look)
-        return ", where the base layout has a value out of its range or a text that begins with what can't be read, and "
-               "this one has not";
+        return ", used if the base layout would give a value out of range or unreadable text, and this layout does not";
     return row.variant.length == 0 ? "" : ", at exactly " + std::to_string(row.variant.length) + " bytes";
 }
 

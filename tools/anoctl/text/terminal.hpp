@@ -27,7 +27,7 @@ public:
         std::size_t width = 80, height = 24;
     };
     static Size size() noexcept;
-    /// False: the terminal is gone.
+    /// False: the terminal was closed.
     static bool show(const std::vector<std::string>& lines);
 
 private:

@@ -262,7 +262,7 @@ std::vector<std::string> top_screen(const TopView& view, TopSort by, std::size_t
     screen.push_back(column("ADDR", 5) + column("WHO", 19) + "SENT/s    AGE  LINKS");
     put(screen, addresses, for_addresses);
     if (height > 0) screen.resize(height - 1);
-    screen.push_back("q quit   s sort, now by " + std::string{text(by)});
+    screen.push_back("q quit   s sort, by " + std::string{text(by)});
     screen.resize(height);
     for (std::string& line : screen) line = cut(line, width);
     return screen;

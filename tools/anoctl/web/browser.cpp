@@ -76,7 +76,7 @@ void open_in_browser(const std::string& url) {
 RedirectFile::RedirectFile(const std::string& url) {
     const auto secret = anogate::random_hex(page_bytes);
     const std::string folder = home();
-    if (folder.empty() || !secret) throw Failure{"there is no home folder for the page that leads a browser to it"};
+    if (folder.empty() || !secret) throw Failure{"cannot create the sign-in page: no home folder"};
     remove_old_pages(folder);
     path_ = folder + '/' + std::string{page_begin} + *secret + std::string{page_end};
     page_to_remove = path_.c_str();

@@ -32,7 +32,7 @@ struct CertificateCommand {
         if (!anogate::is_host_name(whose) && !anogate::IpAddress::parse(whose))
             throw UsageError{ano::in_quotes(whose) + " is not a host name or an IP address"};
         const fs::path folder = fs::absolute(into.value_or(certificate_folder())).lexically_normal();
-        if (!fs::is_directory(folder)) throw Failure{"there is no folder " + folder.string() + "; give another one by --into"};
+        if (!fs::is_directory(folder)) throw Failure{"folder not found: " + folder.string() + "; choose another one with --into"};
 
         const CertificateFiles authority{folder / "ca.pem", folder / "ca-key.pem"};
         const CertificateFiles made{folder / (whose + ".pem"), folder / (whose + "-key.pem")};
@@ -60,9 +60,9 @@ private:
     static void tell(const CertificateFiles& authority, const CertificateFiles& made, bool is_new, std::ostream& out) {
         if (is_new)
             out << authority.certificate << ": a new authority; every computer needs this file\n"
-                << authority.key << ": its key, which signs further certificates; keep it here and secret\n";
+                << authority.key << ": its key, which signs further certificates; keep it secret, on this computer\n";
         out << made.certificate << ", " << made.key << ": the certificate and its key\n"
-            << "The links:\n"
+            << "Links:\n"
             << "    tls-listen:0.0.0.0:12334,certificate=" << made.certificate << ",key=" << made.key
             << ",ca=" << authority.certificate << "\n    tls:HOST:12334,certificate=" << made.certificate << ",key=" << made.key
             << ",ca=" << authority.certificate << '\n';
@@ -73,9 +73,9 @@ private:
 
 Run add_certificate(Options& options) {
     const auto self = std::make_shared<CertificateCommand>();
-    options.push_back({"name", &self->name, "[NAME]", "The host name or IP address of the computer (default: this one)"});
-    options.push_back({"--into", &self->into, "FOLDER",
-                       "Where the files are made (default: /etc/anogate for root where it is, else this folder)"});
+    options.push_back({"name", &self->name, "[NAME]", "Host name or IP address of the computer (default: this computer)"});
+    options.push_back(
+        {"--into", &self->into, "FOLDER", "Output folder (default: /etc/anogate for root if it exists, otherwise this folder)"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

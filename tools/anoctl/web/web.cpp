@@ -44,28 +44,29 @@ WebDoor door_of(const Json& http) {
 /// Why HTTP is not served, and what to do.
 std::string why_not(const Json& http, const std::string& file) {
     const std::string state = text_at(http, "state"), error = text_at(http, "error");
-    if (state == "waiting") return "no HTTP yet: " + error + "; the gateway waits for it";
-    if (state == "shut") return "no HTTP: " + error + "; put that right, then: anoctl reload";
-    if (state != "off") return "the gateway does not say whether it serves HTTP: its version is not that of this anoctl";
-    return "the gateway serves no HTTP: put \"control\": {\"http\": \"0.0.0.0:8088\"} into " +
+    if (state == "waiting") return "no HTTP yet: " + error + "; the gateway is waiting for it";
+    if (state == "shut") return "no HTTP: " + error + "; correct this, then: anoctl reload";
+    if (state != "off") return "the gateway does not report whether it serves HTTP: its version differs from that of anoctl";
+    return "the HTTP interface is off; add \"control\": {\"http\": \"0.0.0.0:8088\"} to " +
            (file.empty() ? "its configuration" : file) +
-           ", or give anogated --http 0.0.0.0:8088, and restart it; with 127.0.0.1:8088 it is for this computer alone";
+           ", or start anogated with --http 0.0.0.0:8088, and restart it; 127.0.0.1:8088 limits access to this computer";
 }
 
 void tell_door(const Json& http, const WebDoor& door, const Computer& computer, std::ostream& out) {
     for (const std::string& url : urls_of(door, computer)) out << url << '\n';
     if (door.address.is_loopback()) {
         const std::string port = std::to_string(door.port);
-        out << "only this computer gets there; from another one, after: ssh -L " << port << ':' << text_at(http, "address") << ':'
-            << port << ' ' << (computer.name.empty() ? "HOST" : computer.name) << '\n';
+        out << "accessible from this computer only; from another one, use: ssh -L " << port << ':' << text_at(http, "address")
+            << ':' << port << ' ' << (computer.name.empty() ? "HOST" : computer.name) << '\n';
     }
     const std::string tokens = text_at(http, "token_file"), certificate = text_at(http, "certificate");
-    if (!is_set(http, "token_needed")) out << "no token is needed\n";
+    if (!is_set(http, "token_needed")) out << "no token required\n";
     else
-        out << "a token is needed, of a line 'view TOKEN' or 'control TOKEN' in " << tokens
-            << ": Authorization: Bearer TOKEN\nbrowsers sign in without it: --open here, --qr on a phone, --pair by digits\n";
+        out << "token required, from a line 'view TOKEN' or 'control TOKEN' in " << tokens
+            << ": Authorization: Bearer TOKEN\nto sign in to a browser without typing it: --open on this computer, --qr on a "
+               "phone, --pair with a six-digit code\n";
     if (certificate.empty()) return;
-    out << "encrypted; programs know it by " << certificate << ", as curl --cacert\n";
+    out << "encrypted; programs verify it with " << certificate << " (curl --cacert)\n";
     if (const auto known_by = anogate::http::fingerprint(certificate)) out << "SHA-256 fingerprint " << *known_by << '\n';
 }
 
@@ -73,11 +74,11 @@ void tell_certificate(const MadeCertificate& made, std::ostream& out) {
     std::vector<std::string> names;
     for (const std::string& name : made.names) names.push_back(without_controls(name));
     out << list_text("for ", names) << '\n'
-        << made.certificate << ": the certificate, that it signed itself\n"
-        << made.key << ": its key, for " << (made.is_for_service ? "user anogate, whom the service runs as" : "this user alone")
-        << "\nfor the configuration; then restart the gateway:\n    \"control\": {\"tls\": "
+        << made.certificate << ": self-signed certificate\n"
+        << made.key << ": its key, for " << (made.is_for_service ? "user anogate, which runs the service" : "this user only")
+        << "\nadd this to the configuration, then restart the gateway:\n    \"control\": {\"tls\": "
         << Json{{"certificate", made.certificate}, {"key", made.key}}.dump() << "}\n"
-        << "SHA-256 fingerprint, which browsers show where they ask whether to trust it:\n    " << made.fingerprint << '\n';
+        << "SHA-256 fingerprint; compare it with the one in the browser warning:\n    " << made.fingerprint << '\n';
 }
 
 struct Web {
@@ -86,8 +87,8 @@ struct Web {
     std::optional<std::string> into;
 
     int run(Streams& streams) const {
-        if (into && !make_certificate) throw UsageError{"--into is for --make-certificate"};
-        if (view && !open && !qr && !pair) throw UsageError{"--view is for --open, --qr and --pair"};
+        if (into && !make_certificate) throw UsageError{"--into requires --make-certificate"};
+        if (view && !open && !qr && !pair) throw UsageError{"--view requires --open, --qr or --pair"};
         return make_certificate ? make(streams) : show(streams);
     }
 
@@ -139,8 +140,8 @@ private:
 
     int show_qr(const Json& http, const WebDoor& door, Streams& streams) const {
         if (door.address.is_loopback())
-            throw Failure{"a phone can't reach the page: control.http listens on " + door.address.text() +
-                          " alone; configure \"http\": \"0.0.0.0:" + std::to_string(door.port) + "\" and restart the gateway"};
+            throw Failure{"a phone cannot reach the page: control.http listens only on " + door.address.text() +
+                          "; configure \"http\": \"0.0.0.0:" + std::to_string(door.port) + "\" and restart the gateway"};
         const bool needs_code = is_set(http, "token_needed");
         const std::string page = url_for_phones(door, this_computer()),
                           link = needs_code ? SignIn{gateway, view}.link(page) : page;
@@ -155,14 +156,14 @@ private:
 
     int show_digits(const Json& http, const WebDoor& door, Streams& streams) const {
         const std::string page = urls_of(door, this_computer()).front();
-        if (!is_set(http, "token_needed")) throw Failure{"no token is needed: open " + page};
+        if (!is_set(http, "token_needed")) throw Failure{"no token required; open " + page};
         const Json code = SignIn{gateway, view}.code(SignIn::Form::digits);
         if (json) {
             streams.out << Json{{"digits", code.at("code")}, {"page", page}, {"expires_s", code.at("expires_s")}} << '\n';
             return fine;
         }
         streams.out << text_at(code, "code") << "\nType these digits instead of the token at " << page << "\nThey sign in for "
-                    << allowed() << ", once, within 5 minutes; three wrong tries void them.\n";
+                    << allowed() << ", once, within 5 minutes; three wrong attempts cancel them.\n";
         return fine;
     }
 };
@@ -171,33 +172,33 @@ private:
 
 Run add_web(Options& options) {
     const auto self = std::make_shared<Web>();
-    options.push_back({"--open", &self->open, "", "Opens it in a browser here, by xdg-open, signed in"});
+    options.push_back({"--open", &self->open, "", "Open the page in a browser on this computer (xdg-open), signed in"});
     options.push_back({"--qr",
                        &self->qr,
                        "",
-                       "Shows a QR code, and its link, for a phone: signs it in, once, within 5 minutes",
+                       "Show a QR code and its link that sign in a phone, once, within 5 minutes",
                        false,
                        {"--open", "--make-certificate"}});
     options.push_back(
         {"--pair",
          &self->pair,
          "",
-         "Shows six digits to type where the page asks for a token: sign in once, within 5 minutes; three wrong tries void them",
+         "Show six digits to type instead of the token, valid once, within 5 minutes; three wrong attempts cancel them",
          false,
          {"--open", "--qr", "--make-certificate"}});
-    options.push_back({"--view", &self->view, "", "With --open, --qr or --pair: for watching only, with the read-only token"});
+    options.push_back({"--view", &self->view, "", "With --open, --qr or --pair: sign in with the read-only token"});
     options.push_back(
         {"--make-certificate",
          &self->make_certificate,
          "",
-         "Makes a certificate that it signs itself, for TLS, with its key; says what to configure. Needs no gateway",
+         "Create a self-signed TLS certificate with its key, and show what to configure; does not require a running gateway",
          false,
          {"--open"}});
     options.push_back(
         {"--into", &self->into, "FOLDER",
-         "Where certificate.pem and key.pem are made (default: /etc/anogate for root where it is, else this folder)"});
+         "Output folder for certificate.pem and key.pem (default: /etc/anogate for root if it exists, otherwise this folder)"});
     GatewayOptions::add(options, self->gateway);
-    options.push_back({"--json", &self->json, "", "One JSON object"});
+    options.push_back({"--json", &self->json, "", "Print one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -22,16 +22,16 @@ using anogate::http::CertificateNames;
 
 constexpr char folder_of_the_system[] = "/etc/anogate";
 constexpr char user_of_the_service[] = "anogate";
-constexpr char another_folder[] = "; give another folder by --into";
+constexpr char another_folder[] = "; choose another folder with --into";
 
 void check(const fs::path& folder, const MadeCertificate& made) {
     std::error_code ec;
-    if (!fs::is_directory(folder, ec)) throw Failure{"there is no folder " + folder.string() + another_folder};
+    if (!fs::is_directory(folder, ec)) throw Failure{"folder not found: " + folder.string() + another_folder};
     for (const std::string& path : {made.certificate, made.key})
         if (fs::exists(fs::symlink_status(path, ec)))
-            throw Failure{path + " is there already and is not written over: move it away, or give another folder by --into"};
+            throw Failure{path + " already exists and is not overwritten; move it away, or choose another folder with --into"};
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
-        throw Failure{"this user may not write into " + folder.string() + another_folder + ", or use sudo"};
+        throw Failure{"permission denied: cannot write to " + folder.string() + another_folder + ", or use sudo"};
 }
 
 }    // namespace
