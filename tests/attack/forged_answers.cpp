@@ -306,7 +306,7 @@ TEST_P(LostVehicle, does_not_look_alive_by_what_a_stranger_sends) {
     ASSERT_EQ(still.size(), 1u);
     EXPECT_EQ(still.at(0).at("elsewhere"), where);
     EXPECT_EQ(still.at(0).at("sflag"), 2);
-    EXPECT_TRUE(daemon.until_says("0xDC is heard on " + where +
+    EXPECT_TRUE(daemon.until_says("0xDC is seen on " + where +
                                   " and not on air (127.0.0.2), where it was: it is not known to be "
                                   "the same device, and stays lost. If it is the same: anoctl routes --forget 0xDC\n"))
         << daemon.output();

@@ -138,7 +138,7 @@ TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_says_one_hint_once) {
     const Result status = anoctl({"status", "--exit-code", "--control", socket});
     EXPECT_EQ(status.exit, 0) << status.said;
     EXPECT_EQ(status.said.find("ok\n"), 0u) << status.said;
-    const std::string hint = "no host takes what comes here";
+    const std::string hint = "no ground station is registered for this telemetry yet";
     const std::size_t first = status.said.find(hint);
     ASSERT_NE(first, std::string::npos) << status.said;
     EXPECT_EQ(status.said.find(hint, first + 1), std::string::npos) << status.said;

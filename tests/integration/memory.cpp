@@ -84,7 +84,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_peer_refused) {
     EXPECT_TRUE(wait_until([&] { return daemon.count("ground", "denied_in") == 1; })) << daemon.output();
     EXPECT_EQ(daemon.link("ground").at("channels").size(), 0u);
     EXPECT_EQ(daemon.link("ground").at("hint"),
-              "senders were refused for lack of memory: free some, or raise the memory limit of the service");
+              "new peers were refused for lack of memory: free some, or raise the memory limit of the service");
     ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
     stranger.send(port, vendor::who_are_you);
     EXPECT_TRUE(wait_until([&] { return daemon.link("ground").at("channels").size() == 1; })) << "there is memory again";

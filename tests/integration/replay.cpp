@@ -125,7 +125,7 @@ TEST_F(Replay, says_what_an_mcap_file_has_and_of_one_that_was_cut_all_before_the
     const std::vector<std::string> lines = log.news(daemon.gateway());
     ASSERT_EQ(lines.size(), 2u);
     EXPECT_NE(lines[0].find("flight.mcap: it is cut off: what is behind byte "), std::string::npos) << lines[0];
-    EXPECT_EQ(lines[1], "flight: the recording is at its end");
+    EXPECT_EQ(lines[1], "flight: the recording has ended");
     EXPECT_TRUE(log.news(daemon.gateway()).empty()) << "each once";
 }
 

@@ -181,7 +181,7 @@ TEST(SerialLink, a_program_that_has_the_port_open_without_a_lock_is_named_until_
     const auto link = daemon.link("fc");
     EXPECT_EQ(link.at("hint_id"), "shared_port") << link;
     EXPECT_NE(
-        link.at("hint").get<std::string>().find("(pid " + std::to_string(other.pid()) + ") has " + fc.path() + " open as well"),
+        link.at("hint").get<std::string>().find("(pid " + std::to_string(other.pid()) + ") has " + fc.path() + " open, too"),
         std::string::npos)
         << link;
     ::kill(other.pid(), SIGKILL);

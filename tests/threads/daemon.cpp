@@ -184,7 +184,7 @@ TEST(Daemon, says_in_the_log_what_the_hints_say) {
     Daemon daemon{ANOGATED, dir / "control", {"serial:" + fc.path()}};
     ASSERT_TRUE(daemon.until_up("fc")) << daemon.output();
     fc.write(Bytes(500, 0xF8));
-    EXPECT_TRUE(daemon.until_says("fc: bytes but no frames: wrong baud rate, or another protocol?")) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("fc: data but no valid frames: check baud rate and protocol")) << daemon.output();
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 

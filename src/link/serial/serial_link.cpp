@@ -62,15 +62,15 @@ LinkError open_error(const std::string& device, int error) {
 // Programs that do not lock the port: what it receives goes to one of both, byte by byte.
 LinkError of_shared_port(const std::string& device, const DeviceHolder& holder) {
     return {"shared_port",
-            holder.text() + " has " + device + " open as well, without a lock, and takes a part of what comes: end it",
+            holder.text() + " has " + device + " open, too, without a lock, and reads part of the data: stop it",
             {{"device", device}, {"program", holder.program}, {"pid", std::to_string(holder.pid)}}};
 }
 
 LinkError of_other_adapter(const std::string& device, const SocketWatch& socket) {
     return {"other_adapter",
-            device + " was the adapter in the USB socket " + socket.from() + " and is the one in " + socket.to() + " now, and " +
+            device + " was the adapter in USB port " + socket.from() + " and is now the one in " + socket.to() + "; " +
                 socket.twin() +
-                " is of the same kind: is this the right device? Use its name in /dev/serial/by-path/ (anoctl ports)",
+                " is the same model. Check that this is the right device, and use its /dev/serial/by-path/ name (anoctl ports)",
             {{"device", device}, {"from", socket.from()}, {"to", socket.to()}, {"twin", socket.twin()}}};
 }
 
@@ -256,10 +256,11 @@ constinit const LinkKind serial_kind{
     .may_be_paced = true,
     .devices_only = true,
     .number_means = "baud",
-    .hints = {.nothing_yet = {"nothing_on_line", "nothing received yet: is the device powered, are RX and TX crossed?"},
+    .hints = {.nothing_yet = {"nothing_on_line",
+                              "nothing received yet: check that the device is powered and that RX and TX are crossed"},
               .may_wait_for_hello = true,
-              .no_frames = {"no_frames_at_baud", "bytes but no frames: wrong baud rate, or another protocol?"},
-              .no_frames_any_more = {"no_frames_at_baud_any_more", ": was the baud rate changed, or the firmware?"}},
+              .no_frames = {"no_frames_at_baud", "data but no valid frames: check baud rate and protocol"},
+              .no_frames_any_more = {"no_frames_at_baud_any_more", ": check baud rate and firmware"}},
     .keys = serial_keys,
     .settings = [] { return KindSettings{Serial{}}; },
     .make = make_link_of<SerialLink>,
