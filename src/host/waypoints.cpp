@@ -64,7 +64,7 @@ bool WaypointsGet::took(std::uint32_t i, FrameView answer) {
 
 void WaypointsGet::step_ended(const Ended& ended, TimePoint now) {
     if (ended.outcome != Outcome::answered)
-        return finish_silent("number of waypoints", ended.evidence, now, "it probably keeps none");
+        return finish_silent("number of waypoints", ended.evidence, now, "it probably stores none");
     const std::size_t count = std::min(as<"waypoint_read">(*ended.answer)->get<"num">(), all_of_them);
     if (ended.tag == ask_count) {
         waypoints_.assign(count, {});
@@ -73,7 +73,7 @@ void WaypointsGet::step_ended(const Ended& ended, TimePoint now) {
     if (count != waypoints_.size())
         return finish({Ending::failed, hex_of(device().address()) + " changes while its waypoints are read", {}}, now);
     if (!missing().empty())
-        return finish({Ending::incomplete, "waypoint " + std::to_string(missing().front()) + " did not come", {}}, now);
+        return finish({Ending::incomplete, "waypoint " + std::to_string(missing().front()) + " was not received", {}}, now);
     finish({}, now);
 }
 
@@ -82,7 +82,8 @@ void WaypointsPut::start(TimePoint now) {
         auto request = waypoint_write(waypoint, write);
         if (!request)
             return finish(
-                {Ending::invalid, "waypoint " + std::to_string(waypoint.num) + " is not on earth, or has no number", {}}, now);
+                {Ending::invalid, "waypoint " + std::to_string(waypoint.num) + " is not a valid position, or has no number", {}},
+                now);
         request->patience.sends = 3;    // and then read back
         writes_.push_back(std::move(*request));
     }
@@ -111,7 +112,7 @@ void WaypointsPut::ended(const Ended& ended, TimePoint now) {
     case read_back: return was_read_back(ended, now);
     default:
         if (ended.outcome != Outcome::answered)
-            return finish_silent("number of waypoints", ended.evidence, now, "it probably keeps none");
+            return finish_silent("number of waypoints", ended.evidence, now, "it probably stores none");
         counted(as<"waypoint_read">(*ended.answer)->get<"num">(), now);
     }
 }
@@ -142,11 +143,11 @@ void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
         if (stored) ++mismatches_;
         silence_.is_heard = silence_.is_heard || stored;
         if (mismatches_ < 2 && now - *begun_at_ < patience) return write_it(now);
-        return finish_unacknowledged("write of " + number(), silence_, now, "it probably keeps no more, or none");
+        return finish_unacknowledged("write of " + number(), silence_, now, "it probably stores no more, or none");
     }
     if (!stored && now - acknowledged_at_ < patience) return ask_patiently(now);
     if (!stored)
-        return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number() + " and does not give it back",
+        return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number() + " but does not return it",
                        ended.evidence},
                       now);
     // It may have restarted with its old list between the write and this answer.
@@ -169,13 +170,13 @@ void WaypointsPut::counted(std::uint8_t count, TimePoint now) {
             at_ = 0;
             return finish(
                 {Ending::failed,
-                 hex_of(device().address()) + " acknowledged all waypoints, and has none of them as written: " + numbers,
+                 hex_of(device().address()) + " acknowledged all waypoints but stored none of them as written: " + numbers,
                  {}},
                 now);
         }
-        remark(std::to_string(changed_.size()) + " of them were stored otherwise than written (" + numbers + ")");
+        remark(std::to_string(changed_.size()) + " of them were stored differently (" + numbers + ")");
     }
-    if (unacknowledged_ > 0) remark(std::to_string(unacknowledged_) + " of them were never acknowledged, and are stored");
+    if (unacknowledged_ > 0) remark(std::to_string(unacknowledged_) + " of them were not acknowledged but are stored");
     if (count > wanted)
         remark(hex_of(device().address()) + " has " + std::to_string(count) + ", the last " + std::to_string(count - wanted) +
                " are its old ones");
@@ -210,7 +211,7 @@ void WaypointsPut::looked(TimePoint now) {
         --at_;
     }
     finish(
-        {Ending::failed, hex_of(device().address()) + " has not kept these waypoints (it has probably restarted): " + lost, {}},
+        {Ending::failed, hex_of(device().address()) + " did not keep these waypoints (it has probably restarted): " + lost, {}},
         now);
 }
 

@@ -39,7 +39,7 @@ public:
         told_.str({});
         std::string lines;
         for (std::string line; std::getline(told, line);)
-            if (!line.starts_with("stood still for ")) lines += line + '\n';
+            if (!line.starts_with("stalled for ")) lines += line + '\n';
         return lines;
     }
 

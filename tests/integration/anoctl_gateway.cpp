@@ -119,7 +119,7 @@ TEST_F(AnoctlGateway, shows_its_links_and_all_that_they_count) {
     EXPECT_EQ(one[0].at("name"), "ground");
     const Result unknown = ask({"links", "gruond"});
     EXPECT_EQ(unknown.exit, 1);
-    EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?); give one of fc, ground, absent\n");
+    EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?); use one of fc, ground, absent\n");
 }
 
 TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_says_one_hint_once) {
@@ -259,8 +259,7 @@ TEST_F(AnoctlGateway, without_permission_says_how_to_get_it) {
     ASSERT_EQ(::chmod(socket.c_str(), 0600), 0);
     const Result alone = anoctl({"status", "--control", socket}, {}, nobody);
     EXPECT_EQ(alone.exit, 1);
-    EXPECT_EQ(alone.said,
-              "anoctl: no permission for " + socket + ": it is for user root alone: be that user (sudo -u root anoctl ...)\n");
+    EXPECT_EQ(alone.said, "anoctl: no permission for " + socket + ": only user root has access: run sudo -u root anoctl ...\n");
     ASSERT_EQ(::chmod(socket.c_str(), 0660), 0);
     ASSERT_EQ(::chown(socket.c_str(), 0, 1), 0);
     const Result group = anoctl({"status", "--control", socket}, {}, nobody);
@@ -268,7 +267,7 @@ TEST_F(AnoctlGateway, without_permission_says_how_to_get_it) {
     EXPECT_NE(group.said.find("it belongs to group "), std::string::npos) << group.said;
     EXPECT_NE(group.said.find("sudo usermod -aG "), std::string::npos) << group.said;
     ASSERT_EQ(::chmod(dir.path().c_str(), 0700), 0);
-    EXPECT_NE(anoctl({"status", "--control", socket}, {}, nobody).said.find("lets this user not in: sudo anoctl"),
+    EXPECT_NE(anoctl({"status", "--control", socket}, {}, nobody).said.find("this user has no access to its folder: sudo anoctl"),
               std::string::npos);
 }
 
@@ -276,15 +275,14 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     const Result none = anoctl({"status", "--control", dir / "none.sock"});
     EXPECT_EQ(none.exit, 1);
     EXPECT_EQ(none.said, "anoctl: no gateway is running at " + dir / "none.sock" +
-                             ": there is no such socket (another one: --control PATH); anogated LINK... starts one\n");
+                             ": socket not found (another one: --control PATH); anogated LINK... starts one\n");
     if (no_namespaces().empty()) {
         const Result nowhere = anoctl({"status"}, {"XDG_RUNTIME_DIR="}, become_nobody_where_none_runs);
-        EXPECT_NE(nowhere.said.find("there is no such socket; where a gateway of this user is would be said by XDG_RUNTIME_DIR, "
-                                    "which is not set"),
+        EXPECT_NE(nowhere.said.find("socket not found; XDG_RUNTIME_DIR is not set, so a gateway of this user can't be found"),
                   std::string::npos)
             << nowhere.said;
         const Result neither = anoctl({"status"}, {"XDG_RUNTIME_DIR=/proc/none"}, become_nobody_where_none_runs);
-        EXPECT_NE(neither.said.find("at /proc/none/anogate.sock: there is no such socket, nor /run/anogate/control.sock"),
+        EXPECT_NE(neither.said.find("at /proc/none/anogate.sock: socket not found, nor /run/anogate/control.sock"),
                   std::string::npos)
             << neither.said;
     }
@@ -292,8 +290,8 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     daemon.wait();
     const Result dead = ask({"links"});
     EXPECT_EQ(dead.exit, 1);
-    EXPECT_EQ(dead.said,
-              "anoctl: no gateway is running at " + socket + ": one that ended left its socket; anogated LINK... starts one\n");
+    EXPECT_EQ(dead.said, "anoctl: no gateway is running at " + socket +
+                             ": the socket is left from a stopped one; anogated LINK... starts one\n");
 }
 
 TEST_F(AnoctlGateway, tells_shells_which_devices_and_links_there_are) {
@@ -421,10 +419,10 @@ TEST_F(AnoctlReload, confirms) {
     EXPECT_EQ(reload({"--confirm"}).said, "the new configuration stays\n");
     EXPECT_EQ(asked, "/reload/confirm");
     status = 409;
-    body = R"({"error": "nothing waits to be confirmed", "what": "busy"})";
+    body = R"({"error": "no configuration is waiting for confirmation", "what": "busy"})";
     const Result refused = reload({"--confirm"});
     EXPECT_EQ(refused.exit, 1);
-    EXPECT_EQ(refused.said, "anoctl: nothing waits to be confirmed\n");
+    EXPECT_EQ(refused.said, "anoctl: no configuration is waiting for confirmation\n");
     EXPECT_EQ(reload({"--confirm", "--dry-run"}).exit, 2);
 }
 

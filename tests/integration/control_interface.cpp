@@ -160,7 +160,7 @@ protected:
         EXPECT_TRUE(open.body.ends_with("\n# EOF\n"));
     }
     void gpio() const {
-        refuses("POST", "/gpio", 404, "unknown", "no GPIO line fits", "{}");
+        refuses("POST", "/gpio", 404, "unknown", "no GPIO line matches", "{}");
         refuses("POST", "/gpio", 400, "invalid", "unknown key 'lien'", R"({"lien": 3})");
     }
     void recordings() const {
@@ -251,7 +251,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"GET /recordings/last", [this] { refuses("GET", "/recordings/last", 409, "busy", "keep_last"); }},
         {"GET /recordings/{name}", [this] { refuses("GET", "/recordings/none.pcapng", 404, "unknown", "no recording"); }},
         {"POST /recordings/{name}/end", [this] { refuses("POST", "/recordings/none/end", 404, "unknown", "nothing is being"); }},
-        {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no dot in front"); }},
+        {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no leading dot"); }},
         {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},                     // NetworkDoor
         {"POST /login/code", [this] { refuses("POST", "/login/code", 409, "busy", "no token allows", "{}"); }},    // SignInCodes
         {"POST /logout", [this] { EXPECT_EQ(ask("POST", "/logout").status, 200u); }},                              // Tokens

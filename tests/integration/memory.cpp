@@ -172,7 +172,7 @@ TEST(Memory, who_asks_while_it_is_short_is_told_so) {
     const std::string answer = http(dir / "control", "GET /status HTTP/1.1\r\nHost: x\r\n\r\n");
     EXPECT_TRUE(answer.starts_with("HTTP/1.1 503 Service Unavailable")) << answer;
     EXPECT_NE(answer.find("\r\nRetry-After: 1\r\n"), std::string::npos) << answer;
-    EXPECT_EQ(body_of(answer), "{\"error\": \"there is too little memory for a request just now\", \"what\": \"busy\"}\n");
+    EXPECT_EQ(body_of(answer), "{\"error\": \"not enough memory for a request; try again\", \"what\": \"busy\"}\n");
     ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
     EXPECT_TRUE(daemon.until_answers()) << "there is memory again";
 }

@@ -122,10 +122,10 @@ TEST_F(SlowDisks, that_take_less_than_comes_are_told_of_within_a_second_and_what
     disk.take_a_write_in(200ms);
     const auto lost = [&] { return running().at("not_written").get<int>(); };
     while (sent_ < 12'000 && lost() == 0) ASSERT_NO_FATAL_FAILURE(send_large(500));    // 17 MiB have room, 50 MB at most are sent
-    ASSERT_TRUE(until_error("the disk takes less than comes")) << running();
+    ASSERT_TRUE(until_error("the disk is too slow; frames are being lost")) << running();
     EXPECT_EQ(metric("anogate_recording_failing"), 1);
     EXPECT_GT(metric("anogate_recording_not_written_total"), 0);
-    const LogTime told = logged("the disk takes less than comes; frames go on, but not all are recorded");
+    const LogTime told = logged("the disk is too slow; frames are being lost; frames go on, but not all are recorded");
     ASSERT_NO_FATAL_FAILURE(send_large(200));
     EXPECT_EQ(metric("anogate_recording_failing"), 1);
     disk.be_fast();
@@ -152,9 +152,9 @@ TEST_F(SlowDisks, that_take_16_KB_a_second_are_told_of_within_a_second_and_lose_
     disk.take_a_second(16'000);
     ASSERT_NO_FATAL_FAILURE(send_large(50));    // 12 s
     ASSERT_TRUE(disk.until_it_is_slow());
-    ASSERT_TRUE(until_error("the disk has taken nothing for ")) << running();
+    ASSERT_TRUE(until_error("the disk has written nothing for ")) << running();
     EXPECT_EQ(metric("anogate_recording_failing"), 1);
-    const LogTime told = logged("the disk has taken nothing for 1 s; frames go on, but are not recorded");
+    const LogTime told = logged("the disk has written nothing for 1 s; frames go on, but are not recorded");
     EXPECT_LT((told - disk.slow_since()) / 1ms, slow_told_within / 1ms);
     ASSERT_NO_FATAL_FAILURE(send_large(200));
     EXPECT_LT(running().at("frames").get<int>(), sent_);

@@ -217,7 +217,7 @@ std::string beginning_alike(const std::string& given, const std::vector<std::str
 std::string told(const CLI::ParseError& error, const CLI::App& command) {
     std::string what = error.what();
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.ends_with(" missing"))
-        return what.substr(0, what.find(':')) + ": its value is missing";
+        return what.substr(0, what.find(':')) + ": the value is missing";
     if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return what;
     std::vector<std::string> extras = command.remaining(true);
     std::transform(extras.begin(), extras.end(), extras.begin(), unmarked);

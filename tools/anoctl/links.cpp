@@ -96,7 +96,7 @@ private:
         std::vector<std::string> known;
         for (const Json& link : all) known.push_back(text_at(link, "name"));
         std::string words = ano::did_you_mean(name, std::vector<std::string_view>{known.begin(), known.end()});
-        for (std::size_t i = 0; i < known.size(); ++i) words.append(i == 0 ? "; give one of " : ", ").append(known[i]);
+        for (std::size_t i = 0; i < known.size(); ++i) words.append(i == 0 ? "; use one of " : ", ").append(known[i]);
         return words;
     }
 };

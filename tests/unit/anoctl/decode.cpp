@@ -160,7 +160,7 @@ TEST(Decode, knows_flexible_layouts_from_a_configuration) {
     EXPECT_EQ(no_file.exit, 2);
     EXPECT_EQ(no_file.err, "anoctl: --config " + folder.path().string() + ": it can't be read: Is a directory\n");
     EXPECT_EQ(anoctl({"decode", "--config", "/dev/zero", log_hex}).err,
-              "anoctl: --config /dev/zero: it is no ordinary file, but a pipe, socket or device\n");
+              "anoctl: --config /dev/zero: it is not a regular file but a pipe, socket or device\n");
 }
 
 TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from_the_wire) {

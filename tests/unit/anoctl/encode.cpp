@@ -66,7 +66,7 @@ TEST(Encode, bad_input_gets_words_and_exit_code_2) {
     EXPECT_EQ(first_line({"convert", "a.mcap"}), "anoctl: OUT_FILE is missing");
     EXPECT_EQ(first_line({"recordings", "--secs"}), "anoctl: there is no option '--secs' (did you mean '--seconds'?)");
     EXPECT_EQ(first_line({"encode", "check", "--rwa"}), "anoctl: there is no option '--rwa' (did you mean '--raw'?)");
-    EXPECT_EQ(first_line({"encode", "check", "--to"}), "anoctl: --to: its value is missing");
+    EXPECT_EQ(first_line({"encode", "check", "--to"}), "anoctl: --to: the value is missing");
     EXPECT_EQ(anoctl({"encode", "ranging", "points=[{"}).exit, 2);
     EXPECT_EQ(anoctl({"encode", "-"}, "{\"name\": \"check\"}\n\n{\"name\": 5}\n").err, "anoctl: line 3: name: 5 is not text\n");
     EXPECT_EQ(anoctl({"encode", "-"}, "\xFF\x01").exit, 2);

@@ -43,16 +43,16 @@ TEST(ParameterAssignments, are_checked_before_anything_is_written) {
         return thrown<Failure>([&] { check(assignments(words), described); });
     };
     EXPECT_EQ(fault({"TURN=-128", "PID_P=1e3", "NOTE=x", "STRANGE=1", "3=255"}), "nothing was thrown");
-    EXPECT_EQ(fault({"PID_P=1", "TRN=1"}), "no parameter is called 'TRN' (did you mean 'TURN'?)");
+    EXPECT_EQ(fault({"PID_P=1", "TRN=1"}), "unknown parameter 'TRN' (did you mean 'TURN'?)");
     EXPECT_EQ(fault({"TURN=128"}), "TURN: '128' is out of range, i8 is -128 to 127");
     EXPECT_EQ(fault({"TURN=1.5"}), "TURN: '1.5' is not whole, i8 is -128 to 127");
     EXPECT_EQ(fault({"TURN=high"}), "TURN: 'high' is no number");
     EXPECT_EQ(fault({"PID_P=1e39"}), "PID_P: '1e39' is out of range, f32 is -3.4e38 to 3.4e38");
     EXPECT_EQ(fault({"PID_P=nan"}).find("PID_P: 'nan' is no number"), 0u) << fault({"PID_P=nan"});
     EXPECT_EQ(fault({"TURN=1", "1=2"}), "TURN is there twice");
-    EXPECT_EQ(fault({"TWICE=1"}), "several parameters are called 'TWICE': say its number");
+    EXPECT_EQ(fault({"TWICE=1"}), "several parameters have the name 'TWICE': say its number");
     EXPECT_NE(fault({"NOTE=\xFF"}).find(" is not UTF-8"), std::string::npos);
-    EXPECT_EQ(fault({"9=1"}), "no parameter is called '9'");
+    EXPECT_EQ(fault({"9=1"}), "unknown parameter '9'");
 }
 
 TEST(TypedValue, has_the_range_of_its_type) {

@@ -260,7 +260,7 @@ TEST(Info, finds_what_is_damaged_outside_of_chunks) {
     EXPECT_EQ(json::parse(anoctl({"info", "--all", "--json", file}).out)["mismatches"], json::array());
     const std::size_t in_data = whole.find("anogate.recording") + 1, in_summary = whole.rfind("anogate.summary") + 1;
     const std::size_t in_footer = whole.size() - 8 - 4 - 1;    // the place of its offsets, in front of CRC and magic
-    const std::pair<std::size_t, const char*> places[] = {{in_data, "in front of its DataEnd does not match the CRC there"},
+    const std::pair<std::size_t, const char*> places[] = {{in_data, "the data does not match the CRC in its DataEnd"},
                                                           {in_summary, "its summary does not match the CRC in its Footer"},
                                                           {in_footer, "its summary does not match the CRC in its Footer"}};
     for (const auto& [place, words] : places) {
@@ -295,7 +295,7 @@ TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     EXPECT_EQ(said.exit, 1);
     EXPECT_NE(said.out.find("3 frames in"), std::string::npos) << said.out;
     EXPECT_NE(said.out.find("the block at byte " + std::to_string(packet) +
-                            " is damaged and left out, 1 message: a packet is of an interface that is not described"),
+                            " is damaged and left out, 1 message: a packet belongs to an interface without a description"),
               std::string::npos)
         << said.out;
     const support::TempDir folder;

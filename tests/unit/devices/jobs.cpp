@@ -290,12 +290,12 @@ TEST_F(Jobs, of_a_port_and_of_the_device_behind_it_are_of_one_device) {
 }
 
 TEST_F(Jobs, end_at_once_when_the_rules_let_nothing_pass) {
-    net.refuses[0xE1] = "the rules 'control.receive' do not let this pass";
+    net.refuses[0xE1] = "refused by the rules 'control.receive'";
     const ano::TimePoint begin = net.time;
     const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
     EXPECT_EQ(status, 403u);
     EXPECT_EQ(error.at("what"), "refused");
-    EXPECT_EQ(error.at("error"), "the rules 'control.receive' do not let this pass");
+    EXPECT_EQ(error.at("error"), "refused by the rules 'control.receive'");
     EXPECT_LT(net.time - begin, 2s);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u) << "what the rules let pass";
 }
@@ -351,7 +351,7 @@ TEST_F(Jobs, are_not_begun_for_who_is_not_there) {
     const TimePoint begin = net.time;
     const auto [status, absent] = net.ask("GET", "/devices/0xDD/parameters");
     EXPECT_EQ(status, 404u);
-    EXPECT_EQ(absent.at("error"), "0xDD was not heard, and does not answer");
+    EXPECT_EQ(absent.at("error"), "0xDD was not seen and does not answer");
     EXPECT_EQ(net.time - begin, 2s);
     EXPECT_EQ(net.sent, std::vector<Bytes>(4, frame(0xFE, 0xDD, 0xE0, {0, 0, 0}))) << "it was asked whether it is there";
     net.sent.clear();

@@ -34,14 +34,14 @@ const Json& parameter_called(const Json& parameters, const std::string& word) {
     for (const Json& row : parameters) {
         names.push_back(text_at(row, "name"));
         if (names.back() != word || word.empty()) continue;
-        if (found != nullptr) throw Failure{"several parameters are called " + ano::in_quotes(word) + ": say its number"};
+        if (found != nullptr) throw Failure{"several parameters have the name " + ano::in_quotes(word) + ": say its number"};
         found = &row;
     }
     if (found != nullptr) return *found;
     const auto numbered = std::find_if(parameters.begin(), parameters.end(),
                                        [&](const Json& row) { return text_at(row, "id") == word; });
     if (numbered != parameters.end()) return *numbered;
-    throw Failure{"no parameter is called " + ano::in_quotes(word) +
+    throw Failure{"unknown parameter " + ano::in_quotes(word) +
                   ano::did_you_mean(word, std::vector<std::string_view>{names.begin(), names.end()})};
 }
 

@@ -68,7 +68,7 @@ Json parameter_file(const Json& answer) {
         else values[name] = is_real(row) && row["value"].is_string() ? Json(nullptr) : row["value"];
     }
     if (!missing.empty()) throw Failure{"nothing is exported: these did not come: " + missing};
-    if (!twice.empty()) throw Failure{"nothing is exported: several parameters are called " + twice};
+    if (!twice.empty()) throw Failure{"nothing is exported: several parameters have the name " + twice};
     file["parameters"] = std::move(values);
     return file;
 }
