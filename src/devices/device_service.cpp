@@ -453,7 +453,7 @@ void DeviceService::cut_off(Job& job, TimePoint now) {
         words = job.work->end() ? job.work->end()->error : job.work->half_done();
         if (job.work->end()) result = job.work->end()->result, evidence = job.work->end()->evidence;
     }
-    finish(job, {503, std::move(result), "the gateway ends: " + words, "refused", evidence, true}, now);
+    finish(job, {503, std::move(result), "the gateway is stopping: " + words, "refused", evidence, true}, now);
 }
 
 // A client may begin the next job from within the answer to an ended one, so this repeats until nothing changes.

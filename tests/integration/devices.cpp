@@ -350,11 +350,11 @@ TEST_F(Devices, who_follows_a_job_is_told_its_end_when_the_gateway_ends) {
     EXPECT_LT(std::chrono::steady_clock::now() - begin, patience);
     const std::string last = read.to_the_end();
     EXPECT_NE(last.find(R"("state":"cancelled")"), last.npos) << last;
-    EXPECT_NE(last.find("the gateway ends: cancelled"), last.npos) << last;
+    EXPECT_NE(last.find("the gateway is stopping: cancelled"), last.npos) << last;
     EXPECT_TRUE(last.ends_with("\r\n0\r\n\r\n")) << "to the end of the answer: " << last;
     const Told told = plain.get();
     EXPECT_EQ(told.status, 503u);
-    EXPECT_EQ(told.body.at("error"), "the gateway ends: cancelled");
+    EXPECT_EQ(told.body.at("error"), "the gateway is stopping: cancelled");
 }
 
 TEST_F(Devices, old_values_of_a_calibration_that_the_end_cut_off_stay_for_the_user_where_the_unit_is_like_a_new_one) {

@@ -100,9 +100,9 @@ TEST_F(Recordings, are_ended_by_their_name_with_its_ending_or_without_whichever_
             ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == frames; })) << get();
         }
         if (name.empty()) name = running().at("file");
-        refuses(404, "POST", "/recordings/fligth/end", {}, "under that name (did you mean 'flight'?)");
+        refuses(404, "POST", "/recordings/fligth/end", {}, "is in progress (did you mean 'flight'?)");
         EXPECT_GE(end(name).at("files"), 2) << name;
-        refuses(404, "POST", "/recordings/flight/end", {}, "under that name; anoctl recordings says");
+        refuses(404, "POST", "/recordings/flight/end", {}, "is in progress; see anoctl recordings");
         refuses(404, "DELETE", "/recordings/flight", {}, "there is no recording flight; there is flight.pcapng");
         for (const auto& file : names()) EXPECT_EQ(ask("DELETE", "/recordings/" + file).status, 200u) << file;
     }
@@ -271,10 +271,10 @@ TEST_F(Recordings, of_a_disk_without_room_are_told_of_within_a_second_and_frames
     };
     ASSERT_TRUE(gateway->until(is_failing)) << gateway->output();
     EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds{2} * (support::sanitized ? 5 : 1));
-    EXPECT_TRUE(gateway->until_says("frames go on, but are not recorded")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("frames are still forwarded, but are not recorded")) << gateway->output();
     EXPECT_NE(ask("GET", "/metrics").body.find("\nanogate_recording_failing 1\n"), std::string::npos);
     send_numbered(20);
-    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "nothing is recorded: ");
+    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "recording did not start: ");
     EXPECT_TRUE(until([](const json& all) { return all.at("running").size() == 1; })) << "what could not begin has ended";
     const json ended = end(get().at("running").at(0).at("name"));
     EXPECT_EQ(ended.at("frames"), 0);
@@ -290,9 +290,10 @@ TEST_F(Recordings, of_a_disk_that_can_only_be_read_at_the_start_are_told_of_and_
     const auto begun = std::chrono::steady_clock::now();
     ASSERT_TRUE(until_error("Read-only file system"));
     EXPECT_LT(std::chrono::steady_clock::now() - begun, told_within);
-    EXPECT_TRUE(gateway->until_says("Read-only file system; frames go on, but are not recorded")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("Read-only file system; frames are still forwarded, but are not recorded"))
+        << gateway->output();
     EXPECT_EQ(metric("anogate_recording_failing"), "1");
-    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "nothing is recorded: ");
+    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "recording did not start: ");
     send_numbered(20);
     ASSERT_TRUE(disk.read_only(false));
     ASSERT_TRUE(until([](const json& all) { return all.at("running").at(0).at("frames") == 20; })) << get();
@@ -315,7 +316,8 @@ TEST_F(Recordings, of_a_disk_that_is_full_are_told_of_within_a_second_and_what_i
     send_numbered(200);
     ASSERT_TRUE(until_error("No space left on device"));
     EXPECT_LT(std::chrono::steady_clock::now() - begun, told_within);
-    EXPECT_TRUE(gateway->until_says("No space left on device; frames go on, but are not recorded")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("No space left on device; frames are still forwarded, but are not recorded"))
+        << gateway->output();
     EXPECT_EQ(metric("anogate_recording_failing"), "1");
     send_numbered(20);
     const json ended = end(running().at("name"));

@@ -410,7 +410,7 @@ TEST(Gateway, hints_of_two_conflicts_name_the_address_and_those_of_one_are_the_s
     EXPECT_EQ(hint("a"),
               "different frames with one id arrive on two links: if these are two devices, change the id of one (0xDE)");
     EXPECT_EQ(hint("b"), hint("c"));
-    EXPECT_TRUE(hint("b").starts_with("the same frames by two links: if it is one device")) << hint("b");
+    EXPECT_TRUE(hint("b").starts_with("the same frames arrive on two links: if it is one device")) << hint("b");
 }
 
 // While no host is known, frames from one cable go out by the other: that can't be told from a ring.

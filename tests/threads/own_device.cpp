@@ -193,7 +193,7 @@ TEST_F(OwnDevice, starts_with_a_pipe_in_the_place_of_what_was_saved) {
     ASSERT_EQ(::mkfifo((dir / "state/parameters.json").c_str(), 0600), 0);
     ASSERT_EQ(::mkfifo((dir / "state/parameters.json.new").c_str(), 0600), 0);
     ASSERT_TRUE(start());
-    EXPECT_TRUE(daemon->until_says("parameters.json: is not a file; the configuration holds"));
+    EXPECT_TRUE(daemon->until_says("parameters.json: is not a file; using the values of the configuration"));
     Host ground = by("ground");
     const Bytes save = act(0xE0, {0x10, 0xAB, 0});
     ground.say(save);

@@ -20,7 +20,7 @@ using namespace support;
 using nlohmann::json;
 
 // By the gateway's own clock: a machine that computes 9 to 65 times slower takes long to ask it.
-constexpr char told[] = "the disk has written nothing for 1 s; frames go on, but are not recorded";
+constexpr char told[] = "the disk has written nothing for 1 s; frames are still forwarded, but are not recorded";
 
 class Disks : public RecordingGateway {
 protected:

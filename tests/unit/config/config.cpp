@@ -96,7 +96,7 @@ TEST(Config, a_value_has_the_right_type) {
     EXPECT_EQ(fault(R"("name": ["x"])"), "/links/0/name: 'name' must be text of 1 to 64 bytes, not a list\n");
     EXPECT_EQ(fault(R"("name": "a\u0000b")"), "/links/0/name: 'name' must be printable text in UTF-8, not 'a\\u0000b'\n");
     EXPECT_EQ(fault(R"("name": "a\u009bb")"), "/links/0/name: 'name' must be printable text in UTF-8, not 'a\\u009bb'\n");
-    EXPECT_EQ(faults_in(std::string{"{\"links\": [\"sim:fc\"]}\n\0, broken", 31}), ": line 2: a byte 0, which no text has\n");
+    EXPECT_EQ(faults_in(std::string{"{\"links\": [\"sim:fc\"]}\n\0, broken", 31}), ": line 2: contains a NUL byte\n");
     EXPECT_EQ(fault(R"("parity": {})"), "/links/0/parity: 'parity' must be one of none, even, odd, not an object\n");
     EXPECT_EQ(fault(R"("id": true)"), "/links/0/id: 'id' must be an address from 1 to 20 (or in hex such as 0x05), not true\n");
     EXPECT_EQ(faults_in(R"({"gateway": {"forget_after": 30}})"),
@@ -208,10 +208,9 @@ TEST(Config, a_long_text_is_cut_between_its_characters) {
 }
 
 TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {
-    EXPECT_EQ(
-        faults_in("{\"a\":\n  [1,}"),
-        ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal (is there a "
-        "comma too many before it?)\n");
+    EXPECT_EQ(faults_in("{\"a\":\n  [1,}"),
+              ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal (is there "
+              "an extra comma before it?)\n");
     for (const std::string& text :
          {std::string{}, std::string{"{"}, std::string{"\0\xFF\xAB", 3}, std::string{"{\"a\":\"\xFF\"}"}, std::string{"{} {}"}})
         EXPECT_EQ(faults_in(text).rfind(": line ", 0), 0u) << faults_in(text);

@@ -96,7 +96,7 @@ TEST(Config, a_class_is_of_one_id_that_is_no_command) {
     const auto fault = [](const std::string& classes) { return faults_in(R"({"classes": [)" + classes + "]}"); };
     EXPECT_NE(fault(R"({"id": "flexibel5", "class": "control"})").find("/classes/0/id: "), std::string::npos);
     EXPECT_NE(fault(R"({"id": "flexibel5", "class": "control"})").find("(did you mean 'flexible5'?)"), std::string::npos);
-    EXPECT_NE(fault(R"({"id": "0xF1-0xF5", "class": "control"})").find("which is several"), std::string::npos);
+    EXPECT_NE(fault(R"({"id": "0xF1-0xF5", "class": "control"})").find("which covers several"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xC0", "class": "bulk"})").find("'0xC0' can't have another class"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xF5"})").find("/classes/0: 'class' is missing"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xF5", "class": "fast"})").find("/classes/0/class: "), std::string::npos);

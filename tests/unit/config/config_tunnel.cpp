@@ -108,8 +108,8 @@ TEST(Config, faults_of_a_tunnel_name_their_place) {
         "/tunnel/wrap/0/link: there is no link 'tunnel'; use one of fc, g\n"
         "/tunnel/port: local port 12333 is already used by 'g' (/links/1: LINK 'udp-listen:0.0.0.0:12333,name=g')\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc,name=tunnel"], "tunnel": 5})"),
-              "/tunnel: must be an object {...}, not 5\n/links/0: LINK 'sim:fc,name=tunnel': 'name' can't be 'tunnel', the word "
-              "is taken\n");
+              "/tunnel: must be an object {...}, not 5\n/links/0: LINK 'sim:fc,name=tunnel': 'name' can't be 'tunnel', a "
+              "reserved word\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {}, "routes": [{"address": 5, "link": "tunnel"}]})"), "");
 }
 

@@ -114,8 +114,8 @@ TEST(LinkText, traffic) {
 
 TEST(LinkText, faults_of_traffic) {
     EXPECT_NE(fault_of("sim:fc,limit=5").find("write limit.0x01=50"), std::string::npos);
-    EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not of 'telemetry', which is several"), std::string::npos);
-    EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not of '0x01-0x0F', which is several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not of 'telemetry', which covers several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not of '0x01-0x0F', which covers several"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.elur=5").find("not of 'elur' (did you mean 'euler'?)"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.0x01=50,limit.0x01=20").find("0x01 already has a limit"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,receive.denny=0x01").find("(did you mean 'receive.deny'?)"), std::string::npos);
@@ -325,9 +325,9 @@ TEST(LinkText, a_key_that_stands_apart_is_known) {
 
 TEST(LinkText, several_values_behind_commas_are_known) {
     EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/8,192.168.0.0/16"),
-              "unknown key '192.168.0.0/16': several values of 'allow' are joined by +: allow=10.0.0.0/8+192.168.0.0/16");
+              "unknown key '192.168.0.0/16': join several values of 'allow' with +: allow=10.0.0.0/8+192.168.0.0/16");
     EXPECT_EQ(fault_of("sim:fc,send.deny=0xB0,0xB1"),
-              "unknown key '0xB1': several values of 'send.deny' are joined by +: send.deny=0xB0+0xB1");
+              "unknown key '0xB1': join several values of 'send.deny' with +: send.deny=0xB0+0xB1");
     EXPECT_NE(faults_of({"sim:fc,send.deny=0xB0,0xB1,0xB2"}).find("send.deny=0xB0+0xB1+0xB2"), std::string::npos);
     EXPECT_EQ(fault_of("sim:fc,send.deny=firmware,floood"), "unknown key 'floood' (did you mean 'flood'?)");
 }
@@ -497,13 +497,13 @@ TEST(LinkText, at_most_64_links) {
     EXPECT_EQ(draft.settings.links.back().name, "fc-64");
     read_link("sim:fc", "", draft);
     validate(draft);
-    EXPECT_EQ(lines(draft.errors), "anogated: LINK 'sim:fc': 65 links, at most 64 are possible\n");
+    EXPECT_EQ(lines(draft.errors), "anogated: LINK 'sim:fc': 65 links; at most 64 are supported\n");
 
     Draft with_tunnel{link_kinds()};
     read_config(R"({"tunnel": {"links": ["fc"]}})", "", with_tunnel);
     for (int i = 0; i < 64; ++i) read_link("sim:fc", "", with_tunnel);
     validate(with_tunnel);
-    EXPECT_EQ(lines(with_tunnel.errors), "anogated: LINK 'sim:fc': 64 links, at most 63 are possible\n");
+    EXPECT_EQ(lines(with_tunnel.errors), "anogated: LINK 'sim:fc': 64 links; at most 63 are supported\n");
 }
 
 TEST(RouteText, with_one_fault_brings_no_other) {

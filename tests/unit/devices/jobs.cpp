@@ -464,7 +464,7 @@ TEST_F(Jobs, that_the_gateway_ends_say_what_is_half_done) {
     EXPECT_EQ(lines->next(text), anogate::http::Producer::Next::end) << "its last line is there at once";
     const json last = json::parse(text);
     EXPECT_EQ(last.at("state"), "cancelled");
-    EXPECT_EQ(last.at("error"), "the gateway ends: PAR_0 may have been written");
+    EXPECT_EQ(last.at("error"), "the gateway is stopping: PAR_0 may have been written");
 }
 
 TEST_F(Jobs, that_had_done_their_work_as_the_gateway_ends_are_done) {
@@ -472,7 +472,7 @@ TEST_F(Jobs, that_had_done_their_work_as_the_gateway_ends_are_done) {
     net.service.stop(net.time);
     std::string text;
     lines->next(text);
-    EXPECT_EQ(json::parse(text).at("error"), "the gateway ends: nothing was begun");
+    EXPECT_EQ(json::parse(text).at("error"), "the gateway is stopping: nothing was started");
 }
 
 /// Takes messages, as slowly as a test wants.

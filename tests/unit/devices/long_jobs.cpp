@@ -110,7 +110,7 @@ TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) 
     std::string text;
     lines->next(text);
     EXPECT_EQ(json::parse(text).at("state"), "cancelled");
-    EXPECT_EQ(json::parse(text).at("error"), "the gateway ends: cancelled; it is left in its boot loader; start again");
+    EXPECT_EQ(json::parse(text).at("error"), "the gateway is stopping: cancelled; it is left in its boot loader; start again");
 
     SimulatedNet again;
     again.add();
@@ -366,7 +366,7 @@ struct CutOff : Calibrates {
 
 TEST_F(CutOff, its_last_line_says_where_the_old_values_are) {
     EXPECT_EQ(last.at("state"), "cancelled");
-    EXPECT_EQ(last.at("error"), "the gateway ends: the old values are saved as " + net.kept.begin()->first +
+    EXPECT_EQ(last.at("error"), "the gateway is stopping: the old values are saved as " + net.kept.begin()->first +
                                     " and are written back at the next start");
     EXPECT_EQ(net.kept.size(), 1u);
 }

@@ -38,7 +38,7 @@ TEST(FoxgloveMessages, what_a_client_says_is_read) {
 
 TEST(FoxgloveMessages, what_is_no_message_is_said_in_words) {
     for (const std::string text : {"", "{", "\xff", "[1,2"})
-        EXPECT_TRUE(wrong(text).starts_with("the message is no JSON: ")) << text;
+        EXPECT_TRUE(wrong(text).starts_with("the message is not JSON: ")) << text;
     EXPECT_TRUE(wrong(std::string(65000, '[')).ends_with("nested deeper than 32 levels"));
     for (const std::string text : {"[]", "3", "{}", R"({"op":3})", "null"})
         EXPECT_EQ(wrong(text), "a message must be an object with 'op'") << text;

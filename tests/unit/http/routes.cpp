@@ -79,7 +79,7 @@ TEST_F(RoutesTest, another_method_is_told_which_ones_there_are) {
     const Response posted = ask("POST", "/status");
     EXPECT_EQ(posted.status, 405u);
     EXPECT_EQ(posted.headers, (std::vector<Field>{{"Allow", "GET, HEAD"}}));
-    EXPECT_EQ(posted.body, "{\"error\": \"this path answers GET, HEAD only\", \"what\": \"unsupported\"}\n");
+    EXPECT_EQ(posted.body, "{\"error\": \"this path supports only GET, HEAD\", \"what\": \"unsupported\"}\n");
     EXPECT_EQ(ask("PUT", "/links/fc").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}}));
     add("GET", "/links/last");
     EXPECT_EQ(ask("PUT", "/links/last").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}})) << "each once";

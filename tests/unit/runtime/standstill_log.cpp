@@ -33,7 +33,7 @@ TEST_F(StandstillLines, are_five_at_once_and_then_one_in_ten_seconds) {
     EXPECT_EQ(stood(start + 20s), Lines{line[0] + "; 1 more times before"});
     EXPECT_EQ(stood(start + 21s), Lines{});
     log.finish();
-    EXPECT_EQ(lines.take(), Lines{"stalled 1 times more"});
+    EXPECT_EQ(lines.take(), Lines{"stalled 1 more times"});
 }
 
 TEST_F(StandstillLines, are_none_of_what_is_too_short_to_be_told) {
