@@ -43,8 +43,8 @@ struct LinkHints {
     };
     Words nothing_yet{};                // nothing was received; empty: this is not unusual
     bool may_wait_for_hello = false;    // the other end may send only after it has received something
-    Words no_frames{"no_frames", "bytes but no frames: is the sender speaking V8?"};
-    Words no_frames_any_more{"no_frames_any_more", ": is the sender still speaking V8?"};
+    Words no_frames{"no_frames", "data but no valid frames: does the sender use ANO V8?"};
+    Words no_frames_any_more{"no_frames_any_more", ": does the sender still use ANO V8?"};
 };
 
 /// What is known of a link at a moment.

@@ -148,9 +148,9 @@ std::string_view text_of(Fault fault) noexcept {
     switch (fault) {
     case Fault::none: return "fine";
     case Fault::id: return "a flexible message has an id from 0xF1 to 0xFA";
-    case Fault::duplicate: return "this id has a layout for this source and value of 'when' already";
-    case Fault::no_fields: return "a layout has at least one field";
-    case Fault::name: return "a field has a name of its own, without '=' and control characters";
+    case Fault::duplicate: return "this id already has a layout for this source and value of 'when'";
+    case Fault::no_fields: return "a layout needs at least one field";
+    case Fault::name: return "a field needs a unique name without '=' and control characters";
     case Fault::type: return "a field is one of u8 i8 u16 i16 u32 i32 f32";
     case Fault::scale: return "a scale is a finite number that is not 0";
     case Fault::count: return "a count is a number from 1 to 65535";

@@ -57,7 +57,7 @@ private:
 
     bool check_keys(const nlohmann::json& given, const std::string& pointer, std::span<const std::string_view> keys) {
         if (!given.is_object()) {
-            fault(pointer, "this is to be an object");
+            fault(pointer, "must be an object");
             return false;
         }
         for (const auto& [key, value] : given.items())
@@ -80,7 +80,7 @@ private:
 
     ByteOrder endian_at(const nlohmann::json& given, const std::string& pointer) {
         if (!given.contains("endian") || given["endian"] == "little") return ByteOrder::little;
-        if (given["endian"] != "big") fault(pointer + "/endian", "this is to be \"little\" or \"big\"");
+        if (given["endian"] != "big") fault(pointer + "/endian", "must be \"little\" or \"big\"");
         return ByteOrder::big;
     }
 
@@ -102,7 +102,7 @@ private:
         if (!given.contains("fields")) {
             fault(pointer, "key 'fields' is missing");
         } else if (!given["fields"].is_array()) {
-            fault(pointer + "/fields", "this is to be an array of fields");
+            fault(pointer + "/fields", "must be an array of fields");
         } else {
             for (std::size_t i = 0; i < given["fields"].size(); ++i)
                 fields.push_back(field(given["fields"][i], pointer + "/fields/" + std::to_string(i)));
@@ -127,11 +127,11 @@ private:
         if (!check_keys(given, pointer, keys)) return field;
         for (const char* key : {"name", "type"}) {
             if (!given.contains(key)) fault(pointer, std::string{"key '"} + key + "' is missing");
-            else if (!given[key].is_string()) fault(pointer + "/" + key, "this is to be text");
+            else if (!given[key].is_string()) fault(pointer + "/" + key, "must be text");
         }
         if (given.contains("unit")) {
             if (given["unit"].is_string()) field.unit = printable(given["unit"], pointer + "/unit");
-            else fault(pointer + "/unit", "this is to be text");
+            else fault(pointer + "/unit", "must be text");
         }
         if (given.contains("count")) {
             const auto count = whole<std::uint16_t>(given["count"]);
@@ -140,7 +140,7 @@ private:
         }
         if (given.contains("scale")) {
             if (given["scale"].is_number()) field.scale = given["scale"].get<double>();
-            else fault(pointer + "/scale", "this is to be a number");
+            else fault(pointer + "/scale", "must be a number");
         }
         if (given.contains("name") && given["name"].is_string()) field.name = printable(given["name"], pointer + "/name");
         if (given.contains("type") && given["type"].is_string()) {
@@ -164,7 +164,7 @@ private:
 std::vector<JsonFault> read_all(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts,
                                 std::vector<FlexibleSpec>& specs) {
     std::vector<JsonFault> faults;
-    if (!array.is_array()) return {{pointer, "this is to be an array of layouts"}};
+    if (!array.is_array()) return {{pointer, "must be an array of layouts"}};
     LayoutReader reader{layouts, specs, faults};
     for (std::size_t i = 0; i < array.size(); ++i) reader.read(array[i], pointer + "/" + std::to_string(i));
     return faults;

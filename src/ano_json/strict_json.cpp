@@ -123,7 +123,7 @@ std::optional<Document> strict_json(std::string_view text, bool with_comments, s
                                     const Limits& limits) {
     if (const std::size_t nul = text.find('\0'); nul != text.npos) {    // the parser would stop there
         const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n') + 1;
-        faults.push_back({"", "line " + std::to_string(line) + ": a byte 0, which no text has"});
+        faults.push_back({"", "line " + std::to_string(line) + ": contains a NUL byte"});
         return std::nullopt;
     }
     StrictReader<Document> reader{text, limits, faults};
@@ -154,7 +154,7 @@ std::variant<nlohmann::ordered_json, std::string> json_body(std::string_view tex
     auto document = strict_json<nlohmann::ordered_json>(text, false, faults, Limits{.faults = 1, .values = most_values});
     if (document && faults.empty()) return *std::move(document);
     const JsonFault& first = faults.front();
-    return first.pointer.empty() ? std::string{what} + " is no JSON: " + first.what : first.pointer + ": " + first.what;
+    return first.pointer.empty() ? std::string{what} + " is not JSON: " + first.what : first.pointer + ": " + first.what;
 }
 
 }    // namespace ano

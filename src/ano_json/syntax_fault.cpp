@@ -39,15 +39,15 @@ bool is_truth_value(std::string_view word) {
 /// A hint at the likely mistake. The parser stopped at `byte`, the last byte that it read.
 std::string_view slip(std::string_view text, std::size_t byte, std::string_view message) {
     const std::string_view read = text.substr(0, byte);
-    if (text.find_first_not_of(space) == text.npos) return "there is nothing in it";
+    if (text.find_first_not_of(space) == text.npos) return "it is empty";
     if (has(message, "invalid literal") && !read.empty() && is_truth_value(word_at(text, read.size() - 1)))
-        return "it is written true or false";
-    if (has(message, "0x'") || has(message, "0X'")) return "a number in hex stands in double quotes: \"0xDC\"";
+        return "write true or false";
+    if (has(message, "0x'") || has(message, "0X'")) return "put hex numbers in double quotes: \"0xDC\"";
     if (has(message, "#'")) return "a comment begins with //";
     if (has(message, "unexpected end of input")) return "is a closing bracket or quote missing?";
-    if (has(message, "invalid literal")) return "names and texts stand in double quotes: \"fc\"";
+    if (has(message, "invalid literal")) return "put names and texts in double quotes: \"fc\"";
     const bool closing = !read.empty() && (read.back() == ']' || read.back() == '}');
-    if (closing && ends_with_comma_and_bracket(read)) return "is there a comma too many before it?";
+    if (closing && ends_with_comma_and_bracket(read)) return "is there an extra comma before it?";
     const bool between = message.ends_with("expected ']'") || message.ends_with("expected '}'");
     if (between && (has(message, "literal;") || has(message, "unexpected '{'") || has(message, "unexpected '['")))
         return "is a comma missing before it?";

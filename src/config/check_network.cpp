@@ -23,10 +23,10 @@ void check_way(Draft& draft, const Network* listed) {
     if (!listed || draft.settings.tunnel->relay) return;
     const std::string link = open_tunnel_link(draft.settings);
     if (link.empty()) return;
-    draft.errors.push_back({draft.tunnel.key("allow"),
-                            "'allow' lists " + listed->text() + ", which is this computer, and 'links' names " + in_quotes(link) +
-                                ": its peers in the network would reach local programs by tunnel frames; take one of them "
-                                "away, or say \"relay\": true if they shall"});
+    draft.errors.push_back({draft.tunnel.key("allow"), "'allow' lists " + listed->text() +
+                                                           ", which is this computer, and 'links' includes " + in_quotes(link) +
+                                                           ": its network peers could reach local programs through tunnel "
+                                                           "frames; remove one of them, or set \"relay\": true to allow it"});
 }
 
 }    // namespace
@@ -53,9 +53,9 @@ void note_open_ports(Draft& draft) {
     if (first)
         draft.warnings.push_back(
             {first->key("address"),
-             "note: " + names + ": who is in a network of this computer may send commands here" +
-                 (can_be_forged ? ", and sender addresses can be forged" : "") +
-                 "; in a network with strangers, bind one address, name who may in 'allow', and take " +
+             "note: " + names + ": any host on the local networks can send commands to this port" +
+                 (can_be_forged ? ", and source addresses can be spoofed" : "") +
+                 "; on untrusted networks bind a single address, restrict 'allow', and use " +
                  (can_be_forged ? "WireGuard (config/README.md: On a shared Wi-Fi)" : "tls-listen or WireGuard")});
 }
 

@@ -194,7 +194,7 @@ constexpr FormRow rows[] = {
      .expected =
          [](Facts key) {
              return "a number" + between(std::to_string(key.min / 1000), std::to_string(key.max / 1000)) +
-                    " such as 2 or 0.5, in thousandths at the finest";
+                    " such as 2 or 0.5, with at most three decimals";
          },
      .placeholder = [](Facts) { return std::string{"NUMBER"}; }},
     {.form = Form::address,

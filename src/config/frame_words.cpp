@@ -68,21 +68,21 @@ LimitText parse_limit(std::string_view name, std::string_view rate) {
     const auto ids = parse_frames(name);
     if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
         return {{},
-                "a limit is of one id such as 0x01, or of one message such as inertial, not of " + in_quotes(name) +
-                    (ids ? ", which is several" : meant_frames(name))};
+                "a limit is for one id such as 0x01, or one message such as inertial, not for " + in_quotes(name) +
+                    (ids ? ", which covers several" : meant_frames(name))};
     double value = 0;
     const auto [end, error] = std::from_chars(rate.data(), rate.data() + rate.size(), value);
     if (error != std::errc{} || end != rate.data() + rate.size() || !(value >= min_rate && value <= max_rate))
         return {{},
-                in_quotes(name) + " must be a number of frames a second from 0.001 to 1000000, not " + in_quotes(rate) +
-                    (rate == "0" ? "; to let none pass: send.deny=" + std::string{name} : "")};
+                in_quotes(name) + " must be a number of frames per second from 0.001 to 1000000, not " + in_quotes(rate) +
+                    (rate == "0" ? "; to block them all: send.deny=" + std::string{name} : "")};
     return {LimitRule{ids->front().first, value}, {}};
 }
 
 std::string add_limit(const LimitRule& rule, std::vector<LimitRule>& limits) {
     const auto place = std::lower_bound(limits.begin(), limits.end(), rule.id,
                                         [](const LimitRule& known, std::uint8_t id) { return known.id < id; });
-    if (place != limits.end() && place->id == rule.id) return address_text(rule.id) + " has a limit already";
+    if (place != limits.end() && place->id == rule.id) return address_text(rule.id) + " already has a limit";
     limits.insert(place, rule);
     return {};
 }

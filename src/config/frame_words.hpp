@@ -29,7 +29,7 @@ struct LimitText {
     std::string error;
 };
 LimitText parse_limit(std::string_view name, std::string_view rate);
-/// Inserts it in the order of the ids and returns "", or returns the error: "0x01 has a limit already".
+/// Inserts it in the order of the ids and returns "", or returns the error: "0x01 already has a limit".
 std::string add_limit(const LimitRule& rule, std::vector<LimitRule>& limits);
 
 }    // namespace anogate

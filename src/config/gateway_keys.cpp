@@ -38,18 +38,18 @@ std::string put_addresses(const KeyFacts&, Value value, RouteSettings& route) {
 }
 
 constexpr Key<G> gateway_rows[] = {
-    address<&G::id>("id", first_id, last_id, "the gateway's own hardware id (default: none)") | by("--id"),
+    address<&G::id>("id", first_id, last_id, "the hardware id of the gateway itself (default: none)") | by("--id"),
     text<&G::name>("name", 1, max_name, "the gateway's name in the status") | as("NAME"),
     Key<G>{{.name = "unknown",
             .form = Form::choice_or_link,
-            .help = "frames to an address that nobody has used: flood them, drop them, or the one link they go to",
+            .help = "what to do with frames to unknown addresses: flood them, drop them, or send them to one link",
             .min = 1,
             .max = max_name,
             .choices = "flood|drop",
             .option = "--unknown"},
            get_unknown,
            put_unknown},
-    duration<&G::forget_after>("forget_after", second, day, "an address not heard for so long is forgotten"),
+    duration<&G::forget_after>("forget_after", second, day, "forget an address after this time without frames from it"),
 };
 
 Value get_class_id(const KeyFacts&, const ClassSettings& of_id) {
@@ -60,10 +60,10 @@ std::string put_class_id(const KeyFacts& key, Value value, ClassSettings& of_id)
     const auto& text = std::get<std::string>(value);
     const auto ids = parse_frames(text);
     if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
-        return must_be(key, in_quotes(text)) + (ids ? ", which is several" : meant_frames(text));
+        return must_be(key, in_quotes(text)) + (ids ? ", which covers several" : meant_frames(text));
     const std::uint8_t id = ids->front().first;
     if (!may_have_class(id))
-        return in_quotes(text) + " can't have another class: each of these commands, parameters and answers must arrive";
+        return in_quotes(text) + " can't have another class: these commands, parameters and answers must all arrive";
     of_id.id = id;
     return {};
 }
@@ -78,18 +78,19 @@ constexpr Key<F> class_rows[] = {
             .required = true},
            get_class_id,
            put_class_id},
-    choice<&F::frame_class>("class", "control|urgent|telemetry|bulk",
-                            "control: sent first and before older frames of its sender, for setpoints; urgent: sent first; "
-                            "telemetry; bulk: sent last") |
+    choice<&F::frame_class>(
+        "class", "control|urgent|telemetry|bulk",
+        "control: sent first, also before older frames of the same sender, for setpoints; urgent: sent first; "
+        "telemetry; bulk: sent last") |
         needed,
-    boolean<&F::replaces>("replaces", "a newer frame replaces the one that waits (default: yes for control, otherwise no)"),
-    duration<&F::age>("age", 1, day, "frames that waited longer are dropped (default: the link's limit for the class)"),
+    boolean<&F::replaces>("replaces", "a newer frame replaces a waiting one (default: yes for control, otherwise no)"),
+    duration<&F::age>("age", 1, day, "drop frames that waited longer (default: the link's limit for the class)"),
 };
 
 constexpr Key<A> alias_rows[] = {
-    text<&A::link>("link", 1, max_name, "the name of the link that the device is behind") | as("LINK") | needed,
-    address<&A::device>("device", 0, 255, "the id that the device has; also 0x00 and 0xFF") | needed,
-    address<&A::as>("as", first_id, last_id, "the id under which all others see it") | needed,
+    text<&A::link>("link", 1, max_name, "the name of the link of the device") | as("LINK") | needed,
+    address<&A::device>("device", 0, 255, "the id that the device uses; also 0x00 and 0xFF") | needed,
+    address<&A::as>("as", first_id, last_id, "the id under which everyone else sees it") | needed,
 };
 
 constexpr Key<R> route_rows[] = {
@@ -101,7 +102,7 @@ constexpr Key<R> route_rows[] = {
             .required = true},
            get_addresses,
            put_addresses},
-    text<&R::link>("link", 1, max_name, "the name of the link that leads there") | as("LINK") | needed,
+    text<&R::link>("link", 1, max_name, "the name of the link to it") | as("LINK") | needed,
 };
 
 using C = ControlSettings;
@@ -112,41 +113,42 @@ constexpr Key<C> own_control_rows[] = {
                                    "for users $XDG_RUNTIME_DIR/anogate.sock)") |
         as("PATH|none") | by("--control"),
     endpoint<&C::http>("http",
-                       "the same interface over TCP, at this address (default: off); who asks from the network needs a token") |
+                       "the same interface over TCP, at this address (default: off); requests from the network need a token") |
         local | by("--http"),
-    text<&C::token_file>("token_file", 0, max_path,
-                         "lines 'view TOKEN' and 'control TOKEN', made when missing (default: /var/lib/anogate/token, for users "
-                         "~/.local/state/anogate/token)") |
+    text<&C::token_file>(
+        "token_file", 0, max_path,
+        "file with lines 'view TOKEN' and 'control TOKEN', created if missing (default: /var/lib/anogate/token, for users "
+        "~/.local/state/anogate/token)") |
         as("PATH"),
     row<&C::hosts>({.name = "hosts",
                     .form = Form::texts,
-                    .help = "names under which it is asked over TCP, beside the host's own name and address",
+                    .help = "host names accepted over TCP, besides the name and addresses of this computer",
                     .min = 1,
                     .max = max_host}),
     row<&C::origins>(
         {.name = "origins",
          .form = Form::texts,
-         .help = "origins of other pages that may ask it, such as https://app.foxglove.dev or file://; null never may",
+         .help = "origins of other web pages that may use it, such as https://app.foxglove.dev or file://; null is never allowed",
          .min = 1,
          .max = max_path}),
-    address<&C::host>("host", first_id, last_id, "the address of the host that asks devices for parameters and all else"),
-    boolean<&C::manage>("manage", "who asks by it may change the gateway itself as a device, where it has an id"),
-    text<&C::tls, &TlsFiles::certificate>("tls.certificate", 0, max_path, "TCP is encrypted: the certificate, a PEM file") |
+    address<&C::host>("host", first_id, last_id,
+                      "the address that the gateway uses as a host for requests to devices, such as for parameters"),
+    boolean<&C::manage>("manage", "clients may configure and command the gateway itself as a device, if it has an id"),
+    text<&C::tls, &TlsFiles::certificate>("tls.certificate", 0, max_path, "encrypts TCP: the certificate, a PEM file") |
         as("PATH"),
-    text<&C::tls, &TlsFiles::key>("tls.key", 0, max_path, "and its key, a PEM file without a password") | as("PATH"),
-    text<&C::map, &MapSettings::file>("map.file", 0, max_path,
-                                      "raster tiles that the page shows under a track, a .pmtiles file") |
+    text<&C::tls, &TlsFiles::key>("tls.key", 0, max_path, "the private key, a PEM file without a password") | as("PATH"),
+    text<&C::map, &MapSettings::file>("map.file", 0, max_path, "map for the page: a .pmtiles file with raster tiles") |
         as("PATH"),
     choice<&C::map, &MapSettings::datum>("map.datum", "wgs84|gcj02",
-                                         "the coordinates that its tiles are drawn in: gcj02 for maps made in China"),
+                                         "the coordinate system of its tiles: gcj02 for maps made in China"),
 };
 
 constexpr auto control_rows = own_control_rows + rules_of<ControlSettings, &ControlSettings::rules>();
 
 constexpr Key<LogSettings> log_rows[] = {
-    choice<&LogSettings::level>("level", "trace|debug|info|warn|error", "what is logged") | by("--log-level"),
-    text<&LogSettings::file>("file", 0, max_path, "where to (default: standard error)") | as("PATH"),
-    size<&LogSettings::rotate>("rotate", "a log file of this size is put aside and a new one begun; 0: never"),
+    choice<&LogSettings::level>("level", "trace|debug|info|warn|error", "the lowest level to log") | by("--log-level"),
+    text<&LogSettings::file>("file", 0, max_path, "the log file (default: standard error)") | as("PATH"),
+    size<&LogSettings::rotate>("rotate", "rotate the log file at this size; 0: never"),
 };
 
 }    // namespace

@@ -74,7 +74,7 @@ std::string short_help(LinkKinds kinds, const std::string& default_file) {
         return left.append(right) + "\n";
     };
     std::string text =
-        "Joins the links of ANO V8 devices and ground stations.\n\n"
+        "Forwards ANO V8 frames between devices and ground stations.\n\n"
         "  anogated [OPTIONS] LINK...  with LINK = KIND:ADDRESS[,KEY=VALUE...]\n"
         "  anogated [--config FILE]    default: " +
         default_file + "\n\nLinks:\n";
@@ -82,10 +82,10 @@ std::string short_help(LinkKinds kinds, const std::string& default_file) {
         if (!kind->encrypts)
             text += row(std::string{kind->name} + ":" + std::string{kind->example},
                         kind->help.substr(0, kind->help.find_first_of(";,.:")));
-    text += "\nOptions:\n" + row("--http ADDR:PORT", "the page, for a browser") +
-            row("--route ADDR=LINK", "pins an address (0xDC, 30-40) to a link") +
-            row("--check, --print-config", "checks the configuration; prints it as a file") +
-            row("--help all", "all options, kinds and keys (or: man anogated)") + row("-V, --version", "the version") +
+    text += "\nOptions:\n" + row("--http ADDR:PORT", "serve the page for browsers") +
+            row("--route ADDR=LINK", "pin an address (0xDC, 30-40) to a link") +
+            row("--check, --print-config", "check the configuration; print it as a file") +
+            row("--help all", "show all options, kinds and keys (or: man anogated)") + row("-V, --version", "print the version") +
             "\nExample: anogated serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333\n";
     return text;
 }

@@ -27,67 +27,70 @@ std::string put_hello(const KeyFacts&, Value value, LinkSettings& link) {
 constexpr std::string_view paced = "paced", datagrams = "datagrams", one_by_one = "one by one", streams = "streams";
 
 constexpr Key<L> own_rows[] = {
-    text<&L::name>("name", 1, max_name, "what the link is called (default: last part of the path, or kind-port)") | as("NAME"),
-    address<&L::id>("id", 1, ano::address::last_port_id, "port id: frames to this address leave by this link (default: none)"),
-    choice<&L::profile>("profile", "none|vendor|old",
-                        "the kind of devices there; vendor, the maker's newest library: max_data_out=198, hello=on, "
-                        "value_type_7=u64, no frame without DATA, at most 8 questions not answered yet; old, "
-                        "devices that act on frames for any address: flood=no, broadcast=no, max_data_out=60, hello=on"),
-    integer<&L::max_data>(
-        "max_data", 0, 65535,
-        "most bytes of DATA in a frame that comes in; longer ones are refused, but images (0xB0) may have 20000 "
-        "where this is 4096 or more"),
+    text<&L::name>("name", 1, max_name, "the name of the link (default: last part of the path, or kind-port)") | as("NAME"),
+    address<&L::id>("id", 1, ano::address::last_port_id, "port id: frames to this address are sent by this link (default: none)"),
+    choice<&L::profile>(
+        "profile", "none|vendor|old",
+        "the kind of devices on this link; vendor, the manufacturer's newest library: max_data_out=198, hello=on, "
+        "value_type_7=u64, no frames without DATA, at most 8 unanswered requests; old, "
+        "devices that act on frames for any address: flood=no, broadcast=no, max_data_out=60, hello=on"),
+    integer<&L::max_data>("max_data", 0, 65535,
+                          "maximum DATA length of a received frame; longer ones are refused, but images (0xB0) may have 20000 "
+                          "if this is 4096 or more"),
     integer<&L::max_data_out>(
         "max_data_out", 0, 65535,
-        "most bytes of DATA in a frame that leaves (default: max_data, at most 198 with profile=vendor, 60 with old)"),
+        "maximum DATA length of a sent frame (default: max_data, at most 198 with profile=vendor, 60 with old)"),
     Key<L>{{.name = "hello",
             .form = Form::interval,
-            .help = "while nothing comes in, asks who is there (0xE0 0 from 0xFE): first after 1 s, then so often, on is 2s "
+            .help = "while nothing is received, query the devices (0xE0 0 from 0xFE): first after 1 s, then at this interval; on "
+                    "means 2s "
                     "(default: off, with a profile on); not on udp-listen",
             .min = second,
             .max = day},
            get_hello,
            put_hello},
     choice<&L::value_type_7>("value_type_7", "f32|u64",
-                             "what type 7 of a command's value means (default: u64 with profile=vendor, else found by the "
+                             "the meaning of value type 7 in commands (default: u64 with profile=vendor, else derived from the "
                              "descriptions of the device)"),
     choice<&L::encoding>(
         "encoding", "utf8|gbk",
-        "in which encoding its devices have names and texts (default: utf8 where all texts of a device are, else gbk)"),
-    choice<&L::attitude>(
-        "attitude", "document|lx",
-        "for tools: the signs of Euler angles (0x03); lx, the maker's LX units: pitch and yaw are opposite to the "
-        "quaternion (0x04)"),
-    integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data_out + 8"),
-    boolean<&L::flood>("flood", "takes frames to addresses that nobody has used (default: yes, with profile=old no)"),
-    boolean<&L::broadcast>("broadcast", "takes frames to 0xFF (default: yes, with profile=old no)"),
+        "the encoding of names and texts of the devices (default: utf8 if all texts of a device are valid UTF-8, else gbk)"),
+    choice<&L::attitude>("attitude", "document|lx",
+                         "for tools: the signs of Euler angles (0x03); lx, the manufacturer's LX units: pitch and yaw have the "
+                         "opposite sign of the "
+                         "quaternion (0x04)"),
+    integer<&L::queue>("queue", 8, 64 << 20, "maximum number of bytes waiting in a channel, at least max_data_out + 8"),
+    boolean<&L::flood>("flood", "send frames to unknown addresses (default: yes, with profile=old no)"),
+    boolean<&L::broadcast>("broadcast", "send frames to 0xFF (default: yes, with profile=old no)"),
     text<&L::group>("group", 1, max_name,
-                    "links of one group lead to the same place: one carries, copies are dropped (default: none)") |
+                    "links of one group lead to the same place: one is used, copies are dropped (default: none)") |
         as("GROUP"),
     address<&L::present_as>("present_as", first_id, last_id,
-                            "for devices that answer 0xFE only: hosts of another address appear there under this one, and "
-                            "answers go to who asked (default: none)"),
-    integer<&L::rate>("rate", 1, 1'000'000'000, "most bytes a second to leave, for a slow radio behind it (default: no limit)") |
+                            "for devices that answer only 0xFE: hosts with another address appear there under this one, and "
+                            "answers return to the sender (default: none)"),
+    integer<&L::rate>("rate", 1, 1'000'000'000,
+                      "maximum bytes sent per second, for a slow radio behind the link (default: no limit)") |
         of(paced),
-    duration<&L::latency>("latency", 1, second, "how far a paced link may be ahead of its line") | of(paced),
-    duration<&L::gap>("gap", 0, second,
-                      "pause after each frame sent, from its end on the wire, one frame a write: for devices that take one frame "
-                      "a read (default: none)") |
+    duration<&L::latency>("latency", 1, second, "how far writing may be ahead of the line on a paced link") | of(paced),
+    duration<&L::gap>(
+        "gap", 0, second,
+        "pause after each sent frame, from its end on the wire, one frame per write: for devices that read one frame "
+        "at a time (default: none)") |
         of(one_by_one),
     duration<&L::frame_gap>(
         "frame_gap", 1, 10 * second,
-        "for bridges that pause inside a frame: so long a pause does not end it (default: 50 ms, 100 ms between "
+        "for bridges that pause within a frame: the longest pause within a frame (default: 50 ms, 100 ms between "
         "datagrams)") |
         of(streams),
-    boolean<&L::pack>("pack", "several frames share a datagram when they wait anyway") | of(datagrams),
-    integer<&L::mtu>("mtu", 64, 65507, "most bytes in a datagram of several frames") | of(datagrams),
-    duration<&L::age, &AgeLimits::control>("age.control", 1, day, "sticks (0x40, 0x41) that waited longer are dropped"),
-    duration<&L::age, &AgeLimits::telemetry>("age.telemetry", 1, day, "telemetry that waited longer is dropped"),
-    duration<&L::age, &AgeLimits::rest>("age.rest", 1, day, "any other frame that waited longer is dropped"),
-    boolean<&L::required>("required", "the program ends with 1 when this link is not up within 10 s"),
-    boolean<&L::enabled>("enabled", "no: its wire is not opened, and frames for it are dropped (link_down)"),
-    boolean<&L::manage>(
-        "manage", "who comes by this link may write the parameters of the gateway itself and command it, where it has an id"),
+    boolean<&L::pack>("pack", "put several waiting frames into one datagram") | of(datagrams),
+    integer<&L::mtu>("mtu", 64, 65507, "maximum size of a datagram with several frames") | of(datagrams),
+    duration<&L::age, &AgeLimits::control>("age.control", 1, day, "drop control frames (0x40, 0x41) that waited longer"),
+    duration<&L::age, &AgeLimits::telemetry>("age.telemetry", 1, day, "drop telemetry that waited longer"),
+    duration<&L::age, &AgeLimits::rest>("age.rest", 1, day, "drop any other frame that waited longer"),
+    boolean<&L::required>("required", "exit with status 1 if this link is not up within 10 s"),
+    boolean<&L::enabled>("enabled", "no: the link is not opened, and frames for it are dropped (link_down)"),
+    boolean<&L::manage>("manage",
+                        "senders on this link may write the parameters of the gateway itself and command it, if it has an id"),
 };
 
 constexpr auto rows = own_rows + rules_of<L, &L::rules>();

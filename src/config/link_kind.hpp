@@ -63,11 +63,11 @@ struct LinkPath {
 };
 
 /// The error for something that two links of one kind can't share: `what`, the other link, `rest`, as in
-/// "'device' '/dev/x' is used by " … " already".
+/// "'device' '/dev/x' is already used by " … and `rest`.
 struct SharedByTwo {
     std::string_view key;
     std::string what;
-    std::string rest = " already";
+    std::string rest{};
 };
 
 /// How a GPIO line switches the RS-485 transceiver of a link to sending.

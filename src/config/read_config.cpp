@@ -39,7 +39,7 @@ std::string nested(const std::string& name) {
 /// One entry of a limit, {"0x01": 50}.
 template <class Section>
 std::string read_entry(const Key<Section>& key, const std::string& name, const json& rate, Section& section) {
-    if (!rate.is_number()) return in_quotes(name) + " must be a number of frames a second, not " + shown(rate);
+    if (!rate.is_number()) return in_quotes(name) + " must be a number of frames per second, not " + shown(rate);
     return key.set_limit(name, rate.dump(), section);
 }
 
@@ -48,7 +48,7 @@ template <class Section>
 std::string unknown_name(const KeyList<Section>& list, const std::string& name, const std::string& full) {
     const std::string object_of = full.substr(0, full.find('.'));
     const bool dotted = name.find('.') != name.npos && (list.has_object(object_of) || object_of == "limit");
-    return dotted ? "unknown key " + in_quotes(name) + ": in a file it is " + nested(full) : list.unknown(full);
+    return dotted ? "unknown key " + in_quotes(name) + ": in a file, write " + nested(full) : list.unknown(full);
 }
 
 /// Reads every key of `object` into `section`. `inside` is the prefix of the names in the table: "send.".
@@ -129,7 +129,7 @@ private:
     std::string unknown(const std::string& name, std::span<const std::string_view> names) const {
         const bool of_link = find_key_of_any(draft_.kinds, name) != nullptr || list_of(common_link_keys()).has_object(name);
         if (of_link && find_key(gateway_keys(), name) == nullptr)
-            return in_quotes(name) + " is a key of a link: it stands in an object of \"links\"";
+            return in_quotes(name) + " is a key of a link: put it into an object in \"links\"";
         return "unknown key " + in_quotes(name) + ano::did_you_mean(name, names);
     }
 
@@ -144,7 +144,7 @@ private:
 
     bool is_first(const std::string& key, const std::string& pointer, const std::string& name) {
         const auto [said, is_new] = draft_.said_in.emplace(key, file_);
-        if (!is_new) draft_.errors.push_back({pointer, in_quotes(name) + " is given in " + said->second + " too"});
+        if (!is_new) draft_.errors.push_back({pointer, in_quotes(name) + " is also set in " + said->second});
         return is_new;
     }
 

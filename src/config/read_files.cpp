@@ -14,8 +14,8 @@ bool read_into(std::vector<ConfigText>& files, const std::string& file, ConfigEr
     std::error_code error;
     std::string text = read_file(file, max_config_size, error);
     if (!error) return files.push_back({file, std::move(text)}), true;
-    errors.push_back({file, error == std::errc::file_too_large            ? "more than 1 MiB, no configuration"
-                            : error == std::errc::operation_not_supported ? "is no ordinary file, but a pipe, socket or device"
+    errors.push_back({file, error == std::errc::file_too_large            ? "larger than 1 MiB, not a configuration"
+                            : error == std::errc::operation_not_supported ? "is not a regular file but a pipe, socket or device"
                                                                           : error.message()});
     return false;
 }

@@ -15,10 +15,10 @@ namespace {
 /// The error for a text that is not KIND:ADDRESS.
 std::string no_kind(LinkKinds kinds, std::string_view text) {
     if (const LinkKind* kind = find_link_kind(kinds, text.substr(0, text.find(','))))
-        return "no address, for example " + std::string{kind->name} + ":" + std::string{kind->example};
+        return "the address is missing, for example " + std::string{kind->name} + ":" + std::string{kind->example};
     for (const LinkKind* kind : kinds)
         if (const std::string meant = kind->meant_by ? kind->meant_by(text) : ""; !meant.empty())
-            return "no kind (did you mean " + meant + "?)";
+            return "the kind is missing (did you mean " + meant + "?)";
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }
 
@@ -34,7 +34,7 @@ std::string key_apart(LinkKinds kinds, std::string_view text) {
     const std::size_t equals = text.find('=');
     const std::string_view name = text.substr(0, equals);
     if (equals == text.npos || (!name.starts_with("limit.") && find_key_of_any(kinds, name) == nullptr)) return {};
-    return in_quotes(name) + " is a key: write it behind the LINK that it is for, with a comma and no space: KIND:ADDRESS," +
+    return in_quotes(name) + " is a key: append it to its LINK with a comma and no space: KIND:ADDRESS," +
            printable(std::string{text});
 }
 
@@ -48,7 +48,7 @@ public:
         const std::size_t colon = text.find(':');
         const LinkKind* kind = colon != text.npos ? find_link_kind(draft_.kinds, text.substr(0, colon)) : nullptr;
         if (!ano::is_utf8(text)) {
-            error("not text in UTF-8");
+            error("not UTF-8 text");
         } else if (std::string wide = full_width(text); !wide.empty()) {
             error(std::move(wide));
         } else if (std::string apart = key_apart(draft_.kinds, text); !apart.empty()) {
@@ -82,7 +82,7 @@ private:
 
     void read_alone(std::string_view name) {
         const Key<LinkSettings>* key = keys_.find(name);
-        if (name.empty()) error("a comma with no key behind it");
+        if (name.empty()) error("a comma without a key after it");
         else if (std::string joined = joined_to_last(name); key == nullptr && !joined.empty()) several(name, joined);
         else if (const std::string_view meant = link_.kind->number_means; !meant.empty() && parse_number(name))
             error("unknown key " + in_quotes(name) + " (did you mean '" + std::string{meant} + "=" + std::string{name} + "'?)");
@@ -92,7 +92,7 @@ private:
     }
 
     void several(std::string_view value, const std::string& joined) {
-        error("unknown key " + in_quotes(value) + ": several values of " + in_quotes(last_name_) + " are joined by +: " + joined);
+        error("unknown key " + in_quotes(value) + ": join several values of " + in_quotes(last_name_) + " with +:  " + joined);
         last_value_.append("+").append(value);
     }
 
@@ -159,7 +159,7 @@ void read_route(std::string_view text, const std::string& where, Draft& draft) {
         return;
     }
     if (const std::size_t comma = text.find(',', equals); comma != text.npos && text.find('=', comma) != text.npos) {
-        draft.errors.push_back({where, "is one ADDR=LINK; for the next, give --route again"});
+        draft.errors.push_back({where, "must be one ADDR=LINK; repeat --route for more"});
         return;
     }
     const std::size_t before = draft.errors.size();

@@ -56,7 +56,7 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
         const auto plain = Endpoint::parse(std::string{text.substr(0, percent)}.append(text.substr(end)));
         if (plain && plain->address.is_link_local())
             return "'" + shown + "': " + in_quotes(interface) + " is not the name of a network interface";
-        if (plain) return "'" + shown + "': only a link-local address (fe80::...) takes an interface";
+        if (plain) return "'" + shown + "': only a link-local address (fe80::...) can have an interface";
     }
     const std::size_t colon = text.rfind(':');
     if (colon != text.npos && parse_number(text.substr(colon + 1)).value_or(0) > UINT16_MAX)
@@ -65,7 +65,7 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     const std::string port = colon == std::string_view::npos ? "PORT" : shown.substr(std::min(colon + 1, shown.size()));
     if (!takes_names && host.find_first_of(":[]%") == std::string_view::npos &&
         std::any_of(host.begin(), host.end(), is_beyond_hex))
-        return "'" + shown + "': host names are not looked up, give an IP address such as 127.0.0.1:" + port;
+        return "'" + shown + "': host names are not supported here; give an IP address such as 127.0.0.1:" + port;
     return must_be(key, in_quotes(text));
 }
 

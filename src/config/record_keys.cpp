@@ -19,10 +19,10 @@ Value get_direction(const KeyFacts&, const RecordSettings& record) { return reco
 
 std::string put_direction(const KeyFacts& key, Value value, RecordSettings& record) {
     auto& words = std::get<std::vector<std::string>>(value);
-    if (words.empty()) return in_quotes(key.name) + " must name what is recorded: in, out, dropped";
+    if (words.empty()) return in_quotes(key.name) + " must list what to record: in, out, dropped";
     for (const std::string& word : words)
         if (std::find(std::begin(directions), std::end(directions), word) == std::end(directions))
-            return in_quotes(key.name) + " has " + in_quotes(word) + ", which is none of in, out and dropped" +
+            return in_quotes(key.name) + " has " + in_quotes(word) + ", which is not in, out or dropped" +
                    ano::did_you_mean(word, directions);
     record.direction = std::move(words);
     return {};
@@ -46,7 +46,7 @@ constexpr Key<Rec> size_from(std::string_view name, std::string_view help) {
         const std::uint64_t bytes = std::get<std::uint64_t>(value);
         if (bytes != 0 && bytes < min_bytes)
             return in_quotes(facts.name) + " must be 0 or at least " + size_text(min_bytes) + ", not " + std::to_string(bytes) +
-                   " bytes: give it a unit, such as 20GB";
+                   " bytes: add a unit, such as 20GB";
         store(facts, std::move(value), record.*Field);
         return {};
     };
@@ -57,42 +57,40 @@ constexpr std::uint64_t kB = 1000, MB = 1000 * kB;
 constexpr std::uint64_t max_age = 3650 * day, max_in_memory = 3600 * second;
 
 constexpr Key<Rec> record_rows[] = {
-    boolean<&Rec::start>("start", "it records from the start on; no: when it is asked to"),
+    boolean<&Rec::start>("start", "record from the start; no: only on request"),
     text<&Rec::folder>("folder", 0, max_path,
-                       "where the files go; made when missing (default: /var/lib/anogate/recordings, for users "
+                       "the folder of the files; created if missing (default: /var/lib/anogate/recordings, for users "
                        "~/.local/state/anogate/recordings)") |
         as("PATH"),
-    choice<&Rec::format>("format", "pcapng|mcap", "what the files are"),
-    choice<&Rec::message_encoding>("message_encoding", "cdr|json", "how MCAP has decoded messages: as ROS 2 does, or as JSON"),
+    choice<&Rec::format>("format", "pcapng|mcap", "the file format"),
+    choice<&Rec::message_encoding>("message_encoding", "cdr|json",
+                                   "the encoding of decoded messages in MCAP: as in ROS 2, or JSON"),
     Key<Rec>{{.name = "direction",
               .form = Form::texts,
-              .help = "what is recorded: in, out, dropped (default: in)",
+              .help = "what to record: in, out, dropped (default: in)",
               .min = 1,
               .max = max_name,
               .stands_for = "[in|out|dropped...]"},
              get_direction,
              put_direction},
-    frames<&Rec::ids>("id", "only these frames are recorded"),
+    frames<&Rec::ids>("id", "record only these frames"),
     senders<&Rec::from>("from", "only from these addresses"),
     senders<&Rec::to>("to", "only to these addresses"),
-    row<&Rec::links>({.name = "link", .form = Form::names, .help = "only by these links", .min = 1, .max = max_name}),
-    Key<Rec>{{.name = "limit", .form = Form::limits, .help = "frames a second of an id or message that are recorded at most"},
+    row<&Rec::links>({.name = "link", .form = Form::names, .help = "only on these links", .min = 1, .max = max_name}),
+    Key<Rec>{{.name = "limit", .form = Form::limits, .help = "maximum frames per second to record of an id or message"},
              get_limit,
              put_limit},
-    size_from<&Rec::rotate_size, 10 * kB>("rotate.size", "a file of this size is ended and the next one begun; 0: never"),
-    duration<&Rec::rotate_time>("rotate.time", second, max_age, "and one that is so old (default: never)"),
-    size_from<&Rec::keep_size, 100 * kB>("keep.size",
-                                         "beyond so many bytes of all recordings the oldest are deleted; 0: no limit"),
-    duration<&Rec::keep_age>("keep.age", second, max_age, "older ones are deleted (default: never)"),
-    size_from<&Rec::keep_free, MB>("keep.free",
-                                   "the oldest are deleted while fewer bytes of the disk are free; 0: none is for that"),
-    size_from<&Rec::free, MB>(
-        "free",
-        "so many bytes of the disk stay free: nothing is written while fewer than these and 5 MB are; 0: until it "
-        "is full"),
+    size_from<&Rec::rotate_size, 10 * kB>("rotate.size", "start a new file at this size; 0: never"),
+    duration<&Rec::rotate_time>("rotate.time", second, max_age, "start a new file after this time (default: never)"),
+    size_from<&Rec::keep_size, 100 * kB>("keep.size", "delete the oldest recordings above this total size; 0: no limit"),
+    duration<&Rec::keep_age>("keep.age", second, max_age, "delete older recordings (default: never)"),
+    size_from<&Rec::keep_free, MB>("keep.free", "delete the oldest recordings while less disk space is free; 0: never"),
+    size_from<&Rec::free, MB>("free",
+                              "disk space to keep free: recording stops below this plus 5 MB; 0: record until the disk "
+                              "is full"),
     duration<&Rec::keep_last>(
         "keep_last", second, max_in_memory,
-        "the frames of so long stay in memory, 16 MiB at most, and are saved when asked for, when a device logs a "
+        "keep the frames of this time in memory, at most 16 MiB; they are saved on request, when a device logs a "
         "fault, and when a link is lost (default: none)"),
 };
 

@@ -25,21 +25,21 @@ template <class Section, RuleSettings Section::*rules>
 constexpr std::array<Key<Section>, rule_rows> rules_of() {
     using Rule = RuleSettings;
     using F = FilterSettings;
-    return {frames<rules, &Rule::receive, &F::allow>("receive.allow", "of what comes in, only these frames are taken"),
-            frames<rules, &Rule::receive, &F::deny>("receive.deny", "of what comes in, these frames are not taken"),
+    return {frames<rules, &Rule::receive, &F::allow>("receive.allow", "accept only these received frames"),
+            frames<rules, &Rule::receive, &F::deny>("receive.deny", "refuse these received frames"),
             senders<rules, &Rule::receive, &F::allow_sources>("receive.allow_sources", "only from these addresses"),
             senders<rules, &Rule::receive, &F::deny_sources>("receive.deny_sources", "not from these addresses"),
             senders<rules, &Rule::receive, &F::allow_destinations>("receive.allow_destinations", "only to these addresses"),
             senders<rules, &Rule::receive, &F::deny_destinations>("receive.deny_destinations", "not to these addresses"),
-            frames<rules, &Rule::send, &F::allow>("send.allow", "only these frames leave"),
-            frames<rules, &Rule::send, &F::deny>("send.deny", "these frames do not leave"),
+            frames<rules, &Rule::send, &F::allow>("send.allow", "send only these frames"),
+            frames<rules, &Rule::send, &F::deny>("send.deny", "don't send these frames"),
             senders<rules, &Rule::send, &F::allow_sources>("send.allow_sources", "only from these addresses"),
             senders<rules, &Rule::send, &F::deny_sources>("send.deny_sources", "not from these addresses"),
             senders<rules, &Rule::send, &F::allow_destinations>("send.allow_destinations", "only to these addresses"),
             senders<rules, &Rule::send, &F::deny_destinations>("send.deny_destinations", "not to these addresses"),
             Key<Section>{{.name = "limit",
                           .form = Form::limits,
-                          .help = "frames a second, at most and evenly spaced, of an id or message: limit.0x01=50"},
+                          .help = "maximum frames per second, evenly spaced, of an id or message: limit.0x01=50"},
                          limits_in<Section, rules>,
                          add_limits<Section, rules>}};
 }

@@ -51,7 +51,7 @@ Json flexible() {
                            {"unit", {{"type", "string"}}}};
     field["required"] = Json::array({"name", "type"});
     Json object = closed_object();
-    object["description"] = "the layout of a flexible message, for tools; anogated itself does not look inside";
+    object["description"] = "the layout of a flexible message, for tools; anogated itself does not decode it";
     object["properties"] = {{"id", address},
                             {"source", address},
                             {"endian", {{"enum", {"little", "big"}}}},

@@ -18,7 +18,7 @@ std::string path_of(const std::string& name) {
 std::string fault_of_device(const std::string& device) {
     const std::string what = "'device' " + in_quotes(device);
     if (is_pattern(device))
-        return what + " is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name";
+        return what + " is a pattern, but a link is one port: use its name in /dev/serial/by-id/, which does not change";
     const bool port = device.starts_with("tty") || device.starts_with("serial") || device.starts_with("usb-") ||
                       device.starts_with("rfcomm") || device.starts_with("dev/");
     if (port) return what + " is not the path of a port (did you mean '" + path_of(device) + "'?)";
@@ -32,7 +32,7 @@ std::string fault_of_device(const std::string& device) {
 
 std::string fault_of_interface(const std::string& interface) {
     if (!is_pattern(interface)) return {};
-    return "'interface' " + in_quotes(interface) + " is a pattern, and a link is one interface, such as can0";
+    return "'interface' " + in_quotes(interface) + " is a pattern, but a link is one interface, such as can0";
 }
 
 }    // namespace anogate

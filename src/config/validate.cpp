@@ -116,7 +116,7 @@ private:
         const LinkSettings& link = links_[i];
         const std::size_t min_queue = ano::overhead + link.effective_max_data_out();
         if (is_reserved(link.name))
-            error(draft_.links[i], "name", "'name' can't be " + in_quotes(link.name) + ", the word is taken");
+            error(draft_.links[i], "name", "'name' can't be " + in_quotes(link.name) + ", a reserved word");
         if (link.queue < min_queue)
             error(draft_.links[i], "queue",
                   "'queue' must be at least max_data_out + 8, here " + std::to_string(min_queue) + ", to hold one frame, not " +
@@ -138,8 +138,8 @@ private:
         for (const ByteRange& range : links_[link].rules.receive.allow_sources)
             if (range.first <= id && id <= range.last && ano::address::is_port_id(range.last))
                 warning(draft_.links[link].key("receive/allow_sources"),
-                        "a device with the address " + std::to_string(id) + " can't be reached: it is the port id of " +
-                            who(other) + ", frames to it go there; give one of them another");
+                        "a device with the address " + std::to_string(id) + " can't be reached: it is also the port id of " +
+                            who(other) + ", and frames to it go there; change one of them");
     }
 
     void hello(std::size_t i) {
@@ -147,7 +147,7 @@ private:
         if (!link.hello || *link.hello == Duration{} || link.kind->listens) return;
         if (!link.takes_broadcasts() && link.profile != Profile::old)
             warning(draft_.links[i].key("hello"),
-                    "'hello' is a frame to everybody (0xFF), which broadcast=no keeps off this link: it is never said");
+                    "'hello' has no effect: it is a broadcast frame (0xFF), which broadcast=no keeps off this link");
     }
 
     // A frame that is being sent delays every urgent frame behind it.
@@ -164,9 +164,9 @@ private:
         warning(draft_.links[i].key(bound),
                 "a frame of " + bound + " " + std::to_string(link.effective_max_data_out()) + " takes " +
                     std::to_string(milliseconds) + " ms at " + std::to_string(rate) +
-                    " bytes/s, and what is urgent waits behind it; " +
-                    (fits < ano::overhead ? "even one without DATA takes more than " + limit
-                                          : bound + " " + std::to_string(fits - ano::overhead) + " keeps it under " + limit));
+                    " bytes/s, and urgent frames have to wait for it; " +
+                    (fits < ano::overhead ? "even a frame without DATA takes more than " + limit
+                                          : bound + " " + std::to_string(fits - ano::overhead) + " keeps this below " + limit));
     }
 
     void pair(std::size_t first, std::size_t second) {
@@ -174,15 +174,15 @@ private:
         const LinkSettings& b = links_[second];
         const Origin& origin = draft_.links[second];
         if (!a.name.empty() && a.name == b.name)
-            error(origin, "name", "'name' " + in_quotes(b.name) + " is the name of " + draft_.links[first].where + " too");
+            error(origin, "name", "'name' " + in_quotes(b.name) + " is already the name of " + draft_.links[first].where);
         if (b.id != 0 && a.id == b.id)
-            error(origin, "id", "'id' " + std::to_string(b.id) + " is the port id of " + who(first) + " too");
+            error(origin, "id", "'id' " + std::to_string(b.id) + " is already the port id of " + who(first));
         if (const auto shared = a.kind == b.kind && a.kind->shared ? a.kind->shared(a, b) : std::nullopt)
             error(origin, shared->key, shared->what + who(first) + shared->rest);
         const auto bound_a = bound_port_of(a), bound_b = bound_port_of(b);
         if (bound_a && bound_b && collide(*bound_a, *bound_b))
             error(origin, bound_b->key,
-                  "local port " + std::to_string(bound_b->local.port) + " is used by " + who(first) + " already");
+                  "local port " + std::to_string(bound_b->local.port) + " is already used by " + who(first));
         if (bound_b) must_not_lead_to(*bound_b, first, who(second) + " listens there");
         if (bound_a) must_not_lead_to(*bound_a, second, who(first) + " listens there");
     }
@@ -200,7 +200,7 @@ private:
                 if (links_[i].group.empty() || links_[k].group != links_[i].group) continue;
                 const auto differs = [&](const char* key) {
                     error(draft_.links[i], key,
-                          in_quotes(key) + " must be the same on all links of a group, and is not on " + who(k));
+                          in_quotes(key) + " must be the same on all links of a group, but differs on " + who(k));
                 };
                 if (links_[k].present_as != links_[i].present_as) differs("present_as");
                 if (links_[k].manage != links_[i].manage) differs("manage");    // otherwise the first copy would decide
@@ -208,17 +208,19 @@ private:
             const std::string& group = links_[i].group;
             const auto in_group = [&](const LinkSettings& link) { return link.group == group; };
             if (!group.empty() && std::count_if(links_.begin(), links_.end(), in_group) == 1)
-                warning(draft_.links[i].key("group"),
-                        in_quotes(links_[i].name) + " is alone in the group " + in_quotes(group) + ": it is as without");
+                warning(draft_.links[i].key("group"), in_quotes(links_[i].name) + " is the only link in the group " +
+                                                          in_quotes(group) + ": the group has no effect");
         }
     }
 
     void gateway() {
         const GatewaySettings& gateway = draft_.settings.gateway;
-        if (links_.empty() && draft_.errors.empty()) warning("", "the configuration has no links: there is nothing to join");
+        if (links_.empty() && draft_.errors.empty())
+            warning("", "the configuration has no links, so no frames will be forwarded");
         if (ano::address::is_host(gateway.id))
-            warning("", "the gateway's own id " + address_text(gateway.id) +
-                            " is the address of hosts: what is sent to them ends in the gateway; give it another, such as 199");
+            warning("",
+                    "the gateway's own id " + address_text(gateway.id) +
+                        " is the address of hosts: the gateway would consume frames to hosts; choose another id, such as 199");
         if (gateway.unknown == Unknown::link) must_exist(gateway.unknown_link, draft_.unknown, "unknown", {"flood", "drop"});
     }
 
@@ -233,7 +235,7 @@ private:
             if (covers(links_[i].id))
                 error(origin, "address",
                       "'address' " + addresses_text({route.first, route.last}) + ": " + std::to_string(links_[i].id) +
-                          " is the port id of " + who(i) + ", frames to it go there");
+                          " is the port id of " + who(i) + ", and frames to it go there");
     }
 
     void alias(std::size_t i) {
@@ -241,15 +243,15 @@ private:
         const Origin& origin = draft_.aliases[i];
         const std::string as = "'as' " + address_text(alias.as);
         must_exist(alias.link, origin, "link", {}, false);
-        if (alias.as == alias.device) error(origin, "as", as + " is the id that the device has already");
+        if (alias.as == alias.device) error(origin, "as", as + " is already the id of the device");
         if (alias.as == draft_.settings.gateway.id) error(origin, "as", as + " is the gateway's own id");
         if (ano::address::is_host(alias.as) || ano::address::is_host(alias.device))
-            error(origin, "as", "a host (0xFE, 0xD2) can't have an alias, nor be one: there may be several");
+            error(origin, "as", "a host (0xFE, 0xD2) can't have an alias or be one, because there may be several");
         for (std::size_t k = 0; k < links_.size(); ++k)
             if (links_[k].id == alias.as) error(origin, "as", as + " is the port id of " + who(k));
         for (std::size_t k = 0; k < i; ++k) {
             const AliasSettings& other = draft_.settings.aliases[k];
-            if (other.as == alias.as) error(origin, "as", as + " is given at " + draft_.aliases[k].where + " too");
+            if (other.as == alias.as) error(origin, "as", as + " is also used at " + draft_.aliases[k].where);
             if (other.link == alias.link) aliases_of_a_link(alias, origin, other, " (" + draft_.aliases[k].where + ")");
         }
     }
@@ -258,20 +260,19 @@ private:
         const std::uint8_t id = draft_.settings.classes[i].id;
         for (std::size_t k = 0; k < i; ++k)
             if (draft_.settings.classes[k].id == id)
-                error(draft_.classes[i], "id",
-                      "'id' " + address_text(id) + " has a class at " + draft_.classes[k].where + " already");
+                error(draft_.classes[i], "id", "'id' " + address_text(id) + " already has a class at " + draft_.classes[k].where);
     }
 
     void aliases_of_a_link(const AliasSettings& alias, const Origin& origin, const AliasSettings& other,
                            const std::string& there) {
         const std::string device = "'device' " + address_text(alias.device);
         if (other.device == alias.device)
-            error(origin, "device", device + " has the alias " + address_text(other.as) + " already" + there);
+            error(origin, "device", device + " already has the alias " + address_text(other.as) + there);
         else if (other.as == alias.device)
-            error(origin, "device", device + " is the alias of " + address_text(other.device) + there + ": give 'as' there");
+            error(origin, "device", device + " is the alias of " + address_text(other.device) + there + ": use 'as' there");
         else if (other.device == alias.as)
             error(origin, "as",
-                  "'as' " + address_text(alias.as) + " is the id of a device on this link that has an alias itself" + there);
+                  "'as' " + address_text(alias.as) + " is the id of a device on this link that itself has an alias" + there);
     }
 
     void tunnel(const TunnelSettings& tunnel) {
@@ -281,57 +282,55 @@ private:
             if (!tunnel.wrap[i].link.empty())
                 must_exist(tunnel.wrap[i].link, draft_.tunnel, "wrap/" + std::to_string(i) + "/link", {}, false);
         if (tunnel.links.empty() && tunnel.wrap.empty())
-            warning(draft_.tunnel.key("links"), "no link's tunnel frames are carried: name the links of their devices");
+            warning(draft_.tunnel.key("links"), "no tunnel frames are carried: add the links of the devices");
         for (std::size_t i = 0; i < links_.size(); ++i)
             if (const auto bound = bound_port_of(links_[i]);
                 bound && collide(*bound, {EndpointSpec{{tunnel.bind, tunnel.port}}, {}, {}}))
-                error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
+                error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is already used by " + who(i));
     }
 
     void record(const RecordSettings& record) {
         if (record.format != "mcap" && record.message_encoding != "cdr")
-            warning(draft_.record.key("message_encoding"), "'message_encoding' has no effect on what is recorded as " +
-                                                               record.format +
-                                                               ": give 'format' \"mcap\", which alone has decoded messages");
+            warning(draft_.record.key("message_encoding"), "'message_encoding' has no effect on the format " + record.format +
+                                                               ": set 'format' to \"mcap\", the only one with decoded messages");
         for (std::size_t i = 0; i < record.links.size(); ++i)
             must_exist(record.links[i], draft_.record, "link/" + std::to_string(i), {}, true);
         if (record.keep_size != 0 && record.keep_size < record.rotate_size)
-            warning(draft_.record.key("keep/size"), "'keep.size' is smaller than 'rotate.size', " +
-                                                        size_text(record.rotate_size) +
-                                                        ": the file that is written grows beyond it, as only ended ones are "
-                                                        "deleted; give a smaller 'rotate.size'");
+            warning(draft_.record.key("keep/size"),
+                    "'keep.size' is smaller than 'rotate.size', " + size_text(record.rotate_size) +
+                        ": only finished files are deleted, so the current one can exceed it; set a smaller 'rotate.size'");
         if (record.keep_free != 0 && record.keep_free < record.free)
             error(draft_.record, "keep/free",
                   "'keep.free' must be at least 'free', " + size_text(record.free) +
-                      ": nothing would be written before anything is deleted");
+                      ": otherwise recording stops before old files are deleted");
     }
 
     void control(const ControlSettings& control) {
         const Origin& origin = draft_.control;
         if (control.tls.certificate.empty() != control.tls.key.empty())
-            error(origin, control.tls.key.empty() ? "tls/key" : "tls/certificate", "'tls' needs both, 'certificate' and 'key'");
+            error(origin, control.tls.key.empty() ? "tls/key" : "tls/certificate", "'tls' needs both 'certificate' and 'key'");
         for (std::size_t i = 0; i < control.origins.size(); ++i)
             if (const std::string& page = control.origins[i];
                 !page.starts_with("http://") && !page.starts_with("https://") && page != "file://")
                 error(origin, "origins/" + std::to_string(i),
-                      in_quotes(page) + " must begin with http:// or https://, as a browser says it, or be file://");
+                      in_quotes(page) + " must begin with http:// or https://, as sent by a browser, or be file://");
         for (std::size_t i = 0; control.http && i < links_.size(); ++i) {
             const BoundPort page{*control.http, {}, {}, true};
-            must_not_lead_to(page, i, "its page is there");
+            must_not_lead_to(page, i, "its page is served there");
             if (const auto bound = bound_port_of(links_[i]); bound && collide(*bound, page))
-                error(origin, "http", "local port " + std::to_string(control.http->port) + " is used by " + who(i) + " already");
+                error(origin, "http", "local port " + std::to_string(control.http->port) + " is already used by " + who(i));
         }
         if (control.http && !control.http->address.is_loopback() && control.tls.key.empty())
             draft_.warnings.push_back({origin.key("http"),
-                                       "note: without 'tls' who is in a network of this computer can read "
-                                       "tokens on their way; \"127.0.0.1:PORT\" and ssh -L need none"});
+                                       "note: without 'tls' other hosts on the local networks can read the tokens in transit; "
+                                       "\"127.0.0.1:PORT\" with ssh -L needs no TLS"});
     }
 
     void gpio(std::size_t i) {
         const GpioSettings& line = draft_.settings.gpio[i];
         const Origin& origin = draft_.gpio[i];
         if (line.chip.empty() && is_number(line.line))
-            error(origin, "line", "'line' " + line.line + " is a number: 'chip' must say of which chip");
+            error(origin, "line", "'line' " + line.line + " is a number: 'chip' must name its chip");
         if (!line.link.empty()) must_exist(line.link, origin, "link");
         for (std::size_t k = 0; k < line.links.size(); ++k) must_exist(line.links[k], origin, "links/" + std::to_string(k));
         if (line.link.empty() && line.links.empty()) gpio_without_link(line, origin);
@@ -339,19 +338,18 @@ private:
         for (std::size_t k = 0; k < i; ++k) {
             const GpioSettings& other = draft_.settings.gpio[k];
             if (other.chip == line.chip && other.line == line.line)
-                error(origin, "line", "'line' " + in_quotes(line.line) + " is used by " + draft_.gpio[k].where + " already");
+                error(origin, "line", "'line' " + in_quotes(line.line) + " is already used by " + draft_.gpio[k].where);
             else if (line.use == GpioUse::rs485 && other.use == line.use && other.link == line.link)
                 error(origin, "link",
-                      "'link' " + in_quotes(line.link) + " has a line for rs485 by " + draft_.gpio[k].where + " already");
+                      "'link' " + in_quotes(line.link) + " already has a line for rs485 at " + draft_.gpio[k].where);
         }
     }
 
     void gpio_without_link(const GpioSettings& line, const Origin& origin) {
         const auto missing = [&](const char* what) { draft_.errors.push_back({origin.where, what}); };
-        if (line.use == GpioUse::inhibit) missing("'links' is missing: the links whose control frames are kept off");
-        else if (line.use == GpioUse::reset && line.silent_for) missing("'link' is missing: the link whose silence is meant");
-        else if (line.use != GpioUse::reset && line.use != GpioUse::power)
-            missing("'link' is missing: the name of the link it is for");
+        if (line.use == GpioUse::inhibit) missing("'links' is missing: the links whose control frames to block");
+        else if (line.use == GpioUse::reset && line.silent_for) missing("'link' is missing: the link to monitor for silence");
+        else if (line.use != GpioUse::reset && line.use != GpioUse::power) missing("'link' is missing: the name of the link");
     }
 
     // The driver may control the transceiver by RTS: then the RTS line must be free.
@@ -359,7 +357,7 @@ private:
         const auto link = std::find_if(links_.begin(), links_.end(), [&](const LinkSettings& l) { return l.name == line.link; });
         if (link == links_.end() && line.link != "tunnel" && line.link != "control") return;
         if (link == links_.end() || !link->kind->rs485)
-            error(origin, "link", "'link' " + in_quotes(line.link) + " is not a serial port: rs485 is for those");
+            error(origin, "link", "'link' " + in_quotes(line.link) + " is not a serial port: rs485 needs one");
         else if (const std::string fault = link->kind->rs485->fault(*link); !fault.empty())
             error(origin, "link", "'link' " + in_quotes(line.link) + " " + fault);
     }
@@ -380,7 +378,7 @@ private:
         for (const std::string_view word : words) others += std::string{word} + ", ";
         std::string what = "there is no link " + in_quotes(name) + ano::did_you_mean(name, meant);
         if (!others.empty()) others += "or ";
-        if (!meant.empty()) what += "; give " + others + (names.empty() ? "a link" : "one of " + listed);
+        if (!meant.empty()) what += "; use " + others + (names.empty() ? "a link" : "one of " + listed);
         error(origin, key, std::move(what));
     }
 
@@ -443,8 +441,8 @@ void validate(Draft& draft) {
                                        (is_control_configured(draft.settings) ? 1 : 0);
     if (links.size() > max_configured) {
         const Origin& first_above = draft.links[max_configured];
-        draft.errors.push_back({first_above.where, std::to_string(links.size()) + " links, at most " +
-                                                       std::to_string(max_configured) + " are possible"});
+        draft.errors.push_back({first_above.where, std::to_string(links.size()) + " links; at most " +
+                                                       std::to_string(max_configured) + " are supported"});
         return;
     }
     name_links(links);

@@ -37,12 +37,12 @@ std::string whole_path(const std::string& path) {
 
 void log_guessing(const std::string& peer, const http::Attempts::News& news) {
     if (news.untold > 0)
-        log_warning("control.http: before that, wrong tokens of {} more addresses were slowed down", news.untold);
+        log_warning("control.http: before that, {} more addresses with wrong tokens were slowed down", news.untold);
     log_warning(
-        "control.http: ten wrong tokens from {} within a minute; its further ones are slowed down and counted (http.wrong_tokens "
-        "of the status){}",
+        "control.http: ten wrong tokens from {} within a minute; further ones are delayed and counted (http.wrong_tokens "
+        "in the status){}",
         peer,
-        news.is_last ? "; so many addresses do so that others of this minute are only counted (http.guessing_clients)" : "");
+        news.is_last ? "; too many addresses do this, so others are only counted in this minute (http.guessing_clients)" : "");
 }
 
 }    // namespace
@@ -61,14 +61,14 @@ ControlDoor::ControlDoor(asio::io_context& io, ControlSettings settings)
 void ControlDoor::add_login_routes() {
     routes().add(
         {"POST", "/login", http::Access::open,
-         "takes a token as {\"token\": ...}, or a one-time code as {\"code\": ...}, and gives a browser a cookie for it",
+         "accepts a token as {\"token\": ...} or a one-time code as {\"code\": ...}, and sets a session cookie for the browser",
          [this](const http::Request& request) { return login(server_.admission(), codes_, request, ano::Clock::now()); }});
     routes().add(
         {"POST", "/login/code", http::Access::control,
-         "makes a one-time code for /login, valid for five minutes: of a link, or with {\"form\": \"digits\"} six digits; with "
-         "{\"access\": \"view\"} for watching only",
+         "creates a one-time code for /login, valid for five minutes: for a link, or with {\"form\": \"digits\"} six digits; "
+         "with {\"access\": \"view\"} read-only",
          [this](const http::Request& request) { return make_code(server_.admission(), codes_, request, ano::Clock::now()); }});
-    routes().add_without_body({"POST", "/logout", http::Access::open, "takes the cookie back",
+    routes().add_without_body({"POST", "/logout", http::Access::open, "clears the cookie",
                                [this](const http::Request& request) { return logout(server_.admission(), request); }});
 }
 
@@ -120,7 +120,7 @@ ControlDoor::Files ControlDoor::read_files(const ControlSettings& settings, bool
     Files files;
     const std::string folder = state_folder();
     if (needs_token || !settings.token_file.empty()) {
-        if (settings.token_file.empty() && folder.empty()) return {"no folder for the tokens; give control.token_file"};
+        if (settings.token_file.empty() && folder.empty()) return {"no folder for the tokens; set control.token_file"};
         files.token_file = settings.token_file.empty() ? folder + "/token" : settings.token_file;
         auto tokens = http::read_or_make_tokens(files.token_file);
         if (!tokens) return {"control.token_file: " + tokens.error()};
@@ -156,12 +156,12 @@ void ControlDoor::renew(const std::function<void(std::string fault)>& done) {
             }
             done(network_door_.state == NetworkDoor::State::shut ? network_door_.error : std::string{});
         });
-    if (!goes) done("tokens and certificate were not read again: no thread is available");
+    if (!goes) done("tokens and certificate were not reloaded: no thread is available");
 }
 
 // Without tokens or certificate it stays closed: access without protection would be worse than no access.
 bool ControlDoor::shut(std::string why) {
-    log_error("control.http stays shut: {}", why);
+    log_error("control.http stays off: {}", why);
     awaits_network_ = false;
     server_.set_rules({});
     server_.stop_network();

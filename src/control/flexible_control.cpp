@@ -36,7 +36,7 @@ http::Response faulty(const std::vector<ano::JsonFault>& faults) {
     Json lines = Json::array();
     for (std::size_t i = 0; i < std::min(faults.size(), most); ++i)
         lines.push_back((faults[i].pointer.empty() ? "" : faults[i].pointer + ": ") + faults[i].what);
-    if (faults.size() > most) lines.push_back("and " + std::to_string(faults.size() - most) + " more faults");
+    if (faults.size() > most) lines.push_back("and " + std::to_string(faults.size() - most) + " more errors");
     http::Response response;
     response.status = 422;
     response.body = line_of(
@@ -92,7 +92,7 @@ std::optional<KeptFlexible> kept_flexible(const std::string& path) {
 FlexibleControl::FlexibleControl(Gateway& gateway, std::string path, std::optional<KeptFlexible> kept)
     : gateway_{gateway}, path_{std::move(path)}, errand_{gateway.io()} {
     const auto forgotten = [this] {
-        log_info("layouts of flexible messages that a client set are dropped: the configuration was changed since");
+        log_info("layouts of flexible messages set by a client are discarded: the configuration changed after that");
         keep({});
     };
     gateway_.on_flexible_overruled(forgotten);
@@ -111,8 +111,8 @@ void FlexibleControl::add_routes(http::Routes& routes) {
     routes.add({"GET", "/flexible", http::Access::view, "the layouts of flexible messages in use, and where they come from",
                 [this](const http::Request&) { return answer(gateway_); }});
     routes.add({"PUT", "/flexible", http::Access::control,
-                "replaces the layouts of flexible messages, a list as in the configuration; kept over a restart until the "
-                "configuration has others",
+                "replaces the layouts of flexible messages, a list as in the configuration; stored across restarts until the "
+                "configuration changes them",
                 [this](const http::Request& request) { return set(request); }});
 }
 
@@ -125,7 +125,7 @@ http::Response FlexibleControl::set(const http::Request& request) {
     before_change_();
     gateway_.set_flexible(std::get<Specs>(std::move(read)));
     if (path_.empty())
-        return answer(gateway_, "without a configuration file, or a state folder, they apply until the gateway ends");
+        return answer(gateway_, "without a configuration file or a state folder, they apply until the gateway stops");
     return http::later([this](const Say& say) { keep(say); });
 }
 
@@ -146,7 +146,7 @@ void FlexibleControl::write() {
     };
     const auto done = [this, fault, said = std::exchange(waiting_, {})](const std::string& thrown) {
         const std::string why = thrown.empty() ? *fault : thrown;
-        if (!why.empty()) log_warning("layouts of flexible messages are not kept: {}", why);
+        if (!why.empty()) log_warning("layouts of flexible messages could not be stored: {}", why);
         for (const Say& say : said)
             if (say) say(answer(gateway_, why));
         if (!waiting_.empty()) write();

@@ -34,11 +34,11 @@ http::Response login_by_code(http::Admission& admission, SignInCodes& codes, con
     }
     if (use.voids)
         log_warning(
-            "control.http: the digits to sign in with are void after {} wrong tries, the last from {}; new ones: anoctl web "
+            "control.http: the sign-in digits are void after {} wrong attempts, the last from {}; new ones: anoctl web "
             "--pair",
             SignInCodes::max_wrong, client(door));
     http::Response wrong = http::error(
-        401, "this code is wrong, was used, has expired or is void; a new one: anoctl web --qr or --pair");
+        401, "this code is wrong, used, expired or void; create a new one with anoctl web --qr or --pair");
     wrong.headers.push_back({"WWW-Authenticate", "Bearer realm=\"anogate\""});
     return admission.refuse_wrong(door, std::move(wrong), now);
 }
@@ -78,9 +78,9 @@ http::Response make_code(const http::Admission& admission, SignInCodes& codes, c
     const Access wanted = std::string_view{access} == "view" ? Access::view : Access::control;
     if (admission.token_for(wanted).empty())
         return http::error(409, std::string{"no token allows '"} + access +
-                                    "': either control.http needs none, or its token file has none; see anoctl web");
+                                    "': control.http needs no token, or the token file has none; see anoctl web");
     const auto code = codes.make(is_link ? SignInCodes::Form::link : SignInCodes::Form::digits, wanted, now);
-    if (!code) return http::error(503, "no code can be made: the system has no random numbers");
+    if (!code) return http::error(503, "can't create a code: the system has no random numbers");
     Json made{{"code", *code}, {"access", access}};
     if (is_link) made["link"] = "/#once=" + *code;
     made["expires_s"] = std::chrono::duration_cast<std::chrono::seconds>(SignInCodes::lifetime).count();

@@ -69,10 +69,10 @@ bool Page::is_wanted_by(const http::Request& request) const {
 
 http::Response Page::file(std::string_view name, const http::Request& request) const {
     const auto found = files_.find(name.empty() ? front_page : name);
-    if (found == files_.end()) return http::error(404, "the page has no such file: load it again");
+    if (found == files_.end()) return http::error(404, "the page has no such file; reload the page");
     const std::string_view encodings = request.header("Accept-Encoding");
     if (http::quality(encodings, "gzip").value_or(http::quality(encodings, "*").value_or(0)) == 0)
-        return http::error(406, "the page's files are compressed: say Accept-Encoding: gzip");
+        return http::error(406, "the files of the page are compressed: send Accept-Encoding: gzip");
     http::Response response;
     response.type = page_type_of(found->first);
     response.body = found->second;

@@ -45,10 +45,10 @@ public:
     }
     void heard(std::string_view message, Kind kind) override {
         if (!port_) return;
-        if (!may_send_) return tell({{"error", "not sent: the token allows no changes"}});
-        if (kind == Kind::text) return tell({{"error", "not sent: bytes come as binary messages"}});
+        if (!may_send_) return tell({{"error", "not sent: this token is read-only"}});
+        if (kind == Kind::text) return tell({{"error", "not sent: send bytes as binary messages"}});
         if (!port_->write_raw({reinterpret_cast<const std::uint8_t*>(message.data()), message.size()}))
-            tell({{"error", "not sent: the link is down, or does not take what was sent before"}});
+            tell({{"error", "not sent: the link is down or still busy with earlier data"}});
     }
     void sent_all() override { tell_lost(); }
 
@@ -125,11 +125,11 @@ http::Response RawStreams::answer(const http::Request& request) {
     if (state == links.end()) return http::error(404, "there is no link " + in_quotes(name));
     if (!state->link->raw_port())
         return http::error(409, "the raw bytes of a " + std::string{state->link->settings().kind->name} +
-                                    " link can't be shown, only those of serial, pty and udp links");
+                                    " link are not available, only those of serial, pty and udp links");
     const bool exclusive = request.query_value("exclusive").has_value();
     const bool may_send = request.access == http::Access::control;
     if (exclusive && !may_send) return http::not_permitted(request.access, http::Access::control);
-    if (exclusive && is_exclusive(name)) return http::error(409, "another client has " + in_quotes(name) + " for itself");
+    if (exclusive && is_exclusive(name)) return http::error(409, "another client has exclusive use of " + in_quotes(name));
     http::Response response;
     response.web_socket = std::make_unique<RawSocket>(*this, name, exclusive, may_send);
     return response;
@@ -139,7 +139,7 @@ std::string RawStreams::join(RawSocket& socket) {
     for (const LinkState& state : gateway_.links()) {
         RawPort* const port = state.link->name() == socket.link() ? state.link->raw_port() : nullptr;
         if (!port) continue;
-        if (socket.is_exclusive() && is_exclusive(socket.link())) return "another client has the link for itself";
+        if (socket.is_exclusive() && is_exclusive(socket.link())) return "another client has exclusive use of the link";
         if (tapped_.empty()) gateway_.add_observer(*this, {false, false, false});    // told when the link is removed
         auto& tapped = tapped_[state.link->id()];
         if (!tapped) tapped = std::make_unique<TappedLink>(*port);

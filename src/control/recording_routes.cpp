@@ -23,7 +23,7 @@ using http::Request;
 
 constexpr std::string_view filters[] = {"from", "to", "id", "link", "direction"};
 constexpr double max_seconds = 30.0 * 24 * 3600;
-constexpr const char* only_in_mcap = "message_encoding says how MCAP has decoded messages: ask for the format mcap";
+constexpr const char* only_in_mcap = "message_encoding is only for MCAP: use format mcap";
 
 struct WantedRecording {
     AskedRecording recording;
@@ -76,10 +76,10 @@ public:
     /// To be called when everything was read. `links`: the names of all links.
     Fault finish(std::span<const std::string_view> links) {
         if (wanted.is_last && (has_time_ || !fields_.empty()))
-            return "what is kept is saved as it is: without filters and seconds";
+            return "keep_last is saved as it is: filters and seconds are not allowed";
         if (const auto end = recording_format_of(wanted.recording.name)) {    // "flight.pcapng"
             if (wanted.form.format && *wanted.form.format != *end)
-                return "the end of the name says " + std::string{text(*end)} + ", the format " +
+                return "the file extension means " + std::string{text(*end)} + ", the format " +
                        std::string{text(*wanted.form.format)};
             wanted.form.format = *end;
             std::string& name = wanted.recording.name;
@@ -97,25 +97,25 @@ public:
 
 private:
     Fault read_name(const Json& value) {
-        if (!value.is_string()) return "\"name\" must be a text";
+        if (!value.is_string()) return "\"name\" must be text";
         wanted.recording.name = value.get<std::string>();
-        return wanted.recording.name.empty() ? "\"name\" is empty: leave it out, and it is the time" : "";
+        return wanted.recording.name.empty() ? "\"name\" is empty: omit it to use the time" : "";
     }
     Fault read_format(const Json& value) {
-        if (!value.is_string()) return "\"format\" must be a text";
+        if (!value.is_string()) return "\"format\" must be text";
         const auto& word = value.get_ref<const std::string&>();
         wanted.form.format = format_called(word);
         return wanted.form.format ? Fault{} : is_no_format(word);
     }
     Fault read_encoding(const Json& value) {
-        if (!value.is_string()) return "\"message_encoding\" must be a text";
+        if (!value.is_string()) return "\"message_encoding\" must be text";
         const auto& word = value.get_ref<const std::string&>();
         wanted.form.encoding = decoded_encoding_called(word);
         return wanted.form.encoding ? Fault{} : is_no_encoding(word);
     }
     Fault read_seconds(const Json& value) {
         const double seconds = value.is_number() ? value.get<double>() : 0;
-        if (!(seconds > 0 && seconds <= max_seconds)) return "\"seconds\" must be a number above 0, of 30 days at most";
+        if (!(seconds > 0 && seconds <= max_seconds)) return "\"seconds\" must be a number above 0 and at most 30 days";
         wanted.recording.time = std::chrono::duration_cast<ano::Duration>(std::chrono::duration<double>{seconds});
         has_time_ = true;
         return {};
@@ -126,16 +126,16 @@ private:
         return {};
     }
     Fault read_limit(const Json& value) {
-        if (!value.is_object()) return "\"limit\" must be an object such as {\"euler\": 10}: frames a second";
+        if (!value.is_object()) return "\"limit\" must be an object such as {\"euler\": 10}: frames per second";
         for (const auto& [message, rate] : value.items()) {
-            if (!rate.is_number()) return "\"limit\" of " + ano::in_quotes(message) + " must be a number of frames a second";
+            if (!rate.is_number()) return "\"limit\" of " + ano::in_quotes(message) + " must be a number of frames per second";
             fields_.push_back({"limit." + message, rate.dump()});
         }
         return {};
     }
     Fault read_filter(const std::string& name, const Json& value) {
         const auto words = words_of(value);
-        if (!words) return "\"" + name + "\" must be a text, or a list of texts";
+        if (!words) return "\"" + name + "\" must be text or a list of texts";
         has_direction_ = has_direction_ || name == "direction";
         fields_.push_back({name, *words});
         return {};
@@ -196,25 +196,26 @@ http::Response last(Recordings& recordings, const Request& request) {
 void add_recording_routes(http::Routes& routes, Recordings& recordings) {
     const auto name_in = [](const Request& request) { return std::string{request.parameter("name")}; };
     routes.add({"GET", "/recordings", Access::view,
-                "the recordings: those that run, those in the folder, the room on its disk, and what keep_last holds",
+                "the recordings: those in progress, those in the folder, the free disk space, and the frames in keep_last",
                 [&recordings](const Request&) { return recordings.list(); }});
     routes.add({"POST", "/recordings", Access::control,
-                "begins a recording {\"name\", \"format\", \"message_encoding\", \"seconds\", and the filters of GET /frames}, "
-                "of what comes in unless "
+                "starts a recording {\"name\", \"format\", \"message_encoding\", \"seconds\", and the filters of GET /frames}, "
+                "of received frames unless "
                 "\"direction\" "
-                "says otherwise; at most four run at once beside that of the configuration; {\"last\": true, \"name\"} saves "
-                "what keep_last holds",
+                "says otherwise; at most four at once besides that of the configuration; {\"last\": true, \"name\"} saves "
+                "the frames in keep_last",
                 [&recordings](const Request& request) { return begin(recordings, request); }});
-    routes.add({"GET", "/recordings/last", Access::view,
-                "what keep_last holds, as a file, for two clients at once; format=pcapng or mcap, message_encoding=cdr or json",
-                [&recordings](const Request& request) { return last(recordings, request); }});
-    routes.add({"GET", "/recordings/{name}", Access::view, "a recording, whole or a range of it",
+    routes.add(
+        {"GET", "/recordings/last", Access::view,
+         "the frames in keep_last, as a file, for two clients at once; format=pcapng or mcap, message_encoding=cdr or json",
+         [&recordings](const Request& request) { return last(recordings, request); }});
+    routes.add({"GET", "/recordings/{name}", Access::view, "a recording, complete or a range of it",
                 [&recordings, name_in](const Request& request) { return recordings.file(request, name_in(request)); }});
     routes.add_without_body({"POST", "/recordings/{name}/end", Access::control,
-                             "ends a recording that runs, and says what became of it",
+                             "stops a recording in progress and returns its result",
                              [&recordings, name_in](const Request& request) { return recordings.end(name_in(request)); }});
     routes.add_without_body({"DELETE", "/recordings/{name}", Access::control,
-                             "deletes a recording that the gateway wrote, once it is ended; any other file is left alone",
+                             "deletes a finished recording that the gateway wrote; other files are left alone",
                              [&recordings, name_in](const Request& request) { return recordings.remove(name_in(request)); }});
 }
 

@@ -89,11 +89,10 @@ void add_reload_routes(http::Routes& routes, Reload& reload) {
     };
     routes.add_without_body(
         {"POST", "/reload", http::Access::control,
-         "reads the configuration again (dry_run: only says what would change; confirm_within=30s: unless confirmed, the "
-         "one before comes back), and says what became of each link",
+         "reloads the configuration (dry_run: only report what would change; confirm_within=30s: unless confirmed, the "
+         "previous one is restored), and returns the result for each link",
          ask});
-    routes.add_without_body(
-        {"POST", "/reload/confirm", http::Access::control, "what runs since the last reload is to stay", confirm});
+    routes.add_without_body({"POST", "/reload/confirm", http::Access::control, "confirms the last reload", confirm});
 }
 
 }    // namespace anogate

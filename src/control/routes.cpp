@@ -69,16 +69,16 @@ struct Streams {
 // path.
 http::Response front(const http::Routes& routes, const Page& page, Streams& streams, const Request& request) {
     if (is_foxglove(request) && !request.is_foreign)
-        return request.access == Access::open
-                   ? http::needs_token("a client of Foxglove needs a token, ws://HOST:PORT/?token=TOKEN")
-                   : streams.foxglove.answer(request);
+        return request.access == Access::open ? http::needs_token("Foxglove needs a token: ws://HOST:PORT/?token=TOKEN")
+                                              : streams.foxglove.answer(request);
     if (page.is_wanted_by(request)) return page.file({}, request);
     return request.access == Access::open ? http::needs_token("this path needs a token") : list_of(routes);
 }
 
 void add_page(http::Routes& routes, Page page, const std::shared_ptr<Streams>& streams) {
     const auto kept = std::make_shared<const Page>(std::move(page));
-    routes.add({"GET", "/", Access::open, "the page, to who takes text/html; else this list, to who may view",
+    routes.add({"GET", "/", Access::open,
+                "the page, for clients that accept text/html; otherwise this list, for clients that may view",
                 [&routes, kept, streams](const Request& request) { return front(routes, *kept, *streams, request); }});
     routes.add({"GET", "/web/{file}", Access::open, "a file of the page",
                 [kept](const Request& request) { return kept->file(request.parameter("file"), request); }});
@@ -90,12 +90,12 @@ std::variant<UniqueFd, http::Response> open_map(const std::string& path) {
     UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
     struct stat is {};
     if (!file || ::fstat(file.get(), &is) != 0) return http::error(404, error_text(where, errno));
-    if (!S_ISREG(is.st_mode)) return http::error(404, where + ": is no ordinary file");
+    if (!S_ISREG(is.st_mode)) return http::error(404, where + ": is not a regular file");
     return file;
 }
 
 http::Response map_answer(DiskWorks& disk, const MapSettings& map, const Request& request) {
-    if (map.file.empty()) return http::error(404, "there is no map: control.map names the file of one");
+    if (map.file.empty()) return http::error(404, "there is no map: set control.map to a map file");
     return served(disk, request, {.open = [path = map.file] { return open_map(path); }, .type = "application/vnd.pmtiles"});
 }
 
@@ -117,8 +117,7 @@ http::Response forget_route(const std::string& word, Gateway& gateway, DeviceSer
     if (const auto* fault = std::get_if<ano::JsonFault>(&called)) return http::error(400, fault->what);
     const auto address = std::get<std::uint8_t>(called);
     const bool was_known = gateway.forget(address), was_watched = devices.forget_values(address);
-    if (!was_known && !was_watched)
-        return http::error(404, ano::hex_byte(address) + " was not heard: there is nothing to forget");
+    if (!was_known && !was_watched) return http::error(404, ano::hex_byte(address) + " was not seen: there is nothing to forget");
     return json(line_of({{"address", ano::hex_byte(address)}, {"forgotten", true}}));
 }
 
@@ -128,7 +127,7 @@ http::Routes::Function in_time(Gateway& gateway, Function function) {
     return [&gateway, function](const http::Request& request) {
         gateway.turn();
         return gateway.loop().may_have_waited(request.came_at)
-                   ? http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again")
+                   ? http::try_again("the gateway was paused and this request expired; please repeat it")
                    : function(request);
     };
 }
@@ -168,18 +167,18 @@ void add_routes(http::Routes& routes, Gateway& gateway, const std::function<Netw
     routes.add({"GET", "/status", Access::view,
                 "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, and where it serves HTTP",
                 [&gateway, door](const Request&) { return json(status_json(gateway, door())); }});
-    routes.add({"GET", "/links", Access::view, "the links of the status alone",
+    routes.add({"GET", "/links", Access::view, "only the links of the status",
                 [&gateway](const Request&) { return json(links_json(gateway)); }});
-    routes.add({"GET", "/routes", Access::view, "where each address leads: the routes of the status alone",
+    routes.add({"GET", "/routes", Access::view, "where frames to each address go: only the routes of the status",
                 [&gateway](const Request&) { return json(routes_json(gateway)); }});
-    routes.add_without_body({"DELETE", "/routes/{address}", Access::control, "forgets where the address was heard",
+    routes.add_without_body({"DELETE", "/routes/{address}", Access::control, "forgets where the address was seen",
                              [&gateway, streams](const Request& request) {
                                  return forget_route(std::string{request.parameter("address")}, gateway,
                                                      streams->devices->service());
                              }});
     routes.add({"GET", "/messages", Access::view, "the messages of the protocol, with the flexible ones of the configuration",
                 [&gateway](const Request&) { return json(messages_json(gateway)); }});
-    routes.add({"GET", "/map.pmtiles", Access::view, "the map under the page's tracks (control.map), with ranges",
+    routes.add({"GET", "/map.pmtiles", Access::view, "the map of the page (control.map), with ranges",
                 [&gateway, disk](const Request& request) { return map_answer(*disk, gateway.settings().control.map, request); }});
     routes.add({"GET", "/metrics", Access::view, "the counters for Prometheus, as text or as OpenMetrics",
                 [&gateway, door, streams](const Request& request) {
@@ -190,21 +189,22 @@ void add_routes(http::Routes& routes, Gateway& gateway, const std::function<Netw
                     return gpio_request(gateway.gpio(), request.body, gateway.now());
                 })});
     routes.add({"POST", "/send", Access::control,
-                "sends one frame, as hex digits or as its JSON, and says by which links it left",
+                "sends one frame, as hex digits or as JSON, and returns the links that it was sent to",
                 in_time(gateway, [&gateway](const Request& request) { return send_request(gateway, request); })});
-    routes.add({"GET", "/frames", Access::view, "the frames that pass, as lines of JSON or as a WebSocket",
+    routes.add({"GET", "/frames", Access::view, "the forwarded frames, as lines of JSON or as a WebSocket",
                 [streams](const Request& request) { return streams->frames.answer(request); }});
-    routes.add({"GET", "/foxglove", Access::view,
-                "as a WebSocket: the protocol of Foxglove, which shows what passes (encoding=cdr or json); at / as well, for who "
-                "offers its subprotocol",
-                [streams](const Request& request) { return streams->foxglove.answer(request); }, 0, true});
-    routes.add({"GET", "/link", Access::control, "as a WebSocket: the program is a channel of the gateway",
-                [&gateway](const Request& request) { return join_link(gateway, request); }, 0, true});
     routes.add(
-        {"GET", "/links/{link}/raw", Access::view,
-         "as a WebSocket: the bytes of a serial, pty or udp link as they are, both ways; who may control sends some, and with "
-         "?exclusive has the link for itself",
-         [streams](const Request& request) { return streams->raw.answer(request); }, 0, true});
+        {"GET", "/foxglove", Access::view,
+         "as a WebSocket: the protocol of Foxglove, which shows the frames (encoding=cdr or json); also at / for clients that "
+         "offer its subprotocol",
+         [streams](const Request& request) { return streams->foxglove.answer(request); }, 0, true});
+    routes.add({"GET", "/link", Access::control, "as a WebSocket: the client becomes a channel of the gateway",
+                [&gateway](const Request& request) { return join_link(gateway, request); }, 0, true});
+    routes.add({"GET", "/links/{link}/raw", Access::view,
+                "as a WebSocket: the raw bytes of a serial, pty or udp link, in both directions; with a control token the client "
+                "can send, and with "
+                "?exclusive it has exclusive use of the link",
+                [streams](const Request& request) { return streams->raw.answer(request); }, 0, true});
     add_devices(routes, streams->devices);
     stop_with(gateway, streams->devices, disk);
 }

@@ -27,13 +27,13 @@ using FrameBytes = std::vector<std::uint8_t>;
 
 // A string: what is wrong.
 std::variant<FrameBytes, std::string> frame_in_hex(const ordered_json& json) {
-    if (json.size() > 1) return "'hex' is a whole frame: it stands alone";
+    if (json.size() > 1) return "'hex' is a complete frame: use no other keys with it";
     if (!json["hex"].is_string()) return "'hex' must be text";
     auto bytes = ano::from_hex(json["hex"].get_ref<const std::string&>());
     if (!bytes) return "'hex' must be hex digits in pairs";
     const auto frame = ano::frame_at(*bytes);
     if (!frame || frame->bytes().size() != bytes->size())
-        return "'hex' is not one whole frame whose check bytes hold; anoctl decode says what is wrong with it";
+        return "'hex' is not one complete frame with correct check bytes; anoctl decode shows what is wrong";
     return *std::move(bytes);
 }
 
@@ -134,7 +134,7 @@ http::Response told(const Gateway& gateway, const Fate& fate, bool ends_here) {
     if (ends_here) json["taken_by"] = "gateway";
     else if (json["sent"].empty() && json["waiting"].empty()) {
         response.status = 409;
-        json["error"] = "it left by no link: " + (reasons.empty() ? std::string{"nobody takes it"} : reasons);
+        json["error"] = "not sent: " + (reasons.empty() ? std::string{"no link accepts it"} : reasons);
         json["what"] = "refused";
     }
     response.body = line_of(json);
@@ -150,7 +150,7 @@ http::Response send_request(Gateway& gateway, const http::Request& request) {
     ControlLink* const link = gateway.control();
     if (!link) return http::error(503, no_control_link);
     if (const std::size_t most = ano::max_data_of(frame.id(), link->settings().max_data); frame.data().size() > most)
-        return http::error(400, "the frame has more DATA than any link takes, " + std::to_string(most));
+        return http::error(400, "the frame has more DATA than any link can carry: " + std::to_string(most));
     Fate fate;
     gateway.add_observer(fate);
     link->send(frame);

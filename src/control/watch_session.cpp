@@ -151,8 +151,7 @@ http::Response FrameStreams::answer(const http::Request& request) {
     FrameQuery& query = std::get<FrameQuery>(parsed);
     http::Response response;
     if (!http::is_web_socket(request)) {
-        if (query.format == FrameFormat::binary)
-            return http::error(400, "format=binary is for a WebSocket: as lines there is JSON");
+        if (query.format == FrameFormat::binary) return http::error(400, "format=binary needs a WebSocket; lines are JSON");
         response.type = "application/x-ndjson";
         response.producer = std::make_unique<WatchLines>(watch_, std::move(query.filter));
     } else if (query.format == FrameFormat::binary) {

@@ -28,7 +28,7 @@ void warn_of_tls(Draft& draft, bool service) {
     const std::string certificate = seen_by(service, files.certificate), key = seen_by(service, files.key);
     if (service && (is_hidden(certificate) || is_hidden(key))) return;
     const auto tls = http::Tls::load(certificate, key);
-    if (!tls) draft.warnings.push_back({draft.control.key("tls"), "warning: control.http stays shut: " + tls.error()});
+    if (!tls) draft.warnings.push_back({draft.control.key("tls"), "warning: control.http stays off: " + tls.error()});
     else if (const std::string advice = (*tls)->advice(); !advice.empty())
         draft.warnings.push_back({draft.control.key("tls"), "warning: " + key + ": " + advice});
 }
@@ -55,7 +55,7 @@ void warn_of_tokens(Draft& draft, bool service) {
     const std::string file = control.token_file.empty() ? folder + "/token" : seen_by(service, control.token_file);
     if (service && is_hidden(file)) return;
     if (const auto usable = http::check_tokens(file); !usable)
-        draft.warnings.push_back({draft.control.key("token_file"), "warning: control.http stays shut: " + usable.error()});
+        draft.warnings.push_back({draft.control.key("token_file"), "warning: control.http stays off: " + usable.error()});
 }
 
 }    // namespace

@@ -15,12 +15,13 @@ fs::file_type type_of(const std::string& path) {
 }
 
 std::string fault_of_pty(const std::string& path) {
-    if (const auto folder = check_folder_of(path); !folder) return folder.error() + ": it is waited for, not made";
-    return is_taken(path) ? "something else is there, and is left alone: choose another path" : "";
+    if (const auto folder = check_folder_of(path); !folder)
+        return folder.error() + ": anogated waits for it and does not create it";
+    return is_taken(path) ? "another file exists there and is left alone; choose another path" : "";
 }
 
 std::string fault_of_log(const std::string& path) {
-    constexpr char instead[] = ": the log goes to standard error";
+    constexpr char instead[] = ": logging to standard error";
     if (const auto folder = check_folder_of(path); !folder) return folder.error() + instead;
     const fs::file_type there = type_of(path);
     if (there == fs::file_type::directory) return std::string{"is a folder"} + instead;
@@ -29,15 +30,15 @@ std::string fault_of_log(const std::string& path) {
 
 std::string fault_of_port(const std::string& device) {
     const fs::file_type there = type_of(device);
-    if (there == fs::file_type::directory) return "is a folder: name the port in it";
-    return there == fs::file_type::regular ? "is an ordinary file, no serial port" : fault_of_by_id("/", device);
+    if (there == fs::file_type::directory) return "is a folder; give the path of the port";
+    return there == fs::file_type::regular ? "is a regular file, not a serial port" : fault_of_by_id("/", device);
 }
 
 // The map file may also be added while the program runs.
 std::string fault_of_map(const std::string& file) {
     const fs::file_type there = type_of(file);
-    if (there == fs::file_type::not_found) return "is not there: the page shows a grid";
-    return there == fs::file_type::regular || there == fs::file_type::none ? "" : "is no ordinary file: the page shows a grid";
+    if (there == fs::file_type::not_found) return "not found: the page shows a grid";
+    return there == fs::file_type::regular || there == fs::file_type::none ? "" : "is not a regular file: the page shows a grid";
 }
 
 void warn(Draft& draft, const Origin& origin, std::string_view key, const std::string& path, const std::string& fault) {

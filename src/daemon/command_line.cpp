@@ -46,19 +46,19 @@ void add_options(CLI::App& app, Keys<Section> keys, Arguments& arguments) {
 void add_all(CLI::App& app, Arguments& arguments, const std::string& default_file) {
     app.set_version_flag("-V,--version", "anogated " ANOGATE_VERSION, "print the version");
     app.add_option("-c,--config", arguments.configs,
-                   "JSON file; LINKs add to its links, options override its values (default: " + default_file +
-                       ", when no LINK is given)")
+                   "JSON file; LINK arguments add to its links, options override its values (default: " + default_file +
+                       ", if no LINK is given)")
         ->type_name("FILE")
         ->allow_extra_args(false);
     add_options(app, gateway_keys(), arguments);
     add_options(app, control_keys(), arguments);
     add_options(app, log_keys(), arguments);
-    app.add_option("--route", arguments.routes, "pin an address or range (0xDC, 30-40) to a link's name; repeatable")
+    app.add_option("--route", arguments.routes, "pin an address or range (0xDC, 30-40) to a link, by name; repeatable")
         ->type_name("ADDR=LINK")
         ->allow_extra_args(false);
-    app.add_flag("--check", arguments.check, "check the configuration: faults one a line, exit 0 or 78");
-    app.add_flag("--print-config", arguments.print_config, "print the configuration that results, as a file to use");
-    app.add_option("LINK", arguments.links, "what to join, see below")->type_name(" ");
+    app.add_flag("--check", arguments.check, "check the configuration: one error per line, exit status 0 or 78");
+    app.add_flag("--print-config", arguments.print_config, "print the resulting configuration as a file");
+    app.add_option("LINK", arguments.links, "links to connect, see below")->type_name(" ");
     app.footer(links_and_keys_help(link_kinds()));
     app.allow_extras();
 }
@@ -74,9 +74,9 @@ std::vector<std::string> option_names(const CLI::App& app) {
 std::string meant_option(const std::string& name, const std::vector<std::string_view>& known) {
     const std::string bare = name.substr(std::min(name.find_first_not_of('-'), name.size()));
     if (const Key<LinkSettings>* key = find_key_of_any(link_kinds(), bare))
-        return ": it is a key of a LINK, written KIND:ADDRESS," + bare + "=" + placeholder(*key);
+        return ": it is a key of a LINK: write KIND:ADDRESS," + bare + "=" + placeholder(*key);
     const std::string nearest = ano::did_you_mean(name, known);
-    return nearest.empty() ? "; --help all has them all" : nearest;
+    return nearest.empty() ? "; --help all lists all options" : nearest;
 }
 
 /// One error for each unknown option.
@@ -95,7 +95,7 @@ ConfigErrors reject_unknown_options(const CLI::App& app) {
 ConfigErrors missing_values(const Arguments& arguments) {
     ConfigErrors errors;
     const auto look = [&](std::string_view option, const std::string& value) {
-        if (value.starts_with("--")) errors.push_back({std::string{option}, "its value is missing before " + in_quotes(value)});
+        if (value.starts_with("--")) errors.push_back({std::string{option}, "the value is missing before " + in_quotes(value)});
     };
     for (const std::string& file : arguments.configs) look("--config", file);
     for (const std::string& route : arguments.routes) look("--route", route);
@@ -149,7 +149,7 @@ void read_options(const Arguments& arguments, Draft& draft) {
 std::vector<ConfigText> read_files(const std::string& path, bool by_default, Draft& draft) {
     ConfigErrors errors;
     std::vector<ConfigText> files = read_config_files(path, errors);
-    if (by_default && files.empty()) errors.front().what += std::string{"; write it, or name links, for example: "} + ad_hoc;
+    if (by_default && files.empty()) errors.front().what += std::string{"; create it, or give links, for example: "} + ad_hoc;
     if (path.empty() && !errors.empty()) errors.front().where = "--config";
     draft.broken_links = !errors.empty();
     draft.errors.insert(draft.errors.end(), errors.begin(), errors.end());
@@ -201,7 +201,7 @@ std::vector<OptionText> option_texts(const std::string& default_file) {
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file,
                                                    const std::vector<ConfigText>* instead) {
     Arguments arguments;
-    CLI::App app{"Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network.", "anogated"};
+    CLI::App app{"Connects serial ports, CAN buses and network peers that use ANO V8.", "anogated"};
     add_all(app, arguments, default_file);
     if (auto exit = parse(app, argc, argv, default_file)) return *std::move(exit);
     if (const ConfigErrors missing = missing_values(arguments); !missing.empty()) return failure(missing);
@@ -210,7 +210,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     draft.errors = reject_unknown_options(app);
     if (arguments.configs.size() > 1)
         draft.errors.push_back(
-            {"--config", "is given " + std::to_string(arguments.configs.size()) + " times, and a gateway has one file"});
+            {"--config", "was given " + std::to_string(arguments.configs.size()) + " times; only one file is allowed"});
     const bool by_default = arguments.configs.empty() && arguments.links.empty();
     const std::string file = by_default ? default_file : arguments.configs.empty() ? "" : arguments.configs.front();
     std::vector<ConfigText> files;

@@ -20,11 +20,11 @@ std::vector<Endpoint> reachable(const EndpointSpec& bound, const std::vector<Net
 }
 
 std::string addresses(const EndpointSpec& bound, const std::vector<Network>& own) {
-    if (bound.port == 0) return "a port that the system chooses, shown in the status";
-    if (bound.address.is_loopback()) return bound.text() + " (from this machine only)";
+    if (bound.port == 0) return "a port chosen by the system (see the status)";
+    if (bound.address.is_loopback()) return bound.text() + " (from this computer only)";
     if (!bound.address.is_any()) return bound.text();
     const std::vector<Endpoint> all = reachable(bound, own);
-    if (all.empty()) return "port " + std::to_string(bound.port) + " of this machine, which has no address in a network yet";
+    if (all.empty()) return "port " + std::to_string(bound.port) + " of this computer, which has no network address yet";
     std::string text;
     for (std::size_t i = 0; i < all.size() && i < max_addresses; ++i) text += (i == 0 ? "" : " or ") + all[i].text();
     return all.size() > max_addresses ? text + " ..." : text;
@@ -48,7 +48,7 @@ std::string first_line(const Settings& settings, std::string_view source, const 
 }
 
 std::string last_line(std::string_view why, Duration uptime, std::uint64_t frames_in, std::uint64_t frames_out) {
-    return "ends: " + std::string{why} + ", after " + duration(uptime) + ", " + count(frames_in, "frame") + " in, " +
+    return "stopping (" + std::string{why} + ") after " + duration(uptime) + ", " + count(frames_in, "frame") + " in, " +
            std::to_string(frames_out) + " out";
 }
 

@@ -99,11 +99,11 @@ public:
         log_info("{}", first_line(gateway_.settings(), source_, own_networks()));
         if (!control_.open()) return exit_config;
         wait_for_signal();
-        if (gateway_.settings().links.empty()) log_warning("the configuration has no links: there is nothing to join");
+        if (gateway_.settings().links.empty()) log_warning("the configuration has no links, so no frames will be forwarded");
         gateway_.start([this](const std::string& link) {
-            log_error("{} is required and was not up within 10 s", link);
+            log_error("required link {} was not up within 10 s", link);
             status_ = 1;
-            stop("a required link is missing");
+            stop("a required link is not up");
         });
         recordings_.start();
         notify_systemd("READY=1", {}, Patience::some);
@@ -128,7 +128,7 @@ private:
     }
 
     void reload_soon() {
-        log_info("SIGHUP: the configuration is read again");
+        log_info("SIGHUP: reloading the configuration");
         reload_.reload_soon();
     }
 
@@ -191,7 +191,7 @@ ConfigState::Runs take_kept_config(CommandLine& line, int argc, char** argv) {
     const auto kept = kept_config(path, fault);
     if (!fault.empty())
         say(Priority::warning,
-            "anogated: the configuration kept for a restart is not used: " + fault + "; " + line.config_file + " is what runs\n");
+            "anogated: the configuration stored for a restart is not used: " + fault + "; running " + line.config_file + "\n");
     if (!kept) return ConfigState::Runs::file;
     if (!have_same_texts(kept->unconfirmed, line.files)) {
         forget_config(path);
@@ -199,7 +199,7 @@ ConfigState::Runs take_kept_config(CommandLine& line, int argc, char** argv) {
     }
     auto before = parse_command_line(argc, argv, default_config_file(), &kept->confirmed);
     if (const Exit* exit = std::get_if<Exit>(&before)) {
-        say(Priority::warning, exit->text + "anogated: so " + line.config_file + ", which was not confirmed, is what runs\n");
+        say(Priority::warning, exit->text + "anogated: running the unconfirmed " + line.config_file + "\n");
         return ConfigState::Runs::file;
     }
     line = std::get<CommandLine>(std::move(before));
@@ -238,9 +238,9 @@ int run(int argc, char** argv) {
     if (is_device(line.settings.gateway)) kept = kept_parameters(kept_parameters_path(line.config_file));
     WrittenValues written = kept;
     for (const std::string& key : written.forget_stale(line.settings))
-        log_info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
+        log_info("discarded the stored gateway parameter {}: the configuration changed after it was written", key);
     if (runs == ConfigState::Runs::not_the_file)
-        log_warning("{} was not confirmed and is not used: what ran before it runs, until the file is changed or reloaded",
+        log_warning("{} was not confirmed; running the previous configuration until the file changes or is reloaded",
                     line.config_file);
     if (!written.empty()) set_log_level(written.applied(line.settings).log.level);
     return Program{

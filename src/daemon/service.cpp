@@ -56,18 +56,16 @@ void check_writable(const std::string& path, std::string_view key, const std::st
     if (path.empty() || is_below_one_of(there, service_folders) || is_below(there, service.runtime)) return;
     const bool unseen = is_below_one_of(there, private_folders);
     service.draft.errors.push_back(
-        {where, in_quotes(key) + " " + in_quotes(path) + ": the service may not write there" +
-                    (unseen ? ", and nobody else would see its /tmp; " : "; ") + better + "/" +
-                    fs::path{path}.filename().string() + " works" +
-                    (unseen ? "" : " (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)")});
+        {where, in_quotes(key) + " " + in_quotes(path) + ": the service has no write access there" +
+                    (unseen ? ", and its /tmp is private; " : "; ") + better + "/" + fs::path{path}.filename().string() +
+                    " works" + (unseen ? "" : " (to allow another folder: systemctl edit anogated, ReadWritePaths=FOLDER)")});
 }
 
 void check_port(const std::string& device, const std::string& where, Draft& draft) {
     if (is_below_one_of(looked_up(device), private_folders))
-        draft.errors.push_back(
-            {where, "'device' " + in_quotes(device) +
-                        ": the service sees nothing in /tmp, it has one of its own; make the port in another folder, "
-                        "such as /run (or: systemctl edit anogated, PrivateTmp=no)"});
+        draft.errors.push_back({where, "'device' " + in_quotes(device) +
+                                           ": the service has its own private /tmp; create the port in another folder, "
+                                           "such as /run (or: systemctl edit anogated, PrivateTmp=no)"});
 }
 
 }    // namespace

@@ -101,7 +101,7 @@ std::string AlarmLimits::unknown_field(const List& list, std::uint8_t source, co
         if (candidates.empty()) candidates.assign(all.begin(), all.end());
         const std::string meant = ano::did_you_mean(limit.field, candidates);
         if (of_message.empty() && meant.empty()) of_message = "; GET /messages lists the messages and their fields";
-        return "no message has the number " + ano::in_quotes(limit.field) + meant + of_message;
+        return "no message has the numeric field " + ano::in_quotes(limit.field) + meant + of_message;
     }
     return {};
 }

@@ -23,7 +23,7 @@ nlohmann::ordered_json identity_json(std::uint8_t address, const std::optional<a
 /// Reads it back; std::nullopt: there is no name.
 std::optional<ano::host::DeviceInfo> identity_in(const nlohmann::ordered_json& json);
 inline constexpr std::string_view text_of_contradiction =
-    "its texts are GBK and no UTF-8, but its link has encoding=utf8: take that key away, or set encoding=gbk";
+    "its texts are GBK, not UTF-8, but its link has encoding=utf8: remove that key, or set encoding=gbk";
 nlohmann::ordered_json device_json(const DeviceReport& report, ano::TimePoint now);
 
 /// A number that is not finite becomes a text, "inf", "-inf" or "nan", which JSON has no numbers for.

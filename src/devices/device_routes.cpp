@@ -84,9 +84,9 @@ std::string client_of(const Request& request) {
 Response begin(DeviceService& service, const Request& request, Wish wish) {
     DeviceNet& net = service.net();
     if (wish.deed != Deed::read && net.may_have_waited(request.came_at))
-        return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
+        return http::try_again("the gateway was paused and this request expired; please repeat it");
     const Requester requester = requester_of(request, wish.deed != Deed::read);
-    if (!service.has_room_for(requester)) return http::try_again("too many clients wait for jobs: ask again when one has ended");
+    if (!service.has_room_for(requester)) return http::try_again("too many clients are waiting for jobs; try again later");
     const ano::TimePoint now = net.now();
     const auto address = service.address_of(request.parameter("device"), now);
     if (const auto* unknown = std::get_if<NotBegun>(&address)) return answer_of(*unknown);
@@ -104,7 +104,7 @@ Response begin(DeviceService& service, const Request& request, Wish wish) {
 Response scan_answer(DeviceService& service, const Request& request) {
     DeviceNet& net = service.net();
     if (net.may_have_waited(request.came_at))
-        return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
+        return http::try_again("the gateway was paused and this request expired; please repeat it");
     JobOrder order{JobKind::scan, Deed::read, std::nullopt, false, client_of(request), scan};
     order.requester = requester_of(request, false);
     order.result = [&service] { return ano::compact_json(devices_list(service)); };
@@ -145,7 +145,7 @@ Response put_parameter(DeviceService& service, const Request& request) {
     if (const std::string wrong = stranger_in(json, {"value", "longer", "force"}); !wrong.empty()) return http::error(400, wrong);
     const auto longer = flag_in(json, "longer"), force = flag_in(json, "force");
     if (!json.contains("value") || !is_number_or_text(json["value"]))
-        return http::error(400, "'value' must be a number or a text");
+        return http::error(400, "'value' must be a number or text");
     if (!longer) return http::error(400, "'longer' must be true or false");
     if (!force) return http::error(400, "'force' must be true or false");
     return begin(service, request,
@@ -179,7 +179,7 @@ Response apply(DeviceService& service, const Request& request) {
     }
     const Json& values = is_long ? json["parameters"] : json;
     for (const auto& [name, value] : values.items())
-        if (!is_number_or_text(value)) return http::error(422, ano::in_quotes(name) + " must be a number or a text");
+        if (!is_number_or_text(value)) return http::error(422, ano::in_quotes(name) + " must be a number or text");
     return begin(service, request,
                  {JobKind::apply, order.dry_run ? Deed::read : Deed::write,
                   [values, order](const WorkPlace& place) { return apply_parameters(place, values, order); }});
@@ -198,29 +198,28 @@ http::Routes::Function with_job(DeviceService& service,
         const std::string_view word = request.parameter("job");
         const auto id = number_in(word);
         const auto job = id ? service.job(*id) : nullptr;
-        if (!job) return http::error(404, "there is no job " + ano::in_quotes(word) + ": it never was, or ended long ago");
+        if (!job) return http::error(404, "there is no job " + ano::in_quotes(word) + ": it never existed, or ended long ago");
         return function(request, job);
     };
 }
 
 void add_job_routes(http::Routes& routes, DeviceService& service) {
-    routes.add(
-        {"GET", "/jobs", Access::view, "what is asked of devices now, and what came of it lately", [&service](const Request&) {
-             Json jobs = Json::array();
-             for (const auto& job : service.jobs()) jobs.push_back(job_json(*job));
-             return json_response({{"jobs", std::move(jobs)}});
-         }});
+    routes.add({"GET", "/jobs", Access::view, "current and recent jobs of devices", [&service](const Request&) {
+                    Json jobs = Json::array();
+                    for (const auto& job : service.jobs()) jobs.push_back(job_json(*job));
+                    return json_response({{"jobs", std::move(jobs)}});
+                }});
     routes.add({"GET", "/jobs/{job}", Access::view,
                 "one job; with Accept: application/x-ndjson a line, as a WebSocket a message for each change",
                 with_job(service, [&service](const Request& request, const std::shared_ptr<Job>& job) {
                     return job_answer(service, job, request, 200);
                 })});
-    routes.add_without_body({"DELETE", "/jobs/{job}", Access::control, "cancels the job, and says how it ended",
+    routes.add_without_body({"DELETE", "/jobs/{job}", Access::control, "cancels the job and returns how it ended",
                              with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
                                  service.cancel(*job, service.net().now());
                                  return job_at_its_end(job);
                              })});
-    routes.add_without_body({"POST", "/jobs/{job}/next", Access::control, "the job that waits goes on",
+    routes.add_without_body({"POST", "/jobs/{job}/next", Access::control, "continues a waiting job",
                              with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
                                  if (const auto refused = service.go_on(*job, service.net().now())) return answer_of(*refused);
                                  return json_response(job_json(*job));    // it is running, so there is no result
@@ -242,11 +241,10 @@ Response get_parameters(DeviceService& service, const Request& request) {
 }
 
 void add_parameter_routes(http::Routes& routes, DeviceService& service) {
-    routes.add(
-        {"GET", "/devices/{device}/parameters", Access::view,
-         "the parameters of a device and their values (values=0: without, with known as they were read last; name=P, more than "
-         "once: only these)",
-         [&service](const Request& request) { return get_parameters(service, request); }, 0, true});
+    routes.add({"GET", "/devices/{device}/parameters", Access::view,
+                "the parameters of a device with their values (values=0: without values; with known: as last read; name=P, "
+                "repeatable: only these)",
+                [&service](const Request& request) { return get_parameters(service, request); }, 0, true});
     routes.add({"GET", "/devices/{device}/parameters/{parameter}", Access::view, "one parameter, by its name or number",
                 [&service](const Request& request) {
                     return begin(service, request,
@@ -257,13 +255,12 @@ void add_parameter_routes(http::Routes& routes, DeviceService& service) {
                 },
                 0, true});
     routes.add({"PUT", "/devices/{device}/parameters/{parameter}", Access::control,
-                "writes a parameter, {\"value\": v}, and says what the device stored",
+                "writes a parameter, {\"value\": v}, and returns the value that the device stored",
                 [&service](const Request& request) { return put_parameter(service, request); }});
-    routes.add(
-        {"POST", "/devices/{device}/apply", Access::control,
-         "writes those of {NAME: value} that differ, also behind one that the device refuses, and says what became of each (in "
-         "\"parameters\" with rollback or dry_run beside)",
-         [&service](const Request& request) { return apply(service, request); }});
+    routes.add({"POST", "/devices/{device}/apply", Access::control,
+                "writes those of {NAME: value} that differ, continues after refused ones, and returns the result of each (in "
+                "\"parameters\" next to rollback or dry_run)",
+                [&service](const Request& request) { return apply(service, request); }});
 }
 
 Response act(DeviceService& service, const Request& request) {
@@ -305,7 +302,7 @@ Response call(DeviceService& service, const Request& request) {
     auto body = call_body_in(request, {"values", "repeat", "name", "type7"});
     if (auto* wrong = std::get_if<Response>(&body)) return std::move(*wrong);
     auto& [json, values, order] = std::get<CallBody>(body);
-    if (json.contains("name") && !json["name"].is_string()) return http::error(400, "'name' must be a text");
+    if (json.contains("name") && !json["name"].is_string()) return http::error(400, "'name' must be text");
     order.command = request.parameter("command");
     if (json.contains("name")) order.called = json["name"].get<std::string>();
     return begin(service, request, {JobKind::command, Deed::write, [order = order, values = values](const WorkPlace& place) {
@@ -335,12 +332,12 @@ Response call_the_cid(DeviceService& service, const Request& request) {
 
 void add_command_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"POST", "/devices/{device}/actions", Access::control,
-                "{\"action\": \"save\"} or \"restore_defaults\" (not in the air, but for ?force)",
+                "{\"action\": \"save\"} or \"restore_defaults\" (not in flight, except with ?force)",
                 [&service](const Request& request) { return act(service, request); }});
     routes.add(
         {"GET", "/devices/{device}/commands", Access::view,
-         "the commands of a device, as it describes them; with ?known as it did when they were read last; with ?to_act, before "
-         "a call, no client that only reads takes its place",
+         "the commands of a device; with ?known as last read; with ?to_act, before "
+         "a call, read-only clients do not take its place",
          [&service](const Request& request) {
              const bool known = request.query_value("known").has_value();
              return begin(service, request, {JobKind::commands, Deed::read, [known](const WorkPlace& place) {
@@ -350,13 +347,13 @@ void add_command_routes(http::Routes& routes, DeviceService& service) {
          0, true});
     routes.add(
         {"POST", "/devices/{device}/commands/by-cid", Access::control,
-         "calls a command by its three bytes, {\"cid\": [16, 0, 5], \"values\": [{\"u16\": 150}]}; the device is asked nothing "
-         "first",
+         "calls a command by its three bytes, {\"cid\": [16, 0, 5], \"values\": [{\"u16\": 150}]}; nothing is read "
+         "from the device first",
          [&service](const Request& request) { return call_the_cid(service, request); }});
     routes.add(
         {"POST", "/devices/{device}/commands/{command}", Access::control,
-         "calls a command, {\"values\": [...]}, once; with \"repeat\": true again while no answer comes; with \"name\" only if "
-         "it is called so; \"type7\": \"f32\" or \"u64\" states once what value type 7 means for a device that does not show it",
+         "calls a command, {\"values\": [...]}, once; with \"repeat\": true until acknowledged; with \"name\" only if "
+         "it has this name; \"type7\": \"f32\" or \"u64\" states once what value type 7 means for a device that does not show it",
          [&service](const Request& request) { return call(service, request); }});
 }
 
@@ -390,9 +387,9 @@ Response put_waypoints(DeviceService& service, const Request& request) {
 
 void add_waypoint_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"GET", "/devices/{device}/waypoints", Access::view,
-                "the waypoints of a device (format=geojson, or qgc: a plan of QGroundControl)",
+                "the waypoints of a device (format=geojson, or qgc: a QGroundControl plan)",
                 [&service](const Request& request) { return get_waypoints(service, request); }, 0, true});
-    routes.add({"PUT", "/devices/{device}/waypoints", Access::control, "writes waypoints, in the same forms, each read back",
+    routes.add({"PUT", "/devices/{device}/waypoints", Access::control, "writes waypoints in the same formats and reads each back",
                 [&service](const Request& request) { return put_waypoints(service, request); }});
 }
 
@@ -413,10 +410,10 @@ bool has_plain_bytes(const Request& request) {
 
 Response flash(DeviceService& service, const Request& request) {
     if (!has_plain_bytes(request))    // a form would be flashed with its borders
-        return http::error(415, "firmware is sent as Content-Type: application/octet-stream (curl --data-binary @FILE, not -F)");
+        return http::error(415, "send firmware with Content-Type: application/octet-stream (curl --data-binary @FILE, not -F)");
     const std::string_view name = request.query_value("crc").value_or(ano::usual_crc16.name);
     const auto crc = ano::find_crc16(name);
-    if (!crc) return http::error(400, "no CRC is called " + ano::in_quotes(name));
+    if (!crc) return http::error(400, "unknown CRC " + ano::in_quotes(name));
     const bool force = request.query_value("force").has_value();
     const auto work = [&service, file = bytes_of(request), crc, force](const WorkPlace& place) {
         return upgrade(place, {file, *crc, force, service.info(place.device.address())});
@@ -439,21 +436,21 @@ Response calibration(DeviceService& service, const Request& request) {
 
 void add_long_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"POST", "/devices/{device}/firmware", Access::control,
-                "upgrades the firmware, a .bin or .bia as a body of application/octet-stream: a job (force: though it flies, or "
-                "the file is for "
-                "other hardware or looks like no firmware; crc=NAME)",
+                "upgrades the firmware, a .bin or .bia as a body of application/octet-stream: a job (force: even in flight, or "
+                "if the file is for "
+                "other hardware or does not look like firmware; crc=NAME)",
                 [&service](const Request& request) { return flash(service, request); }, max_firmware});
     routes.add({"POST", "/devices/{device}/calibration", Access::control,
-                "calibrates the \"accelerometer\" or the \"compass\", {\"what\": ...}: a job that waits once",
+                "calibrates the \"accelerometer\" or the \"compass\", {\"what\": ...}: a job that waits once to be continued",
                 [&service](const Request& request) { return calibration(service, request); }});
 }
 
 }    // namespace
 
 void add_device_routes(http::Routes& routes, DeviceService& service) {
-    routes.add({"GET", "/devices", Access::view, "the devices that were heard, and what they say of themselves",
+    routes.add({"GET", "/devices", Access::view, "the known devices and their device information",
                 [&service](const Request&) { return json_response(devices_list(service)); }});
-    routes.add_without_body({"POST", "/devices/scan", Access::control, "asks everybody who is there, and lists who was heard",
+    routes.add_without_body({"POST", "/devices/scan", Access::control, "scans for devices and lists the known ones",
                              [&service](const Request& request) { return scan_answer(service, request); }});
     add_watch_routes(routes, service);
     add_parameter_routes(routes, service);

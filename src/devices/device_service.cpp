@@ -41,22 +41,22 @@ NotBegun not_begun(unsigned status, std::string error) {
 std::string words_of_conflict(std::uint8_t address, const std::vector<std::string>& links) {
     const std::string device = ano::hex_byte(address);
     std::string heard;
-    for (const std::string& link : links) heard += (heard.empty() ? " (heard by " : " and ") + link;
+    for (const std::string& link : links) heard += (heard.empty() ? " (seen on " : " and ") + link;
     return "several devices have the address " + device + heard + (heard.empty() ? "" : ")") +
-           ": which of them is meant is not known; when only one is left, anoctl routes --forget " + device;
+           ": it is unclear which one is meant; when only one is left, run anoctl routes --forget " + device;
 }
 
 std::string why(Refusal refusal, std::uint8_t address, const std::vector<std::string>& links) {
     const std::string device = ano::hex_byte(address);
     switch (refusal) {
-    case Refusal::no_device: return device + " is no address of a device";
-    case Refusal::not_known: return device + " was not heard, and does not answer";
+    case Refusal::no_device: return device + " is not a device address";
+    case Refusal::not_known: return device + " was not seen and does not answer";
     case Refusal::in_conflict: return words_of_conflict(address, links);
     case Refusal::on_several_channels:
-        return device + " is heard by several links that are no group: a frame to it would go by all of them";
+        return device + " is seen on several links without a common group: a frame to it would be sent to all of them";
     case Refusal::in_the_air: break;
     }
-    return device + " is unlocked or flies: this is for the ground";
+    return device + " is unlocked or flying: this is only allowed on the ground";
 }
 
 unsigned status_of(Refusal refusal) {
@@ -145,14 +145,14 @@ void DeviceService::hear_elsewhere(ano::FrameView frame, const std::string& plac
     if (frame.destination() != own_ || !ano::may_answer(frame.id())) return;
     for (const auto& job : jobs_)
         if (!job->is_over() && job->order.address == frame.source() && job->conflict.empty())
-            job->conflict = "answers in the name of " + ano::hex_byte(frame.source()) + " came by " + place +
-                            ", where it is not at home, and were ignored";
+            job->conflict = "answers with the address " + ano::hex_byte(frame.source()) + " were received on " + place +
+                            ", which is not its link, and were ignored";
 }
 
 void DeviceService::note_other_writer(Job& job, TimePoint now) {
     if (job.is_over() || !job.is_writing() || !job.order.address || !job.conflict.empty()) return;
     if (const auto writer = guard_.other_writer(*job.order.address, now))
-        job.conflict = ano::hex_byte(*writer) + " writes to " + ano::hex_byte(*job.order.address) + " as well";
+        job.conflict = ano::hex_byte(*writer) + " also writes to " + ano::hex_byte(*job.order.address);
 }
 
 // Some devices acknowledge as the port by which the request came.
@@ -333,7 +333,7 @@ bool DeviceService::make_room(TimePoint now) {
 }
 
 std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order, TimePoint now) {
-    if (stopped_) return not_begun(503, "the gateway ends");
+    if (stopped_) return not_begun(503, "the gateway is stopping");
     use(now);
     auto refused = refusal(order, now);
     const bool is_unheard = refused && refused->status == not_heard;
@@ -343,16 +343,16 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
             return NotBegun{409, ano::hex_byte(*order.address) + " is used by " + words_of(*has_it), "busy", has_it};
     if (auto same = shared(order)) return same;
     if (order.kind == JobKind::firmware && upgrades() >= max_upgrades)
-        return not_begun(503, "other devices are upgraded just now: ask again when one has ended");
+        return not_begun(503, "other devices are being upgraded; try again later");
     if (!may_run_one_more(order.requester) || !make_room(now))
-        return not_begun(503, "too many jobs run: ask again when one has ended");
+        return not_begun(503, "too many jobs are running; try again later");
     auto job = std::make_shared<Job>();
     job->id = next_id_++;
     job->order = std::move(order);
     job->begins_at = now;
     if (job->order.deed == Deed::ground) {
         job->begins_at = std::max(now, *listens_since_ + listens_before_ground_work);
-        job->message = "listening whether it flies";
+        job->message = "checking that it is not flying";
     }
     note_other_writer(*job, now);
     if (is_unheard) {
@@ -410,7 +410,7 @@ bool DeviceService::cancel(Job& job, TimePoint now) {
     if (job.is_over()) return false;
     job.is_cancelled = true;
     if (job.work) job.work->cancel(now);
-    else finish(job, {409, {}, "cancelled before it began", "refused", {}, true}, now);
+    else finish(job, {409, {}, "cancelled before it started", "refused", {}, true}, now);
     net_.wake(now);
     return true;
 }
@@ -420,7 +420,7 @@ void DeviceService::left(Job& job) {
 }
 
 std::optional<NotBegun> DeviceService::go_on(Job& job, TimePoint now) {
-    const NotBegun does_not_wait = not_begun(409, "the job does not wait for anybody");
+    const NotBegun does_not_wait = not_begun(409, "the job is not waiting");
     if (job.is_over() || !job.work || !job.work->is_waiting()) return does_not_wait;
     if (auto refused = refusal(job.order, now)) return refused;    // it may have taken off since the job began
     if (!job.work->go_on(now)) return does_not_wait;
@@ -443,7 +443,7 @@ void DeviceService::stop(TimePoint now) {
 }
 
 void DeviceService::cut_off(Job& job, TimePoint now) {
-    std::string words = "nothing was begun";
+    std::string words = "nothing was started";
     std::string result;
     ano::host::Evidence evidence{};
     if (job.work) {
@@ -453,7 +453,7 @@ void DeviceService::cut_off(Job& job, TimePoint now) {
         words = job.work->end() ? job.work->end()->error : job.work->half_done();
         if (job.work->end()) result = job.work->end()->result, evidence = job.work->end()->evidence;
     }
-    finish(job, {503, std::move(result), "the gateway ends: " + words, "refused", evidence, true}, now);
+    finish(job, {503, std::move(result), "the gateway is stopping: " + words, "refused", evidence, true}, now);
 }
 
 // A client may begin the next job from within the answer to an ended one, so this repeats until nothing changes.
@@ -648,7 +648,7 @@ void DeviceService::write_back(TimePoint now) {
             const bool may_be_there = net_.whereabouts(*address, now).is_known && !holder(*address);
             due = now + (may_be_there ? between_write_backs : until_heard);
             if (const std::string misfit = misfit_of_place(text, net_.unit_place(*address, now), may_be_there); !misfit.empty()) {
-                report_note(name, name + " is left alone: it is " + misfit, true);
+                report_note(name, name + " is not used: it is " + misfit, true);
                 due = now + between_write_backs;
                 may_write = false;
             }
@@ -846,11 +846,11 @@ std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view 
     for (const HeardAddress& one : heard(now)) {
         const auto said = info(one.address);
         if (!said || !texts(one.address).is(said->name, word)) continue;
-        if (named) return not_begun(409, "several devices are called " + ano::in_quotes(word) + ": say which by its address");
+        if (named) return not_begun(409, "several devices have the name " + ano::in_quotes(word) + ": use the address");
         named = one.address;
     }
     if (named) return *named;
-    return not_begun(404, "no device is called " + ano::in_quotes(word) + ", and it is no address");
+    return not_begun(404, "unknown device " + ano::in_quotes(word) + " (neither a name nor an address)");
 }
 
 // The addresses known to `net_`, and those heard here: `net_` does not learn an address that is pinned to a link.

@@ -137,7 +137,7 @@ private:
         told_ = job_->version;
         const auto line = job_line(*job_);
         if (!socket_->send(std::make_shared<const std::string>(*line, 0, line->size() - 1), http::WebSocket::Kind::text))
-            socket_->close(1009, "what came of the job is too much for a message");
+            socket_->close(1009, "the result of the job is too large for a message");
     }
 
     std::shared_ptr<Job> job_;
@@ -190,7 +190,7 @@ http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& jo
     const bool wants_messages = http::is_web_socket(request);
     if (!wants_messages && !accepts_lines(request)) return line_answer(status, job_line(*job));
     if (!service.has_room_for(requester_of(request, job->is_writing())))
-        return http::try_again("too many clients wait for jobs: ask again when one has ended");
+        return http::try_again("too many clients are waiting for jobs; try again later");
     if (!wants_messages) return lines_of(job, watching_client(service, job, request));
     http::Response response;
     response.web_socket = std::make_unique<JobMessages>(job, watching_client(service, job, request));

@@ -101,10 +101,11 @@ std::string loss_of_note(std::string_view name) {
     const std::string who = "the device " + (address ? ano::hex_byte(*address) : std::string{});
     if (is_loader_note(name))
         return who +
-               " may be in its loader, because a flash of it was under way; if it does not start, flash it again (with --force "
-               "if it does not report what it is), then remove the file";
+               " may be in its boot loader, because an upgrade was in progress; if it does not start, flash it again (with "
+               "--force "
+               "if it does not report its type), then remove the file";
     if (is_type_7_note(name))
-        return "what value type 7 means for " + who + " is not known any more; state it again (--type7), then remove the file";
+        return "the meaning of value type 7 for " + who + " is lost; state it again (--type7), then remove the file";
     return "the old values of a calibration are not written back; calibrate again, or remove it";
 }
 

@@ -103,7 +103,7 @@ std::string misfit_of_place(const std::string& text, const UnitPlace& here, bool
     const UnitJson note = note_json(text);
     const std::string gateway = text_in_note(note, "gateway"), link = text_in_note(note, "link"),
                       wire = text_in_note(note, "wire");
-    if (gateway.empty()) return "of an older version, and does not say of which gateway and link";
+    if (gateway.empty()) return "of an older version without the gateway and link";
     if (gateway != here.gateway) return "of the gateway " + gateway;
     if (link_is_known && (link != here.link || wire != here.wire))
         return "of the link '" + link + "' (" + wire + "), not of '" + here.link + "' (" + here.wire + ")";
@@ -132,8 +132,8 @@ std::string describe_unit(const std::string& text) {
     const UnitJson note = note_json(text);
     const UnitJson of = member(note, "device");
     const std::string name = text_in_note(of, "name"), link = text_in_note(note, "link"), at = text_in_note(note, "kept_at");
-    return (name.empty() ? "a device of no known name" : name) + " (" + text_in_note(of, "address") + ")" +
-           (link.empty() ? "" : ", link '" + link + "'") + (at.empty() ? "" : ", kept " + at);
+    return (name.empty() ? "an unnamed device" : name) + " (" + text_in_note(of, "address") + ")" +
+           (link.empty() ? "" : ", link '" + link + "'") + (at.empty() ? "" : ", saved " + at);
 }
 
 }    // namespace anogate

@@ -273,19 +273,18 @@ void tell_loss(Json& json, DeviceService& service, const WatchedDevice& device, 
 }
 
 void add_watch_routes(http::Routes& routes, DeviceService& service) {
-    routes.add(
-        {"GET", "/alarms", Access::view,
-         "the values of all devices that are beyond their limits for long enough; with Accept: application/x-ndjson a line, "
-         "as a WebSocket a message for each change, and once a second while there are some, with the devices that are lost",
-         [&service](const Request& request) { return alarms_answer(service, request); }});
+    routes.add({"GET", "/alarms", Access::view,
+                "the device values that exceed their limits for long enough; with Accept: application/x-ndjson a line, "
+                "as a WebSocket a message, for each change and once a second while there are some; also lost devices",
+                [&service](const Request& request) { return alarms_answer(service, request); }});
     routes.add({"GET", "/devices/{device}/log", Access::view,
-                "the last 500 lines that the device logged, or of 0xFF that all did (since=T: only those since T, in seconds "
-                "since 1970); with Accept: application/x-ndjson, or as a WebSocket, these and each that comes",
+                "the last 500 log lines of the device, or with 0xFF of all devices (since=T: only those since T, in seconds "
+                "since 1970); with Accept: application/x-ndjson or as a WebSocket, these and all new ones",
                 [&service](const Request& request) { return log_answer(service, request); }});
     routes.add({"GET", "/devices/{device}/limits", Access::view, "the alarm limits of the device's values",
                 [&service](const Request& request) { return get_limits(service, request); }});
     routes.add({"PUT", "/devices/{device}/limits", Access::control,
-                "replaces the alarm limits of the device's values, {\"limits\": [...]}; kept over a restart, for all viewers",
+                "replaces the alarm limits of the device's values, {\"limits\": [...]}; stored across restarts, for all viewers",
                 [&service](const Request& request) { return put_limits(service, request); }});
 }
 

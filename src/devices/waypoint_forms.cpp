@@ -99,8 +99,7 @@ const Json& array_in(const Json& json, const char* key) {
 
 void add(std::vector<Waypoint>& all, const Waypoint& w, const std::string& where) {
     const auto same = [&](const Waypoint& one) { return one.num == w.num; };
-    if (std::any_of(all.begin(), all.end(), same))
-        throw Wrong{where + ": there is another with the number " + std::to_string(w.num)};
+    if (std::any_of(all.begin(), all.end(), same)) throw Wrong{where + ": duplicate number " + std::to_string(w.num)};
     all.push_back(w);
 }
 
@@ -133,7 +132,7 @@ std::vector<Waypoint> from_geojson(const Json& json) {
     for (const Json& feature : array_in(json, "features")) {
         const std::string where = place_in_file("feature", all.size());
         const Json geometry = feature.is_object() ? feature.value("geometry", Json{}) : Json{};
-        if (!geometry.is_object() || geometry.value("type", Json{}) != "Point") throw Wrong{where + " is no point"};
+        if (!geometry.is_object() || geometry.value("type", Json{}) != "Point") throw Wrong{where + " is not a point"};
         const Json at = geometry.value("coordinates", Json::array());
         if (!at.is_array() || at.size() < 2 || !at[0].is_number() || !at[1].is_number() || (at.size() > 2 && !at[2].is_number()))
             throw Wrong{where + ": 'coordinates' must be longitude, latitude and metres"};
@@ -148,14 +147,14 @@ std::vector<Waypoint> from_geojson(const Json& json) {
             take_properties(properties, w, where);
         }
         if (at.size() < 3 && !(properties.is_object() && properties.contains("alt")))
-            throw Wrong{where + " has no height: metres as the third of 'coordinates', or 'alt' in cm among its properties"};
+            throw Wrong{where + " has no height: add metres as the third of 'coordinates', or 'alt' in cm to its properties"};
         add(all, w, where);
     }
     return all;
 }
 
 double place(const Json& array, std::size_t i, const std::string& where) {
-    if (!array.is_array() || array.size() <= i || !array[i].is_number()) throw Wrong{where + " has no place"};
+    if (!array.is_array() || array.size() <= i || !array[i].is_number()) throw Wrong{where + " has no position"};
     return array[i].get<double>();
 }
 
@@ -177,8 +176,8 @@ std::string misfit_of_item(int command) {
     const bool is_known = known != std::end(other_items);
     return " is " +
            (is_known ? std::string{known->second} + " (" + std::to_string(command) + ")" : std::string{"something else"}) +
-           ", and waypoints (16) and changes of speed (178) are all that devices have: delete it from the plan" +
-           (is_known ? ", and tell the device by a command of its own" : "");
+           ", but devices support only waypoints (16) and speed changes (178): delete it from the plan" +
+           (is_known ? ", and use a device command instead" : "");
 }
 
 // Refuses other items of a plan, which waypoints of the protocol can't express.

@@ -40,7 +40,7 @@ Said read_subscribe(const Json& json) {
         const bool is_object = one.is_object();
         const auto id = is_object && one.contains("id") ? number_in(one["id"]) : std::nullopt;
         const auto channel = is_object && one.contains("channelId") ? number_in(one["channelId"]) : std::nullopt;
-        if (!id || !channel) return Wrong{"a subscription has 'id' and 'channelId', whole numbers of at most 32 bits"};
+        if (!id || !channel) return Wrong{"a subscription needs 'id' and 'channelId', integers of at most 32 bits"};
         said.subscriptions.push_back({*id, *channel});
     }
     return said;
@@ -52,7 +52,7 @@ Said read_unsubscribe(const Json& json) {
     Unsubscribe said;
     for (const Json& one : *list) {
         const auto id = number_in(one);
-        if (!id) return Wrong{"'subscriptionIds' are whole numbers of at most 32 bits"};
+        if (!id) return Wrong{"'subscriptionIds' must be integers of at most 32 bits"};
         said.ids.push_back(*id);
     }
     return said;
@@ -71,7 +71,7 @@ std::optional<std::vector<std::string>> names_in(const Json& json) {
     return names;
 }
 
-const Wrong no_names{"'parameterNames' is a list of texts"};
+const Wrong no_names{"'parameterNames' must be a list of texts"};
 
 Said read_get_parameters(const Json& json) {
     auto names = names_in(json);
@@ -80,7 +80,7 @@ Said read_get_parameters(const Json& json) {
     const auto id = json.find("id");
     if (id == json.end() || id->is_null()) return said;
     if (!id->is_string() || id->get_ref<const std::string&>().size() > max_question_id)
-        return Wrong{"the 'id' of a question is a text of at most " + std::to_string(max_question_id) + " bytes"};
+        return Wrong{"the 'id' of a request must be text of at most " + std::to_string(max_question_id) + " bytes"};
     said.id = id->get<std::string>();
     return said;
 }
@@ -99,13 +99,10 @@ Said read_unwatch_parameters(const Json& json) {
 
 // Writing needs the control interface, whose programs identify themselves.
 Said refuse_to_write(const Json& json) {
-    return Wrong{ano::in_quotes(json["op"].get_ref<const std::string&>()) +
-                 " is refused: this interface shows, and writes nothing"};
+    return Wrong{ano::in_quotes(json["op"].get_ref<const std::string&>()) + " is not supported: this interface is read-only"};
 }
 
-Said refuse_graph(const Json&) {
-    return Wrong{"there is no graph of connections here; /status and /routes of this port tell who is where"};
-}
+Said refuse_graph(const Json&) { return Wrong{"the connection graph is not supported; see /status and /routes on this port"}; }
 
 struct Operation {
     std::string_view name;
@@ -136,11 +133,12 @@ Said read(std::string_view text) {
     const auto parsed = ano::json_body(text, "the message", most_values);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return Wrong{*wrong};
     const Json json = std::get<nlohmann::ordered_json>(parsed);
-    if (!json.is_object() || !json.contains("op") || !json["op"].is_string()) return Wrong{"a message is an object with an 'op'"};
+    if (!json.is_object() || !json.contains("op") || !json["op"].is_string())
+        return Wrong{"a message must be an object with 'op'"};
     const auto& op = json["op"].get_ref<const std::string&>();
     for (const Operation& operation : operations)
         if (operation.name == op) return operation.read(json);
-    return Wrong{"there is no 'op' " + ano::in_quotes(op) + " here"};
+    return Wrong{"unknown 'op' " + ano::in_quotes(op)};
 }
 
 std::string server_info(const ServerInfo& server) {

@@ -27,7 +27,7 @@ std::string words_of(const LostFrames& lost) {
         if (lost.by_id[id] > 0) many.emplace_back(lost.by_id[id], static_cast<std::uint8_t>(id));
     std::sort(many.rbegin(), many.rend());
     std::string words = std::to_string(lost.count) + " frames of the last " + std::to_string(lost.since.count()) +
-                        " ms are not shown, for this client takes too little:";
+                        " ms were dropped: the client reads too slowly:";
     for (std::size_t i = 0; i < many.size() && i < max_names; ++i)
         words.append(i > 0 ? ", " : " ").append(name_of(many[i].second) + " " + std::to_string(many[i].first));
     return words + (many.size() > max_names ? ", ..." : "");
@@ -42,7 +42,7 @@ void FoxgloveSession::hear(std::string_view text) {
     std::visit([this](auto&& said) { hear(std::forward<decltype(said)>(said)); }, foxglove::read(text));
 }
 
-void FoxgloveSession::hear_bytes() { say(Level::error, "bytes are refused: this interface shows, and writes nothing"); }
+void FoxgloveSession::hear_bytes() { say(Level::error, "binary messages are not supported: this interface is read-only"); }
 
 void FoxgloveSession::hear(const foxglove::Subscribe& said) {
     for (const foxglove::Subscription& wanted : said.subscriptions) subscribe(wanted);
@@ -52,12 +52,12 @@ void FoxgloveSession::hear(const foxglove::Subscribe& said) {
 void FoxgloveSession::subscribe(const foxglove::Subscription& wanted) {
     const std::string channel = "channel " + std::to_string(wanted.channel);
     const Known* const its = known(wanted.channel);
-    if (!its && wanted.channel != raw_channel) return say(Level::error, "there is no " + channel + ": it was not advertised");
-    if (its && its->is_gone) return say(Level::warning, channel + " is gone, with its link");
+    if (!its && wanted.channel != raw_channel) return say(Level::error, "unknown " + channel + ": it was not advertised");
+    if (its && its->is_gone) return say(Level::warning, channel + " no longer exists because its link was removed");
     if (by_id_.contains(wanted.id))
-        return say(Level::error, "the subscription " + std::to_string(wanted.id) + " is there already: take another id");
+        return say(Level::error, "the subscription id " + std::to_string(wanted.id) + " is already in use");
     if (!by_channel_.try_emplace(wanted.channel, wanted.id).second)
-        return say(Level::error, channel + " is subscribed already, by " + std::to_string(by_channel_.at(wanted.channel)));
+        return say(Level::error, channel + " is already subscribed with id " + std::to_string(by_channel_.at(wanted.channel)));
     by_id_.emplace(wanted.id, wanted.channel);
 }
 
@@ -65,7 +65,7 @@ void FoxgloveSession::hear(const foxglove::Unsubscribe& said) {
     for (const std::uint32_t id : said.ids) {
         const auto found = by_id_.find(id);
         if (found == by_id_.end()) {
-            say(Level::error, "there is no subscription " + std::to_string(id));
+            say(Level::error, "unknown subscription " + std::to_string(id));
             continue;
         }
         by_channel_.erase(found->second);
@@ -75,8 +75,7 @@ void FoxgloveSession::hear(const foxglove::Unsubscribe& said) {
 }
 
 void FoxgloveSession::hear(foxglove::GetParameters&& said) {
-    if (open_questions_ == max_questions)
-        return say(Level::error, "too many questions for parameters wait for their answers: ask again when these are there");
+    if (open_questions_ == max_questions) return say(Level::error, "too many parameter requests are pending; try again later");
     ++open_questions_;
     questions_.push_back(std::move(said));
 }
@@ -231,7 +230,7 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
         Message status{std::move(statuses_.front())};
         statuses_.pop_front();
         if (statuses_.empty() && unsaid_ > 0)
-            say(Level::error, std::to_string(std::exchange(unsaid_, 0)) + " more faults are not told one by one");
+            say(Level::error, std::to_string(std::exchange(unsaid_, 0)) + " more errors are not reported individually");
         return status;
     }
     if (!gone_.empty()) return Message{foxglove::unadvertise(std::exchange(gone_, {}))};

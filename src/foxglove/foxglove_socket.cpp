@@ -143,7 +143,7 @@ void FoxgloveSocket::send(FoxgloveSession::Message message) {
     using Kind = http::WebSocket::Kind;
     const Kind kind = message.is_text ? Kind::text : Kind::binary;
     if (!socket_->send(std::make_shared<const std::string>(std::move(message.data)), kind))
-        session_.warn("a message was too long for this connection, and is not sent");
+        session_.warn("a message was too long for this connection and was not sent");
 }
 
 }    // namespace anogate

@@ -51,8 +51,7 @@ FoxgloveStreams::~FoxgloveStreams() {
 http::Response FoxgloveStreams::answer(const http::Request& request) {
     if (http::Response fault = http::web_socket_fault(request); fault.status != 200) return fault;
     const std::string_view subprotocol = http::offered_subprotocol(request, foxglove::subprotocols);
-    if (subprotocol.empty())
-        return http::error(400, "a client of this path offers the subprotocol foxglove.sdk.v1 or foxglove.websocket.v1");
+    if (subprotocol.empty()) return http::error(400, "this path needs the subprotocol foxglove.sdk.v1 or foxglove.websocket.v1");
     const std::string_view encoding = request.query_value("encoding").value_or(text(DecodedEncoding::cdr));
     const bool is_json = encoding == text(DecodedEncoding::json);
     if (!is_json && encoding != text(DecodedEncoding::cdr))
@@ -169,7 +168,7 @@ void FoxgloveStreams::ended(const Job& job) {
 void FoxgloveStreams::ask(FoxgloveSocket& socket, foxglove::GetParameters asked) {
     if (asked.names.empty()) return socket.answer(asked, book_.all());
     if (!devices_.has_room_for(socket.requester())) {
-        socket.warn("too many clients wait for devices: what is known of these parameters is told, ask again");
+        socket.warn("too many clients are waiting for devices; only the known parameters were sent, try again");
         return socket.answer(asked, book_.of(asked.names));
     }
     const auto question = std::make_shared<Question>(
@@ -185,10 +184,12 @@ void FoxgloveStreams::ask(FoxgloveSocket& socket, foxglove::GetParameters asked)
         unknown.erase(of_others, unknown.end());
         if (names.empty()) continue;
         if (++devices <= max_devices) ask_device(heard.address, std::move(names), question);
-        else socket.warn("one question asks " + std::to_string(max_devices) + " devices at most: ask for the others again");
+        else
+            socket.warn("a request can read from at most " + std::to_string(max_devices) +
+                        " devices; request the others separately");
     }
     if (!unknown.empty())
-        socket.warn("no device is heard that has " + ano::in_quotes(unknown.front()) + ": a name is LINK/ADDRESS/PARAMETER");
+        socket.warn("no known device has " + ano::in_quotes(unknown.front()) + ": parameter names are LINK/ADDRESS/PARAMETER");
     answered(*question);
 }
 

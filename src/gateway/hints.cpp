@@ -23,7 +23,7 @@ std::string seconds(ano::Duration d) { return std::to_string(in_whole_seconds(d)
 Hint or_hello(const LinkFigures& link, Hint hint) {
     const bool try_hello = link.waits_to_hear && link.words.may_wait_for_hello && !link.for_hosts;
     if (hint.id.empty() || !try_hello) return hint;
-    hint.text += " (some speak only when spoken to: try hello=on)";
+    hint.text += " (some devices send only after they receive a frame: try hello=on)";
     hint.args.emplace_back("try_hello", true);
     return hint;
 }
@@ -31,7 +31,7 @@ Hint or_hello(const LinkFigures& link, Hint hint) {
 Hint nothing_at_all(const LinkFigures& link) {
     if (link.listens && link.channels == 0)
         return {"no_peer_yet",
-                link.has_connections ? "nobody is connected" : "no peer yet: a peer is known after its first whole frame"};
+                link.has_connections ? "no peer is connected" : "waiting for a peer to send its first valid frame"};
     return {link.words.nothing_yet.id, std::string{link.words.nothing_yet.text}};
 }
 
@@ -45,7 +45,7 @@ std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
 
 // The time changes with every call: a hint that is reported once is written without it.
 Hint garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
-    std::string text = "bytes but no frames ";
+    std::string text = "data but no valid frames ";
     text += with_time ? "for " : "any more";
     if (with_time) text += seconds(time);
     const LinkHints::Words& words = link.words.no_frames_any_more;
@@ -55,14 +55,14 @@ Hint garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
 Hint ring(const LinkFigures& link) {
     const std::string back{link.ring_back}, out{link.ring_out};
     return {"ring",
-            "a ring: what goes out" + (out == back ? "" : " by " + out) + " comes back by " + back,
+            "loop: frames sent to " + out + " come back" + (out == back ? "" : " from " + back),
             {{"out", out}, {"back", back}}};
 }
 
 Hint hidden(std::uint8_t address) {
     const std::string device = ano::hex_byte(address);
     return {"port_id_hides_device",
-            "device " + device + " can't be reached: its address is the port id of a link, change one of them",
+            "device " + device + " can't be reached: its address is also the port id of a link; change one of them",
             {{"device", device}}};
 }
 
@@ -77,7 +77,7 @@ Hint no_address(std::uint8_t source) {
     const std::string nobody = ano::hex_byte(source);
     return {"no_address",
             "a device sends from " + nobody +
-                ", which is no address, and receives only broadcasts: set its id, or give it an `alias`",
+                ", which is not a device address, and receives only broadcasts: set its id, or configure an `alias`",
             {{"source", nobody}}};
 }
 
@@ -92,10 +92,11 @@ Hint shared_by(SharedSource shared) {
     const auto hint = [shared](std::string_view id, std::string what) -> Hint { return {id, what.append(advice_on(shared))}; };
     switch (shared) {
     case SharedSource::none: break;
-    case SharedSource::one_device: return hint("one_device_on_two_links", "the same frames by two links: ");
-    case SharedSource::two_devices: return hint("two_devices_one_id", "different frames of one id by two links: ");
-    case SharedSource::two_peers: return hint("two_peers_one_device", "two peers speak as one device: ");
-    case SharedSource::claims_pinned: return hint("pinned_address_claimed", "a pinned address is claimed by another link: ");
+    case SharedSource::one_device: return hint("one_device_on_two_links", "the same frames arrive on two links: ");
+    case SharedSource::two_devices: return hint("two_devices_one_id", "different frames with one id arrive on two links: ");
+    case SharedSource::two_peers: return hint("two_peers_one_device", "two peers send as the same device: ");
+    case SharedSource::claims_pinned:
+        return hint("pinned_address_claimed", "frames from a pinned address arrive on another link: ");
     }
     return {};
 }
@@ -113,11 +114,12 @@ Hint shared(const LinkFigures& link) {
 Hint no_taker(std::string_view hosts_link) {
     if (hosts_link.empty())
         return {"no_host_takes",
-                "no host takes what comes here (anoctl needs none): it must send something first, or say where it is: --route "
-                "0xFE=LINK"};
+                "no ground station is registered for this telemetry yet (anoctl and the page see it anyway); have it send a "
+                "frame, or add "
+                "--route 0xFE=LINK"};
     const std::string link{hosts_link};
     return {"hosts_link_down",
-            "hosts were last heard on " + link + ", which is down: mend it, or say where else they are: --route 0xFE=LINK",
+            "ground stations were last seen on " + link + ", which is down: restore that link, or add --route 0xFE=LINK",
             {{"link", link}}};
 }
 
@@ -126,15 +128,15 @@ Hint wrong_frames(const LinkFigures& link) {
     switch (find_wrong_frames(link.skipped)) {
     case WrongFrames::none: break;
     case WrongFrames::swapped_checks:
-        return {"checks_swapped", "frames whose check bytes are in the wrong order: let the device send SC first, then AC"};
+        return {"checks_swapped", "check bytes in the wrong order: the device must send SC first, then AC"};
     case WrongFrames::one_byte_length:
-        return {"length_of_one_byte", "frames whose LEN has one byte: let the device send two, the low byte first"};
+        return {"length_of_one_byte", "LEN has only one byte: the device must send two, low byte first"};
     case WrongFrames::big_endian_length:
-        return {"length_big_endian", "frames whose LEN has its high byte first: let the device send the low byte first"};
+        return {"length_big_endian", "LEN is sent high byte first: the device must send the low byte first"};
     case WrongFrames::old_body:
-        return {"older_body", "frames of an older protocol behind the V8 header 0xAB: give the device a library for V8"};
+        return {"older_body", "frames of an older protocol with the V8 header 0xAB: use a V8 library on the device"};
     case WrongFrames::text: {
-        Hint hint{"text", "text instead of frames: switch the device to V8 output, or read it with anoctl terminal; it is '"};
+        Hint hint{"text", "text instead of frames: switch the device to V8 output, or read it with anoctl terminal; received: '"};
         const std::string shown = first_characters(link.skipped, link.to_utf8);
         hint.text += shown + "'";
         hint.args.emplace_back("text", shown);
@@ -148,7 +150,7 @@ Hint wrong_frames(const LinkFigures& link) {
 Hint trouble_in(const LinkFigures& link, bool with_time) {
     const ReceiveCounters& in = link.received;
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
-        return {"v7_frames", "older V7 frames (0xAA) seen: switch the device to protocol V8"};
+        return {"v7_frames", "older V7 frames (0xAA) received: switch the device to protocol V8"};
     const auto garbled_time = garbled_for(link);
     const std::uint64_t refused = in.bad_check + in.bad_length + in.expired;
     const bool finds_none = in.frames_in == 0 || garbled_time;
@@ -161,22 +163,22 @@ Hint trouble_in(const LinkFigures& link, bool with_time) {
                                             : in.bad_length >= enough_long && in.bad_check == 0;
     if (too_long) return {"above_max_data", "frames longer than max_data are refused: raise max_data on this link"};
     if (link.gateways > 0)
-        return {
-            "other_gateway",
-            "a listening port of another gateway was refused: to join two gateways, give one of them a udp: link to the other"};
+        return {"other_gateway",
+                "a listening port of another gateway was refused: to connect two gateways, configure a udp: link to the other on "
+                "one of them"};
     if (in.suspended > 0)
-        return {
-            "suspended",
-            "frames were refused for a second each time their sender asked as a listening gateway does: is there one, or does "
-            "somebody forge its address? Restrict `allow` or `interface`, or use WireGuard"};
+        return {"suspended",
+                "a peer's frames were refused for one second after each gateway query (0xFB) from its address: a gateway listens "
+                "there, or the address is forged; restrict `allow` or `interface`, or use WireGuard"};
     if (link.no_place > 0)
         return {"no_place",
-                "strangers were refused, the places of peers are taken: name the operators' network in `trusted`, or raise "
+                "new peers were refused because the limit of peers is reached: add the operators' network to `trusted`, or raise "
                 "max_peers or max_per_address"};
     if (link.no_memory > 0)
-        return {"no_memory", "senders were refused for lack of memory: free some, or raise the memory limit of the service"};
+        return {"no_memory", "new peers were refused for lack of memory: free some, or raise the memory limit of the service"};
     if (link.sent.held_back > 0)
-        return {"held_back", "a peer outside our networks gets little until it answers: name its network in `trusted`"};
+        return {"held_back",
+                "few frames are sent to a peer outside the local networks until it answers: add its network to `trusted`"};
     if (link.listens && link.channels == 0 && link.outsiders > 0)
         return {"senders_denied", "senders outside `allow` were refused: add their network to `allow`"};
     return {};
@@ -188,7 +190,7 @@ Hint trouble(const LinkFigures& link, bool with_time) {
     if (Hint hint = trouble_in(link, with_time); !hint.id.empty()) return hint;
     if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
     if (link.shared != SharedSource::none) return shared(link);
-    if (link.echoes) return {"echo", "the line echoes: what is sent comes back; mute the receiver while sending, or ignore this"};
+    if (link.echoes) return {"echo", "the line echoes sent frames: disable the receiver while sending, or ignore this"};
     if (link.answers_for_others) return old_device(*link.answers_for_others);
     if (link.not_sent) return unknown_device(*link.not_sent);
     if (link.nobody) return no_address(*link.nobody);
@@ -197,15 +199,15 @@ Hint trouble(const LinkFigures& link, bool with_time) {
     if (link.untaken_for && *link.untaken_for >= patience) return no_taker(link.hosts_link);
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
-        return {"many_damaged", "many damaged frames: check cable, ground and baud rate"};
+        return {"many_damaged", "many corrupted frames: check cable, ground and baud rate"};
     const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale - link.came_stale;
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
-        return {"link_too_slow", "frames are dropped: the link is slower than what is sent to it"};
+        return {"link_too_slow", "frames are dropped: more is sent to this link than it can carry"};
     if (in.bytes_in == 0 && link.up_for >= patience && !link.for_hosts) return or_hello(link, nothing_at_all(link));
     return {};
 }
 
-const Hint over{"recording_ended", "the recording is at its end"};
+const Hint over{"recording_ended", "the recording has ended"};
 
 Hint trouble_or_end(const LinkFigures& link, bool with_time) {
     Hint found = trouble(link, with_time);
@@ -218,12 +220,12 @@ std::string_view advice_on(SharedSource shared) {
     switch (shared) {
     case SharedSource::none: break;
     // a group would drop what a device sends back that a host with its address has sent
-    case SharedSource::two_devices: return "two devices? give one of them another id";
-    case SharedSource::one_device: return "one device? give the links one `group`; two devices? give one of them another id";
-    case SharedSource::two_peers: return "`conflicts` in the status says who; two devices? give one of them another id";
+    case SharedSource::two_devices: return "if these are two devices, change the id of one";
+    case SharedSource::one_device: return "if it is one device, put both links in one `group`; if two, change the id of one";
+    case SharedSource::two_peers: return "see `conflicts` in the status; if these are two devices, change the id of one";
     case SharedSource::claims_pinned:
-        return "frames from there are not taken for its own; one device? give the links one `group`; two devices? give the other "
-               "one another id";
+        return "its route does not change; if it is one device, put both links in one `group`; if two, change the id of "
+               "the other one";
     }
     return {};
 }

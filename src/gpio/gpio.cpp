@@ -168,13 +168,13 @@ bool Gpio::begin_pulse(Line& line, TimePoint now) {
 
 std::optional<Gpio::Refusal> Gpio::act(Line& line, TimePoint now) {
     const GpioUse use = line.settings().use;
-    const auto not_there = [&] { return Refusal{"the line is not there: " + line.pin.error()}; };
+    const auto not_there = [&] { return Refusal{"the line is not available: " + line.pin.error()}; };
     if (!line.pin.is_held()) return not_there();
-    if (line.pulsing) return Refusal{"it is being done already", pulse_of(line.settings())};
+    if (line.pulsing) return Refusal{"already in progress", pulse_of(line.settings())};
     if (use == GpioUse::reset && !line.reset.may_pulse(now))
         return Refusal{"it was reset less than a minute ago", line.reset.may_pulse_at() - now};
     if (!begin_pulse(line, now)) return not_there();
-    log_info("{}: {} as asked", line.what(), use == GpioUse::reset ? "pulsed" : "off and on again");
+    log_info("{}: {} on request", line.what(), use == GpioUse::reset ? "pulsed" : "power-cycled");
     return std::nullopt;
 }
 
@@ -201,7 +201,7 @@ void Gpio::inhibit_changed(Line& line) {
 void Gpio::tell_inhibit(Line& line, TimePoint now) {
     const std::uint64_t changes = std::exchange(line.untold, 0);
     log_warning("{}: {}{}", line.what(),
-                inhibit_.is_on(*line.inhibit_place) ? "on, control frames go nowhere" : "off, control frames pass",
+                inhibit_.is_on(*line.inhibit_place) ? "on, control frames are dropped" : "off, control frames are forwarded",
                 changes > 1 ? ", changed " + std::to_string(changes) + " times" : "");
     line.alarm.set(now + telling_apart);
 }

@@ -102,13 +102,14 @@ http::Response gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
         const bool named = !wanted.line.empty() || !wanted.use.empty();    // then a line without actions is a 400
         if (wanted.fits(*line) && (named || can_act(line->settings().use))) fitting.push_back(line.get());
     }
-    if (fitting.empty()) return refuse(404, "no GPIO line fits; GET /status lists them under gpio");
+    if (fitting.empty()) return refuse(404, "no GPIO line matches; GET /status lists them under gpio");
     if (fitting.size() > 1)
-        return refuse(400, std::to_string(fitting.size()) + " GPIO lines fit; say which by line, chip, link or use");
+        return refuse(400, std::to_string(fitting.size()) + " GPIO lines match; select one by line, chip, link or use");
     Gpio::Line& line = *fitting.front();
-    if (!can_act(line.settings().use)) return refuse(400, "only reset and power lines can be asked to do something");
+    if (!can_act(line.settings().use)) return refuse(400, "only reset and power lines support actions");
     if (!wanted.fits_action(line.settings().use))
-        return refuse(400, "the action of a reset is pulse, of power cycle, not " + in_quotes(wanted.action));
+        return refuse(400,
+                      "the action must be pulse for a reset line or cycle for a power line, not " + in_quotes(wanted.action));
     if (const auto refusal = gpio.act(line, now)) {
         if (refusal->wait <= Duration::zero()) return refuse(409, refusal->why);
         return reply(429, {{"error", refusal->why}, {"what", http::what_of(429)}, {"wait_s", in_seconds(refusal->wait)}});

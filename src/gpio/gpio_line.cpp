@@ -169,7 +169,7 @@ std::optional<std::uint64_t> number(const std::string& line) {
 }
 
 std::string not_allowed(const fs::path& path) {
-    return "no permission for " + path.string() + " (the user must be in the group of the device, usually gpio)";
+    return "permission denied for " + path.string() + " (the user must be in the group of the device, usually gpio)";
 }
 
 // The chip and line that the settings mean, or why there is none.
@@ -221,7 +221,7 @@ Place find(const GpioSettings& settings) {
     if (try_each(any_chip || by_label ? chip_paths() : std::vector{named}, by_label)) return place;
     if (!place.doubt.empty()) place.error = (any_chip ? "" : settings.chip + " ") + "line " + settings.line + ": " + place.doubt;
     else if (any_chip) place.error = "no GPIO chip has a line " + settings.line;
-    else if (by_label) place.error = settings.chip + " line " + settings.line + ": the chip is not there";
+    else if (by_label) place.error = settings.chip + " line " + settings.line + ": the chip was not found";
     else place.error = settings.chip + " has no line " + settings.line;
     return place;
 }

@@ -28,7 +28,7 @@ Opened<void> GpioPin::open() {
     auto line = direction_ == Direction::in ? GpioLine::open_input(settings_) : GpioLine::open_output(settings_, active_);
     if (!line) return Unexpected{std::move(line.error())};
     line_ = std::move(*line);
-    if (direction_ == Direction::in && !read_value()) return Unexpected{settings_.line + ": its edges can't be had"};
+    if (direction_ == Direction::in && !read_value()) return Unexpected{settings_.line + ": edge detection is not available"};
     reconnect_.came_up(Clock::now());
     error_.clear();
     changed_();
@@ -67,7 +67,7 @@ void GpioPin::take_edges() {
 }
 
 void GpioPin::lose() {
-    std::string why = line_->chip() + " line " + std::to_string(line_->offset()) + ": the chip is gone";
+    std::string why = line_->chip() + " line " + std::to_string(line_->offset()) + ": the chip was removed";
     events_.close();
     line_.reset();
     reconnect_.lost(std::move(why));

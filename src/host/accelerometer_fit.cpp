@@ -212,7 +212,7 @@ Fit<AccelerometerCalibration> SixFaces::fit(const AccelerometerCalibration& old)
     const auto found = solve();
     result.before = residual(old);
     result.after = found ? residual(*found) : 0;
-    if (!found || !is_plausible(*found)) result.wrong = "the six faces do not belong together: lay it flat on each";
+    if (!found || !is_plausible(*found)) result.wrong = "the six faces are inconsistent: lay it flat on each";
     else if (!(result.after < max_residual))
         result.wrong = "the residual is " + with_one_decimal(result.after) + " cm/s²: lay it flat on each";
     else if (result.after >= result.before)

@@ -65,7 +65,7 @@ template <class Samples, class Found>
 std::string why_too_coarse(const Samples& samples, const Fit<Found>& fit, const Found& old, const Found& stored, Sensor sensor) {
     const double after = samples.residual(stored);
     if (!(after <= CheckOf<Found>::limit(fit.after) && after < Samples::max_residual))
-        return "the device can store the new values too coarsely only";
+        return "the device can't store the new values precisely enough";
     const auto words = [&](const char* what, double would_be, double is) {
         return "as the device stores the new values, " + std::string{what} + " would be " + error_text(would_be, sensor) +
                ", and is " + error_text(is, sensor);
@@ -168,9 +168,10 @@ void Calibration::read_old(TimePoint now) {
     if (end()) return;
     if (reading_->end()->ending != Ending::done) return finish_as(*reading_, now);
     if (!order_is_right())
-        return finish(
-            {Ending::unsupported, hex_of(device().address()) + " has not the parameters of this calibration in their order", {}},
-            now);
+        return finish({Ending::unsupported,
+                       hex_of(device().address()) + " does not have the parameters of this calibration in the expected order",
+                       {}},
+                      now);
     old_ = *values_read();
     other_ = calibration_in(*reading_, other_than(sensor_)).value_or(CalibrationValues{});
     enter(Step::keep, now);
@@ -213,7 +214,7 @@ void Calibration::kept(TimePoint now) {
 
 void Calibration::not_kept(const std::string& why, TimePoint now) {
     if (step_ == Step::keep_new && !end())
-        restore({Ending::failed, "the new values were not written, because they could not be kept: " + why, {}}, now);
+        restore({Ending::failed, "the new values were not written, because they could not be saved: " + why, {}}, now);
 }
 
 void Calibration::clear(TimePoint now) {
@@ -262,11 +263,12 @@ void Calibration::restarted(std::string sign, TimePoint now) {
     }
     ++restarts_;
     if (silences_ == max_silences)
-        return restore({Ending::failed,
-                        hex_of(device().address()) + " was silent for " + silence + " after each of " +
-                            std::to_string(max_silences) + " clears, which can't be told from a restart with its old calibration",
-                        {}},
-                       now);
+        return restore(
+            {Ending::failed,
+             hex_of(device().address()) + " was silent for " + silence + " after each of " + std::to_string(max_silences) +
+                 " clears, which can't be distinguished from a restart with its old calibration",
+             {}},
+            now);
     if (restarts_ <= max_restarts) return clear(now);
     restore({Ending::failed,
              hex_of(device().address()) + " restarted " + std::to_string(restarts_) + " times (" + last_restart_ + ')',
@@ -389,12 +391,13 @@ void Calibration::look(TimePoint now) {
     if (now >= step_since_ + time_to_turn)
         return restore({Ending::timeout, "it was not turned to all sides within 10 minutes", {}}, now);
     const char* what = sensor_ == Sensor::accelerometer ? "inertial (0x01)" : "compass (0x02)";
-    restore({Ending::failed, hex_of(device().address()) + " is heard, but sends no samples: " + what, {}}, now);
+    restore({Ending::failed, hex_of(device().address()) + " is online, but sends no samples: " + what, {}}, now);
 }
 
 // Not even the old values can be written to a device that is off.
 void Calibration::end_silent(TimePoint now) {
-    if (step_ != Step::restore) why_ = {Ending::timeout, hex_of(device().address()) + " fell silent: nothing came for 4.5 s", {}};
+    if (step_ != Step::restore)
+        why_ = {Ending::timeout, hex_of(device().address()) + " stopped sending: nothing was received for 4.5 s", {}};
     stop_tasks(now);
     if (restore_) {
         restore_->on_end({});
@@ -418,14 +421,14 @@ template <class Samples, class Found>
 void Calibration::use(const Samples& samples, const Fit<Found>& fit, TimePoint now) {
     const double limit = CheckOf<Found>::limit(fit.after);
     const bool is_corrected = fit.calibration && samples.residual(Found{}) <= limit && fit.before > limit;
-    if (is_corrected && !std::exchange(was_corrected_, true)) return restarted("its samples were corrected already", now);
+    if (is_corrected && !std::exchange(was_corrected_, true)) return restarted("its samples were already corrected", now);
     needs_proof_ = is_corrected || !shows_the_clear(cleared_, sensor_);
     residuals_ = std::pair{fit.before, fit.after};
     if (!fit.calibration) return restore({Ending::failed, "rejected: " + fit.wrong, {}}, now);
     if (is_corrected && !shows_the_clear(cleared_, sensor_))
         return restore({Ending::failed,
                         hex_of(device().address()) + " acknowledges the clear and ignores it: its calibration values are not "
-                                                     "cleared, and its samples were corrected already, twice",
+                                                     "cleared, and its samples were already corrected, twice",
                         {}},
                        now);
     new_ = named(fit.calibration->values());
@@ -508,9 +511,9 @@ void Calibration::prove(const Samples& samples, TimePoint now) {
     const bool is_best = best < Samples::max_residual && with_new <= Check::times_promised * best + Check::margin;
     if (is_best && !(with_new > with_old + Check::margin)) return check_parameters(now);
     restore({Ending::failed,
-             "not verified: with the new values it is off by " + error_text(with_new, sensor_) + " on all sides, " +
+             "not verified: with the new values the error is " + error_text(with_new, sensor_) + " on all sides, " +
                  (is_best ? "with the old ones by " + error_text(with_old, sensor_)
-                          : "where " + error_text(best, sensor_) + " can be reached: some of its samples were not raw"),
+                          : "where " + error_text(best, sensor_) + " is possible: some of its samples were not raw"),
              {}},
             now);
 }
@@ -525,7 +528,7 @@ void Calibration::kept_new_values(TimePoint now) {
     if (end() || !is_proven_ || step_ == Step::restore) return;
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
     if (first_unlike(new_, *reading_) == nullptr) return finish({}, now);
-    restore({Ending::failed, hex_of(device().address()) + " has not kept the new values: it has probably restarted", {}}, now);
+    restore({Ending::failed, hex_of(device().address()) + " did not keep the new values: it has probably restarted", {}}, now);
 }
 
 void Calibration::not_verified(TimePoint now) {
@@ -540,7 +543,7 @@ void Calibration::not_verified(TimePoint now) {
                        now);
     const double promised = faces ? accelerometer_check_->promised() : compass_check_->promised();
     restore({Ending::failed,
-             "not verified: with the new values it is off by " + error_text(*error, sensor_) + where + " instead of " +
+             "not verified: with the new values the error is " + error_text(*error, sensor_) + where + " instead of " +
                  error_text(promised, sensor_),
              {}},
             now);
@@ -556,7 +559,7 @@ void Calibration::restore(End why, TimePoint now) {
 
 void Calibration::restored(TimePoint now) {
     const bool back = restore_->end()->ending == Ending::done;
-    why_.what += back ? "; the old values are back" : "; the old values could not be written back: " + restore_->end()->what;
+    why_.what += back ? "; the old values are restored" : "; the old values could not be written back: " + restore_->end()->what;
     finish(why_, now);
 }
 

@@ -211,7 +211,7 @@ CommandCall::CommandCall(Device& device, CommandInfo command, std::vector<AnyVal
 std::optional<std::string> CommandCall::pack(std::vector<std::uint8_t>& out) const {
     const std::size_t n = command_.types.size();
     if (values_.size() != n)
-        return command_.name + " takes " + std::to_string(n) + (n == 1 ? " value" : " values") + ", not " +
+        return command_.name + " needs " + std::to_string(n) + (n == 1 ? " value" : " values") + ", not " +
                std::to_string(values_.size());
     for (std::size_t i = 0; i < n; ++i) {
         const Misfit misfit = append(out, values_[i], command_.types[i]);
@@ -224,11 +224,11 @@ std::optional<std::string> CommandCall::pack(std::vector<std::uint8_t>& out) con
 
 void CommandCall::start(TimePoint now) {
     if (command_.has_unknown_type)
-        return finish({Ending::unsupported, command_.name + " takes a value of a type that is not known", {}}, now);
+        return finish({Ending::unsupported, command_.name + " has a value of an unknown type", {}}, now);
     if (command_.has_open_type)
         return finish(
             {Ending::invalid,
-             command_.name + " takes a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
+             command_.name + " has a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
                              "descriptions do not show which: state it once (type7)",
              {}},
             now);

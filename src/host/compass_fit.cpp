@@ -137,7 +137,8 @@ Fit<CompassCalibration> CompassSphere::fit(const CompassCalibration& old) const 
     const auto found = solve();
     result.before = residual(old);
     result.after = found ? residual(*found) : 1;
-    if (!found || !(result.after < max_residual)) result.wrong = "the samples are no ellipsoid: turn it slowly, away from iron";
+    if (!found || !(result.after < max_residual))
+        result.wrong = "the samples don't form an ellipsoid: turn it slowly, away from iron";
     else if (result.after >= result.before)
         result.wrong = "the residual would be " + percent(result.after) + ", and is " + percent(result.before);
     else result.calibration = *found;

@@ -75,7 +75,7 @@ void Firmware::start(TimePoint now) {
 void Firmware::identified(const Ended& ended, TimePoint now) {
     const auto& info = device().info() ? device().info() : options_.info;
     if (!options_.force && !image_.is_for_any_hardware()) {
-        if (!info) return finish_silent(step(), ended.evidence, now, "what is sent to it probably does not arrive");
+        if (!info) return finish_silent(step(), ended.evidence, now, "frames to it probably do not arrive");
         if (auto misfit = image_.misfit(*info)) return finish({Ending::invalid, std::move(*misfit), {}}, now);
     }
     ask_info(Purpose::begin, options_.frame_len, now);
@@ -109,11 +109,10 @@ void Firmware::send_info(TimePoint now) {
 void Firmware::probed(bool answers, const Ended& ended, TimePoint now) {
     const bool answered_before = std::exchange(answers_probes_, answers);
     if (!answers || !answered_before || now - described_since_ < loader_patience) return send_info(now);
-    finish(
-        {Ending::unsupported,
-         hex_of(device().address()) + " answers other questions, but not the description of the image: it has no firmware loader",
-         ended.evidence},
-        now);
+    finish({Ending::unsupported,
+            hex_of(device().address()) + " answers other requests, but not the description of the image: it has no boot loader",
+            ended.evidence},
+           now);
 }
 
 // "Erase" or "all sent".
@@ -159,7 +158,7 @@ void Firmware::measure(const Evidence& evidence, bool answered, TimePoint now) {
 }
 
 void Firmware::came_unfit(FrameView frame) {
-    odd_reply_ = hex_of(device().address()) + " sent 0xF0 with " + spaced_hex(frame.data()) + ", which is no answer";
+    odd_reply_ = hex_of(device().address()) + " sent 0xF0 with " + spaced_hex(frame.data()) + ", which is not a valid answer";
 }
 
 void Firmware::ended(const Ended& ended, TimePoint now) {
@@ -328,8 +327,8 @@ std::string Firmware::silence(const Evidence& evidence) const {
     const std::string device_is = hex_of(device().address());
     const std::string doing{step()};
     if (!evidence.unfit.empty())
-        return device_is + " sent 0xF0 with " + spaced_hex(evidence.unfit) + ", which is no answer: " + doing;
-    return device_is + (evidence.is_heard ? " is heard, but does not answer: " : " fell silent: ") + doing;
+        return device_is + " sent 0xF0 with " + spaced_hex(evidence.unfit) + ", which is not a valid answer: " + doing;
+    return device_is + (evidence.is_heard ? " is online, but does not answer: " : " stopped answering: ") + doing;
 }
 
 void Firmware::give_up(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now) {

@@ -63,9 +63,9 @@ bool ParameterApply::is_restarted() const noexcept {
 
 // A clause, or empty. Values that were not saved are lost by a restart.
 std::string ParameterApply::words_of_restart() const {
-    if (device().announcements() != announcements_) return "the device restarted meanwhile";
-    if (device().presence() != presence_) return "the device was away meanwhile, and has probably restarted";
-    return lost_ > 0 ? "the device has probably restarted meanwhile" : "";
+    if (device().announcements() != announcements_) return "the device restarted in the meantime";
+    if (device().presence() != presence_) return "the device was offline in the meantime and has probably restarted";
+    return lost_ > 0 ? "the device has probably restarted in the meantime" : "";
 }
 
 bool ParameterApply::is_same(const AnyValue& wanted, const AnyValue& has, const ParameterInfo& info) const {
@@ -77,9 +77,9 @@ bool ParameterApply::is_same(const AnyValue& wanted, const AnyValue& has, const 
 
 // Why the row can't be written, as far as is known before writing; empty: it can.
 std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
-    if (found.several) return "several parameters are called " + row.name;
-    if (found.parameter == nullptr) return "no parameter is called " + row.name;
-    if (!found.parameter->type) return row.name + " is of a type that is not known";
+    if (found.several) return "several parameters have the name " + row.name;
+    if (found.parameter == nullptr) return "unknown parameter " + row.name;
+    if (!found.parameter->type) return row.name + " has an unknown type";
     const ParameterInfo& info = *found.parameter;
     std::vector<std::uint8_t> wire;
     std::string misfit = words_of_misfit(append(wire, row.wanted, info), info);
@@ -276,7 +276,7 @@ void ParameterApply::undone(TimePoint now) {
 void ParameterApply::undone_is_read(TimePoint now) {
     if (end()) return;
     const bool is_read = again_->end()->ending == Ending::done;
-    if (!is_read) why_->what += "; whether all old values are back could not be read";
+    if (!is_read) why_->what += "; could not verify that all old values are restored";
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         Row& row = rows_[i];
         if (!is_read && row.state == State::undone) row.state = State::not_undone;

@@ -102,7 +102,7 @@ AnyValue nearest_value(const AnyValue& value, const ParameterInfo& info) {
 }
 
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, const ParameterInfo& info) {
-    if (!info.type) return "is of a type that is not known";
+    if (!info.type) return "has an unknown type";
     const auto number = real_in(value);
     if (!info.is_scaled() || !number) return append(out, value, *info.type);
     const double steps = *number * info.mul, whole = std::round(steps);

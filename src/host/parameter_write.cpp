@@ -13,7 +13,7 @@ namespace ano::host {
 
 namespace {
 
-constexpr std::string_view not_taken = "it probably takes no such value, or lets nobody write it";
+constexpr std::string_view not_taken = "it probably does not accept this value, or is read-only";
 
 std::string fault_of(const Evidence& silence) {
     if (silence.unfit.empty()) return "not acknowledged";
@@ -49,7 +49,7 @@ void ParameterWrite::refuse(const std::string& why, TimePoint now) {
 }
 
 void ParameterWrite::start(TimePoint now) {
-    if (!info_.type) return finish({Ending::unsupported, info_.name + " is of a type that is not known", {}}, now);
+    if (!info_.type) return finish({Ending::unsupported, info_.name + " has an unknown type", {}}, now);
     const Misfit misfit = append(wire_, value_, info_);
     if (!misfit.empty()) return refuse(words_of_misfit(misfit, info_), now);
     if (const std::string beyond = range_misfit(value_, info_, limits_); !beyond.empty()) return refuse(beyond, now);
@@ -79,7 +79,7 @@ void ParameterWrite::go_on(TimePoint now) {
 void ParameterWrite::described(const Ended& ended, TimePoint now) {
     const auto info = parameter_info_in(*ended.answer, info_.layout);
     is_of_another_ = !info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul;
-    if (is_of_another_) return finish({Ending::failed, hex_of(device().address()) + " became another device meanwhile", {}}, now);
+    if (is_of_another_) return finish({Ending::failed, hex_of(device().address()) + " became another device in the meantime", {}}, now);
     doubts_ = device().doubts();
     go_on(now);
 }
@@ -131,16 +131,16 @@ void ParameterWrite::both_ended(TimePoint now) {
 
 void ParameterWrite::not_given_back(const Ended& ended, TimePoint now) {
     if (silence_) return finish_unacknowledged("write of " + info_.name + ", which may be done", *silence_, now, not_taken);
-    finish({Ending::refused, hex_of(device().address()) + " acknowledged " + info_.name + " and does not give it back",
-            ended.evidence},
-           now);
+    finish(
+        {Ending::refused, hex_of(device().address()) + " acknowledged " + info_.name + " but does not return it", ended.evidence},
+        now);
 }
 
 void ParameterWrite::took(const Ended& ended, TimePoint now) {
     const Bytes value = as<"parameter_value">(*ended.answer)->get<"value">();
     if (*info_.type != Type::text && !is_whole_value(value.size(), info_.type))
         return finish(
-            {Ending::failed, hex_of(device().address()) + " gives " + info_.name + " shorter than its type", ended.evidence},
+            {Ending::failed, hex_of(device().address()) + " returns " + info_.name + " shorter than its type", ended.evidence},
             now);
     auto& kept = ended.tag == read_before ? before_ : stored_;
     kept.emplace(value.begin(), value.end());
@@ -183,7 +183,7 @@ void ParameterWrite::compare(TimePoint now) {
                        hex_of(device().address()) + " keeps " + info_.name + " at " + words_of(before().value_or(value_)),
                        {}},
                       now);
-    finish({Ending::done, info_.name + " is " + words_of(stored().value_or(value_)) + ": the device clamped it", {}}, now);
+    finish({Ending::done, info_.name + " is " + words_of(stored().value_or(value_)) + ": the device limited it", {}}, now);
 }
 
 // Bytes beyond the size of the type, or after the NUL of a text, have no meaning.

@@ -54,12 +54,12 @@ void Parameters::step_ended(const Ended& ended, TimePoint now) {
     const bool answered = ended.outcome == Outcome::answered;
     switch (ended.tag) {
     case ask_info:
-        if (!answered) return finish_silent("device info", ended.evidence, now, "what is sent to it probably does not arrive");
+        if (!answered) return finish_silent("device info", ended.evidence, now, "frames to it probably do not arrive");
         return ask(question::parameter_count(ask_count), now);
     case ask_count:
         if (!answered)
             return finish(
-                {Ending::unsupported, hex_of(device().address()) + " does not say how many parameters it has", ended.evidence},
+                {Ending::unsupported, hex_of(device().address()) + " does not report how many parameters it has", ended.evidence},
                 now);
         return counted(now);
     default:
@@ -194,7 +194,8 @@ void Parameters::counted_again(TimePoint now) {
     const auto lacking = changed ? std::nullopt : first_lacking();
     if (!started_again_ && (changed || (lacking && from_cache_))) return read_again(now);
     if (changed) return finish({Ending::failed, hex_of(device().address()) + " changes while its parameters are read", {}}, now);
-    if (lacking) return finish({Ending::incomplete, "parameter " + std::to_string(*lacking) + " did not come whole", {}}, now);
+    if (lacking)
+        return finish({Ending::incomplete, "parameter " + std::to_string(*lacking) + " was not received completely", {}}, now);
     if (cache_ != nullptr && !from_cache_)
         cache_->store({device().address(), presence_, *device().info(), *count_}, descriptions_, doubts_);
     finish({}, now);

@@ -32,11 +32,11 @@ void Task::finish(End end, TimePoint now) {
 }
 
 void Task::finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely) {
-    finish_unanswered("is heard, but did not answer the question for its ", step, evidence, now, likely);
+    finish_unanswered("is online, but did not answer the request for its ", step, evidence, now, likely);
 }
 
 void Task::finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely) {
-    if (evidence.unfit.empty()) return finish_unanswered("is heard, but did not acknowledge: ", order, evidence, now, likely);
+    if (evidence.unfit.empty()) return finish_unanswered("is online, but did not acknowledge: ", order, evidence, now, likely);
     finish_unanswered("acknowledged with wrong check bytes (" + spaced_hex(evidence.unfit) + "): ", order, evidence, now, {});
 }
 

@@ -70,7 +70,7 @@ bool WaypointsGet::took(std::uint32_t i, FrameView answer) {
 
 void WaypointsGet::step_ended(const Ended& ended, TimePoint now) {
     if (ended.outcome != Outcome::answered)
-        return finish_silent("number of waypoints", ended.evidence, now, "it probably keeps none");
+        return finish_silent("number of waypoints", ended.evidence, now, "it probably stores none");
     const std::size_t count = std::min(as<"waypoint_read">(*ended.answer)->get<"num">(), all_of_them);
     if (ended.tag == ask_count) {
         waypoints_.assign(count, {});
@@ -79,7 +79,7 @@ void WaypointsGet::step_ended(const Ended& ended, TimePoint now) {
     if (count != waypoints_.size())
         return finish({Ending::failed, hex_of(device().address()) + " changes while its waypoints are read", {}}, now);
     if (!missing().empty())
-        return finish({Ending::incomplete, "waypoint " + std::to_string(missing().front()) + " did not come", {}}, now);
+        return finish({Ending::incomplete, "waypoint " + std::to_string(missing().front()) + " was not received", {}}, now);
     finish({}, now);
 }
 
@@ -88,7 +88,8 @@ void WaypointsPut::start(TimePoint now) {
         auto request = waypoint_write(waypoint, write);
         if (!request)
             return finish(
-                {Ending::invalid, "waypoint " + std::to_string(waypoint.num) + " is not on earth, or has no number", {}}, now);
+                {Ending::invalid, "waypoint " + std::to_string(waypoint.num) + " is not a valid position, or has no number", {}},
+                now);
         request->patience.sends = 3;    // and then read back
         writes_.push_back(std::move(*request));
     }
@@ -117,7 +118,7 @@ void WaypointsPut::ended(const Ended& ended, TimePoint now) {
     case read_back: return was_read_back(ended, now);
     default:
         if (ended.outcome != Outcome::answered)
-            return finish_silent("number of waypoints", ended.evidence, now, "it probably keeps none");
+            return finish_silent("number of waypoints", ended.evidence, now, "it probably stores none");
         counted(as<"waypoint_read">(*ended.answer)->get<"num">(), now);
     }
 }
@@ -148,11 +149,11 @@ void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
         if (stored) ++mismatches_;
         silence_.is_heard = silence_.is_heard || stored;
         if (mismatches_ < 2 && now - *begun_at_ < patience) return write_it(now);
-        return finish_unacknowledged("write of " + number(), silence_, now, "it probably keeps no more, or none");
+        return finish_unacknowledged("write of " + number(), silence_, now, "it probably stores no more, or none");
     }
     if (!stored && now - acknowledged_at_ < patience) return ask_patiently(now);
     if (!stored)
-        return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number() + " and does not give it back",
+        return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number() + " but does not return it",
                        ended.evidence},
                       now);
     // It may have restarted with its old list between the write and this answer.
@@ -180,8 +181,8 @@ void WaypointsPut::finish_stored(TimePoint now) {
     std::string remark;
     const auto add = [&](const std::string& clause) { remark += (remark.empty() ? "" : ", and ") + clause; };
     if (!changed_.empty())
-        add(std::to_string(changed_.size()) + " of them were stored otherwise than written (" + list_of(changed_) + ")");
-    if (unacknowledged_ > 0) add(std::to_string(unacknowledged_) + " of them were never acknowledged, and are stored");
+        add(std::to_string(changed_.size()) + " of them were stored differently (" + list_of(changed_) + ")");
+    if (unacknowledged_ > 0) add(std::to_string(unacknowledged_) + " of them were not acknowledged but are stored");
     if (const std::size_t wanted = wanted_count(); count_ > wanted)
         add(hex_of(device().address()) + " has " + std::to_string(count_) + ", the last " + std::to_string(count_ - wanted) +
             " are its old ones");
@@ -218,11 +219,11 @@ void WaypointsPut::looked(TimePoint now) {
     at_ = last.size() - changed_.size();
     if (is_lost)
         return finish(
-            {Ending::failed, who + " has not kept these waypoints (it has probably restarted): " + list_of(changed_), {}}, now);
+            {Ending::failed, who + " did not keep these waypoints (it has probably restarted): " + list_of(changed_), {}}, now);
     if (may_have_restarted_ && looked != Ending::done) return finish_as(*look_, now);
     if (!changed_.empty() && at_ == 0)
         return finish(
-            {Ending::failed, who + " acknowledged all waypoints, and has none of them as written: " + list_of(changed_), {}},
+            {Ending::failed, who + " acknowledged all waypoints but stored none of them as written: " + list_of(changed_), {}},
             now);
     at_ = waypoints_.size();
     finish_stored(now);

@@ -38,7 +38,7 @@ Expected<std::shared_ptr<BodyFile>> file_somewhere() {
 }
 
 std::string with_advice(const std::string& fault) {
-    return "so large a body has no place: " + fault + "; make room there, or set STATE_DIRECTORY to another folder";
+    return "no space for such a large body: " + fault + "; free some space there, or set STATE_DIRECTORY to another folder";
 }
 
 }    // namespace

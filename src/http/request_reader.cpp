@@ -30,7 +30,7 @@ RequestReader::Fault fault_of(const error_code& ec, const RequestLimits& limits)
 }
 
 RequestReader::Fault fault_of_chunk(const RequestLimits& limits) {
-    return {431, "the line of a chunk and what stands behind the last have at most " + std::to_string(limits.header) + " bytes"};
+    return {431, "the chunk lines and the trailer have at most " + std::to_string(limits.header) + " bytes"};
 }
 
 }    // namespace
@@ -83,7 +83,7 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
         return used;
     }
     if (parser_->get().count(beast::field::content_type) > 1) {
-        fault_ = {400, "a request has one Content-Type"};    // the readers of two would disagree on what the body is
+        fault_ = {400, "more than one Content-Type header"};    // the readers of two would disagree on what the body is
         return used;
     }
     head_ = read_head();
@@ -92,7 +92,7 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
         const auto max_body = body_limit_(head_);
         head_.body_to_come = 0;
         if (!max_body) {
-            fault_ = {403, "this body is not taken"};
+            fault_ = {403, "this path accepts no such body"};
             return used;
         }
         limits_.body = *max_body;

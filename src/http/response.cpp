@@ -88,7 +88,7 @@ Response error(unsigned status, std::string_view words) {
 }
 
 Response needs_token(std::string_view words) {
-    Response response = error(401, std::string{words} + "; the gateway's token file (control.token_file) has it");
+    Response response = error(401, std::string{words} + "; see the gateway's token file (control.token_file)");
     response.headers.push_back({"WWW-Authenticate", "Bearer realm=\"anogate\""});
     return response;
 }
@@ -110,12 +110,12 @@ Response later(Later promise) {
 Response web_socket_fault(const Request& request) {
     constexpr std::size_t key_size = 24;    // 16 bytes in base64
     if (!is_web_socket(request)) {
-        Response response = error(426, "this path answers as a WebSocket only");
+        Response response = error(426, "this path needs a WebSocket");
         response.headers.push_back({"Upgrade", "websocket"});
         return response;
     }
     if (request.header("Sec-WebSocket-Version") != "13") {
-        Response response = error(426, "a WebSocket of version 13 only");
+        Response response = error(426, "only WebSocket version 13 is supported");
         response.headers.push_back({"Sec-WebSocket-Version", "13"});
         return response;
     }

@@ -60,7 +60,7 @@ std::string filled(std::string_view pattern, std::string_view path) {
 }
 
 std::string bad_encoding(std::string_view what, std::string_view text) {
-    const std::string_view why = text.find("%00") != text.npos ? "%00, which no name can hold"
+    const std::string_view why = text.find("%00") != text.npos ? "%00, which is not allowed in names"
                                                                : "a % that is not followed by two hex digits of a byte";
     return "the " + std::string{what} + " has " + std::string{why};
 }
@@ -83,7 +83,7 @@ std::string list_of(const std::vector<std::string_view>& methods) {
 
 Response not_allowed(const std::vector<std::string_view>& allowed) {
     const std::string list = list_of(allowed);
-    Response response = error(405, "this path answers " + list + " only");
+    Response response = error(405, "this path supports only " + list);
     response.headers.push_back({"Allow", list});
     return response;
 }
@@ -92,7 +92,7 @@ Response not_allowed(const std::vector<std::string_view>& allowed) {
 
 Response not_permitted(Access given, Access needed) {
     if (given == Access::open) return needs_token("this path needs a token");
-    return error(403, "the token may not do this: it needs one for '" + std::string{text(needed)} + "'");
+    return error(403, "this token does not allow this; a token is needed for '" + std::string{text(needed)} + "'");
 }
 
 std::string_view text(Access access) noexcept {
@@ -126,14 +126,14 @@ Response Routes::answer(Request& request) const {
             continue;
         }
         if (request.is_foreign && (row.starts_job || row.method != "GET"))
-            return error(403, "a page of another site may not start or change anything here; control.origins has those that may");
+            return error(403, "pages of another site may not start or change anything here; add them to control.origins");
         if (request.access < row.access) return not_permitted(request.access, row.access);
         if (!read_parameters(row.pattern, target.path, request.parameters)) return error(400, bad_encoding("path", target.path));
         auto query = parse_query(target.query);
         if (!query) return error(400, bad_encoding("query", target.query));
         request.query = std::move(*query);
         if (!row.takes_body && !says_nothing(request))
-            return error(400, "this path takes no body, or an empty object: nothing was done");
+            return error(400, "this path accepts no body except an empty object: nothing was done");
         return row.function(request);
     }
     return allowed.empty() ? not_found(target.path) : not_allowed(allowed);
@@ -147,7 +147,7 @@ const Routes::Row* Routes::row_for(const Request& request) const {
 }
 
 Response Routes::not_found(std::string_view path) const {
-    const std::string nothing = "there is nothing at this path";
+    const std::string nothing = "this path does not exist";
     if (rows_.empty()) return error(404, nothing);
     std::vector<std::string> paths;
     for (const Row& row : rows_) paths.push_back(filled(row.pattern, path));

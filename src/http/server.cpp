@@ -24,7 +24,7 @@ constexpr ano::Duration finish_look = std::chrono::milliseconds{5};
 /// What links may need is left to them.
 bool has_descriptors() { return descriptors_left() >= descriptors_of_links(); }
 
-Response no_place() { return try_again("all places are taken by those who ask just now"); }
+Response no_place() { return try_again("too many requests at once; try again"); }
 
 }    // namespace
 
@@ -108,14 +108,12 @@ bool Server::may_control(const Party& party, const Request* head) {
 
 std::optional<Response> Server::no_room_to_stay(const Party& party, Access access, bool streams) {
     Room& room = room_of(party);
-    const auto words = [] {
-        return try_again("this program may open too few files for more streams and waiting clients (ulimit -n)");
-    };
+    const auto words = [] { return try_again("too few file descriptors for more streams and waiting clients (ulimit -n)"); };
     if (streams) {
         constexpr std::size_t for_short_ones = 8;    // descriptors, beside those of links
         if (descriptors_left() < descriptors_of_links() + for_short_ones) return words();
         const PlaceFor place = stream_place(room.visitors(), room.places.streams, party, access);
-        if (!place.is_free) return try_again("too many streams and WebSockets: try again when one has ended");
+        if (!place.is_free) return try_again("too many streams and WebSockets; try again later");
         if (place.leaves) send_away(room, *place.leaves);
         return std::nullopt;
     }
@@ -140,7 +138,7 @@ Response Server::answer(Request& request) {
 }
 
 void Server::admit(std::unique_ptr<Stream> stream) {
-    if (!has_memory()) return refuse(std::move(stream), try_again("there is too little memory for a request just now"));
+    if (!has_memory()) return refuse(std::move(stream), try_again("not enough memory for a request; try again"));
     Room& room = room_of(party_of(stream->user(), stream->door()));
     if (!make_place(room)) return refuse(std::move(stream), no_place());
     SessionOwner& owner = *this;
@@ -178,7 +176,7 @@ tl::expected<std::shared_ptr<void>, Response> Server::place_for_body() {
         if (slowest) slowest->give_up_body();
     }
     if (large_bodies_.use_count() <= max_large_bodies) return large_bodies_;
-    return tl::unexpected{try_again("other large bodies are on their way: ask again later")};
+    return tl::unexpected{try_again("other large uploads are in progress; try again later")};
 }
 
 std::vector<Visitor> Server::Room::visitors() {

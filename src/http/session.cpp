@@ -136,10 +136,10 @@ void Session::await_deadline() {
 // Who asked half a request may still read why nothing comes of it.
 void Session::lost_patience() {
     if (!stream_ || asking_ != Asking::half) return close();
-    if (is_kept_) return refuse(try_again("the disk is too slow for so large a body just now"));
+    if (is_kept_) return refuse(try_again("the disk is too slow for such a large body; try again"));
     const std::string time = seconds_text(limits_.patience);
-    refuse(error(
-        408, room_for_body_.place ? "nothing more of the body came for " + time : "the request was not whole within " + time));
+    refuse(error(408, room_for_body_.place ? "no more of the body was received for " + time
+                                           : "the request was not complete within " + time));
 }
 
 void Session::read() {
@@ -167,8 +167,8 @@ void Session::came(error_code ec, std::size_t size) {
     if (!part_awaited_ && !answer_awaited_) return;
     if (input_.size() <= limits_.request.header) return read();
     if (part_awaited_) return close();    // nothing can be said within a stream
-    refuse(error(
-        431, "more than " + std::to_string(limits_.request.header) + " bytes came behind a request that is not answered yet"));
+    refuse(error(431, "more than " + std::to_string(limits_.request.header) +
+                          " bytes were received after a request that is not answered yet"));
 }
 
 void Session::body_came(std::size_t size) {
@@ -187,13 +187,13 @@ std::optional<ano::TimePoint> Session::body_waits_since() const {
 
 void Session::give_up_body() {
     refuse(error(408,
-                 "too little of the body came for " + seconds_text(limits_.slow_body) + ", and another one waits for its place"));
+                 "the body was received too slowly for " + seconds_text(limits_.slow_body) + ", and another request is waiting"));
 }
 
 // The client may still read an answer. But the next part of a stream may never come, and nothing else would show that it is gone.
 void Session::input_ended() {
     input_ended_ = true;
-    if (asking_ == Asking::half) return refuse(error(400, "the request ended before it was whole"));
+    if (asking_ == Asking::half) return refuse(error(400, "the request ended before it was complete"));
     if (asking_ != Asking::whole || part_awaited_ || answer_awaited_) close();
 }
 
@@ -337,7 +337,7 @@ void Session::answer(Request& request) {
     streams_ = streams;
     if (response.web_socket) {
         Response fault = web_socket_fault(request);
-        if (fault.status == 200 && reading_) fault = error(400, "a WebSocket does not follow a stream on one connection");
+        if (fault.status == 200 && reading_) fault = error(400, "a WebSocket can't follow a stream on the same connection");
         if (fault.status == 200) {
             end_deadline();
             web_socket_ = open_web_socket(io_, std::move(stream_), request, std::move(input_), std::move(response.web_socket),
@@ -482,7 +482,7 @@ void Session::wake() {
 
 void Session::refuse_for_memory() noexcept {
     try {
-        refuse(try_again("there is too little memory for a request just now"));
+        refuse(try_again("not enough memory for a request; try again"));
     } catch (const std::bad_alloc&) {
         close();
     }

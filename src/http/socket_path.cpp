@@ -33,7 +33,7 @@ std::string socket_to_ask(const std::string& asked, const Runner& runner) {
 }
 
 std::string fault_of_socket(const std::string& path, const Runner& runner) {
-    const std::string instead = " (give another path by --control, or --control none)";
+    const std::string instead = " (use --control with another path, or --control none)";
     std::error_code ec;
     const fs::file_status there = fs::symlink_status(path, ec);
     if (fs::exists(there) && !fs::is_socket(there)) return path + ": exists and is not a socket" + instead;

@@ -103,7 +103,7 @@ std::string fault_of_file(const std::string& file) {
 std::string fault_of_secret(const std::string& file) {
     struct stat facts {};
     if (::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
-    return (facts.st_mode & S_IRWXO) == 0 ? "" : file + ": everybody on this computer may read it; chmod o= " + file;
+    return (facts.st_mode & S_IRWXO) == 0 ? "" : file + ": every user of this computer can read it; run chmod o= " + file;
 }
 
 }    // namespace
@@ -135,7 +135,8 @@ std::string Tls::advice() const {
     const int bits = key ? ::EVP_PKEY_get_bits(key) : 0;
     if (!key || ::EVP_PKEY_get_base_id(key) != EVP_PKEY_RSA || bits <= usual_bits) return {};
     return "an RSA key of " + std::to_string(bits) +
-           " bits slows down every new connection: anoctl web --make-certificate makes a pair with a fast key (ECDSA)";
+           " bits slows down every new connection: create a certificate with a fast key (ECDSA) with anoctl web "
+           "--make-certificate";
 }
 
 std::unique_ptr<Stream> Tls::stream(Socket socket, Door door) const {

@@ -95,10 +95,10 @@ beast::http::request<beast::http::empty_body> beasts(const Request& request) {
 
 std::string words_of(const error_code& ec, const websocket::close_reason& said) {
     if (ec == websocket::error::closed)
-        return said.reason.empty() ? "the gateway ended it" : "the gateway ended it: " + std::string{said.reason.c_str()};
+        return said.reason.empty() ? "closed by the gateway" : "closed by the gateway: " + std::string{said.reason.c_str()};
     if (ec == asio::error::eof || ec == asio::error::connection_reset || ec == asio::error::broken_pipe)
-        return "the gateway ended the connection";
-    if (ec == beast::error::timeout) return "the gateway has fallen silent";
+        return "the gateway closed the connection";
+    if (ec == beast::error::timeout) return "the gateway no longer responds";
     return ec.message();
 }
 

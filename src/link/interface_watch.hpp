@@ -32,7 +32,8 @@ private:
     void look() {
         const auto now = endpoint_now(written_);
         if (now && now == opened_) return look_.set(host_.now() + between_looks);
-        gone_(now ? LinkError{"another network interface " + written_.interface} : no_interface(written_.interface));
+        gone_(now ? LinkError{"network interface " + written_.interface + " was replaced by another one"}
+                  : no_interface(written_.interface));
     }
 
     LinkHost& host_;

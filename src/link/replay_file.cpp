@@ -40,8 +40,8 @@ LinkError why_absent(const std::string& file, const std::string& what) {
 
 const char* why_strange(RecordingFormat format) {
     return format == RecordingFormat::pcapng
-               ? "it is a capture of a network, not of a gateway: anoctl record makes recordings of one"
-               : "it is of another program: it has no frames of V8";
+               ? "it is a network capture, not a recording of a gateway; use anoctl record to make one"
+               : "it has no ANO V8 frames; another program wrote it";
 }
 
 /// Only regular files: a pipe without a writer would block the thread for ever.
@@ -53,7 +53,7 @@ std::variant<UniqueFd, std::string> open_file(const std::string& path) {
     return std::string{S_ISDIR(is.st_mode)    ? "it is a folder"
                        : S_ISFIFO(is.st_mode) ? "it is a named pipe"
                                               : "it is a device"} +
-           ": name a file; anoctl replay takes a recording by standard input, too";
+           ": use a regular file (anoctl replay can also read standard input)";
 }
 
 void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
@@ -121,7 +121,7 @@ private:
         try {
             return play();
         } catch (const std::bad_alloc&) {
-            return why_absent(settings_.file, "there is too little memory to read it");
+            return why_absent(settings_.file, "not enough memory to read it");
         }
     }
 
@@ -146,8 +146,7 @@ private:
         add_kept_back(kept_back_before_, plan.kept_back());
         if (!reader) return why_absent(settings_.file, "it is empty");
         if (reader->position() == 0)
-            return why_absent(settings_.file,
-                              reader->is_damaged() ? reader->fault() : "it ends before the head of a recording does");
+            return why_absent(settings_.file, reader->is_damaged() ? reader->fault() : "it ends within the header");
         if (reader->is_strange()) return why_absent(settings_.file, why_strange(reader->format()));
         note_ = note_on(*reader, plan.is_over());
         if (note_.text.empty()) note_ = note_on_silence(plan);
@@ -216,11 +215,11 @@ private:
         const SkippedParts skipped = reader.skipped();
         if (skipped.count > 0)
             what = std::to_string(skipped.count) +
-                   (skipped.count == 1 ? " damaged part of it is left out, at byte "
-                                       : " damaged parts of it are left out, the first at byte ") +
+                   (skipped.count == 1 ? " damaged part is skipped, at byte "
+                                       : " damaged parts are skipped, the first at byte ") +
                    std::to_string(skipped.first.front().at) + ": " + std::string{skipped.first.front().why};
-        if (reader.is_damaged()) what = "it is damaged behind byte " + where + ", and nothing is read there: " + reader.fault();
-        else if (reader.unfinished() > 0) what = "it is cut off: what is behind byte " + where + " is not whole";
+        if (reader.is_damaged()) what = "it is damaged after byte " + where + ", and the rest is not read: " + reader.fault();
+        else if (reader.unfinished() > 0) what = "it is truncated: the data after byte " + where + " is incomplete";
         if (what.empty()) return {};
         return {"recording_damaged", settings_.file + ": " + what, {{"file", settings_.file}, {"what", what}}};
     }

@@ -154,11 +154,9 @@ LinkFacts ReplayLink::facts() const {
 }
 
 LinkError ReplayLink::trouble() const {
-    if (no_channel_ > 0) return {"no_channel", "all 64 channels of the gateway are in use: its frames go nowhere", {}};
+    if (no_channel_ > 0) return {"no_channel", "all 64 channels of the gateway are in use: frames of this link are dropped", {}};
     if (dry_since_ && !is_over_ && context_.host.now() - *dry_since_ >= dry_for)
-        return {"recording_slow",
-                replay().file + ": the disk does not give it fast enough: what comes is said later",
-                {{"file", replay().file}}};
+        return {"recording_slow", replay().file + ": the disk is too slow; frames are replayed late", {{"file", replay().file}}};
     return file_.error();
 }
 
@@ -169,25 +167,24 @@ using namespace key_rows;
 constexpr std::uint64_t max_rate = 1'000'000, max_part = 365 * day;
 
 constexpr Key<LinkSettings> replay_keys[] = {
-    text<own<ReplaySettings>, &ReplaySettings::file>("file", 1, max_path, "the recording; waited for while it is not there") |
+    text<own<ReplaySettings>, &ReplaySettings::file>("file", 1, max_path,
+                                                     "the recording file; if it doesn't exist, the link waits for it") |
         as("FILE") | needed,
-    decimal<own<ReplaySettings>, &ReplaySettings::rate>("rate", 0, max_rate,
-                                                        "so many times as fast as it was; 0: as fast as the links take it"),
-    boolean<own<ReplaySettings>, &ReplaySettings::loop>("loop", "at its end, from its begin"),
+    decimal<own<ReplaySettings>, &ReplaySettings::rate>("rate", 0, max_rate, "speed factor; 0: as fast as possible"),
+    boolean<own<ReplaySettings>, &ReplaySettings::loop>("loop", "start again at the end"),
     duration<own<ReplaySettings>, &ReplaySettings::from>("from", 1, max_part,
-                                                         "begins so long behind its first frame (default: with that)"),
+                                                         "start this long after the first frame (default: at the first frame)"),
     duration<own<ReplaySettings>, &ReplaySettings::to>("to", 1, max_part,
-                                                       "ends so long behind its first frame (default: with its last)"),
-    words<own<ReplaySettings>, &ReplaySettings::links>("links", 1, max_name,
-                                                       "of the links that were recorded, these (default: all)"),
+                                                       "stop this long after the first frame (default: after the last frame)"),
+    words<own<ReplaySettings>, &ReplaySettings::links>("links", 1, max_name, "replay only these recorded links (default: all)"),
     boolean<own<ReplaySettings>, &ReplaySettings::commands>(
-        "commands", "also what hosts said and what commands or changes a vehicle: the vehicles of this gateway do it"),
+        "commands",
+        "also replay frames sent by hosts and frames that command or modify a vehicle; vehicles on this gateway act on them"),
 };
 
 void validate_replay(const LinkSettings& link, LinkFaults& faults) {
     const auto& replay = link.as<ReplaySettings>();
-    if (replay.from && replay.to && *replay.from >= *replay.to)
-        faults.error("to", "'to' must be later than 'from': nothing is between them");
+    if (replay.from && replay.to && *replay.from >= *replay.to) faults.error("to", "'to' must be later than 'from'");
 }
 
 }    // namespace
@@ -197,7 +194,7 @@ constinit const LinkKind replay_kind{
     .name = "replay",
     .address = "file",
     .example = "flight.pcapng",
-    .help = "a recording, whose devices say again what they said, when they said it. It takes no frames and teaches no address",
+    .help = "replays the frames of a recording at their original times. It accepts no frames and does not affect routing",
     .carries = Carries::pieces,
     .devices_only = true,
     .replays = true,

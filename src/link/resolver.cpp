@@ -79,7 +79,7 @@ void Resolver::resolve(const std::string& host, ano::TimePoint now, const void* 
     if (query->errand.is_running()) return;
     const auto is_running = [](const auto& one) { return one.second->errand.is_running(); };
     if (std::count_if(queries_.begin(), queries_.end(), is_running) >= max_lookups)
-        return query->tell({}, "other names are being looked up; it is tried again");
+        return query->tell({}, "too many name lookups at once; it is tried again");
     query->asked_at = now;
     const auto answer = std::make_shared<Answer>();
     const auto work = [host, answer] { *answer = ask_system(host); };

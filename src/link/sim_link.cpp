@@ -117,40 +117,41 @@ constexpr std::uint64_t max_late = 10 * second;
 
 constexpr Key<LinkSettings> sim_keys[] = {
     choice<own<SimSettings>, &SimSettings::device>("device", ano::world::kinds, "the device to simulate") | needed,
-    integer<own<SimSettings>, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion"),
-    address<own<SimSettings>, &SimSettings::dev_id>("dev_id", 1, 253, "the address of the device (default: the usual one)"),
+    integer<own<SimSettings>, &SimSettings::hz>("hz", 1, 100, "attitude frames per second; slower frames scale with it"),
+    address<own<SimSettings>, &SimSettings::dev_id>("dev_id", 1, 253, "the hardware id of the device (default: the usual one)"),
     boolean<own<SimSettings>, &SimSettings::any_address>(
-        "any_address", "acts on frames for every address and answers them, as the oldest devices do (default: no)"),
-    integer<own<SimSettings>, &SimSettings::seed>("seed", 0, UINT32_MAX, "the same seed, the same noise, weather and faults"),
+        "any_address", "act on and answer frames for every address, like the oldest devices (default: no)"),
+    integer<own<SimSettings>, &SimSettings::seed>("seed", 0, UINT32_MAX,
+                                                  "random seed; the same seed gives the same noise, weather and faults"),
     choice<own<SimSettings>, &SimSettings::parameters>(
         "parameters", "typed|minmax|scaled", "how it describes its parameters; minmax and scaled are those of older devices"),
-    choice<own<SimSettings>, &SimSettings::texts>("texts", "en|utf8|gbk",
-                                                  "its names and texts: English, or Chinese in UTF-8 or GBK"),
+    choice<own<SimSettings>, &SimSettings::texts>(
+        "texts", "en|utf8|gbk", "language and encoding of its names and texts: English, or Chinese in UTF-8 or GBK"),
     choice<own<SimSettings>, &SimSettings::firmware>("firmware", "little|reading",
-                                                     "the byte order of the codes of a firmware upgrade"),
+                                                     "the byte order of the codes in a firmware upgrade"),
     choice<own<SimSettings>, &SimSettings::euler>(
-        "euler", "document|lx", "the signs of its Euler angles; lx: pitch and yaw are opposite to its quaternion"),
-    integer<own<SimSettings>, &SimSettings::loss>("loss", 1, 100, "% of all frames are lost, both ways (default: none)"),
-    duration<own<SimSettings>, &SimSettings::delay>("delay", 1, max_late,
-                                                    "each frame is under way so long, both ways (default: 0)"),
-    duration<own<SimSettings>, &SimSettings::jitter>("jitter", 1, max_late,
-                                                     "and up to so much longer, so that one may overtake another (default: 0)"),
+        "euler", "document|lx", "the signs of its Euler angles; lx: pitch and yaw have the opposite sign of its quaternion"),
+    integer<own<SimSettings>, &SimSettings::loss>("loss", 1, 100,
+                                                  "percentage of frames lost, in both directions (default: none)"),
+    duration<own<SimSettings>, &SimSettings::delay>("delay", 1, max_late, "delay of each frame, in both directions (default: 0)"),
+    duration<own<SimSettings>, &SimSettings::jitter>(
+        "jitter", 1, max_late, "random additional delay, so that frames may overtake each other (default: 0)"),
     integer<own<SimSettings>, &SimSettings::duplicate>("duplicate", 1, 100,
-                                                       "% of all frames come twice, both ways (default: none)"),
+                                                       "percentage of frames duplicated, in both directions (default: none)"),
     integer<own<SimSettings>, &SimSettings::corrupt>("corrupt", 1, 100,
-                                                     "% of all frames have a wrong bit, both ways (default: none)"),
+                                                     "percentage of frames with a wrong bit, in both directions (default: none)"),
     duration<own<SimSettings>, &SimSettings::deaf_after>("deaf_after", 1, day,
-                                                         "the device hears nothing after so long (default: never)"),
+                                                         "the device stops receiving after this time (default: never)"),
     duration<own<SimSettings>, &SimSettings::restart_after>(
-        "restart_after", 1, day, "the device restarts after so long, with its stored values (default: never)"),
-    duration<own<SimSettings>, &SimSettings::slow>("slow", 1, max_late,
-                                                   "the device takes so long over each frame; 20 may wait (default: 0)"),
+        "restart_after", 1, day, "the device restarts after this time, with its stored values (default: never)"),
+    duration<own<SimSettings>, &SimSettings::slow>(
+        "slow", 1, max_late, "processing time of the device for each frame; up to 20 frames wait (default: 0)"),
     boolean<own<SimSettings>, &SimSettings::one_at_a_time>(
-        "one_at_a_time", "none waits: frames that come while it is busy (slow, or 5ms) are lost"),
+        "one_at_a_time", "frames don't wait: those received while the device is busy (slow, or 5ms) are lost"),
     choice<own<SimSettings>, &SimSettings::parser>(
         "parser", "search|vendor",
-        "how the device finds frames; vendor: a damaged LEN makes it deaf for up to 198 "
-        "bytes, as many real devices"),
+        "how the device parses frames; vendor: after a corrupted LEN it misses up to 198 "
+        "bytes, like many real devices"),
 };
 
 }    // namespace
@@ -160,7 +161,7 @@ constinit const LinkKind sim_kind{
     .name = "sim",
     .address = "device",
     .example = "fc",
-    .help = "a simulated device inside the process, such as a flight controller that flies (0xDC): demo, tests, development",
+    .help = "a simulated device inside the process, such as a flying flight controller (0xDC): demo, tests, development",
     .carries = Carries::pieces,
     .devices_only = true,
     .keys = sim_keys,

@@ -84,7 +84,7 @@ std::shared_ptr<spdlog::logger> open_log(const LogSettings& settings) {
     if (journal) log->set_formatter(std::make_unique<JournalFormatter>());
     else log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
     log->set_level(spdlog::level::trace);    // messages were filtered before
-    if (!fault.empty()) log->warn("the log goes to standard error: {}", fault);
+    if (!fault.empty()) log->warn("logging to standard error: {}", fault);
     return log;
 }
 

@@ -14,8 +14,8 @@ void write(spdlog::logger& log, const LogQueue::Batch& batch) {
         if (message.plain) std::cerr << message.text;
         else log.log(message.at, spdlog::source_loc{}, message.level, message.text);
     }
-    if (batch.lost == 1) log.warn("1 line was lost: the log could not take it");
-    else if (batch.lost > 1) log.warn("{} lines were lost: the log could not take them", batch.lost);
+    if (batch.lost == 1) log.warn("1 log line was dropped: the log destination did not accept it");
+    else if (batch.lost > 1) log.warn("{} log lines were dropped: the log destination did not accept them", batch.lost);
     log.flush();
 }
 

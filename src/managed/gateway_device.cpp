@@ -90,24 +90,23 @@ void GatewayDevice::add_parameters() {
 
 void GatewayDevice::add_commands() {
     ano::device::Commands& commands = device_->commands();
-    commands.add({1, 0, 1}, "RELOAD", "reads the configuration again; the log says what came of it",
+    commands.add({1, 0, 1}, "RELOAD", "reload the configuration; the result is logged",
                  [this] { return done(deeds_.reload(), "RELOAD"); });
-    commands.add({1, 0, 2}, "SCAN", "asks everybody who is there; the log says who answered",
-                 [this] { return done(deeds_.scan(), "SCAN"); });
-    std::string links = "the link, by its number:", lines = pulsed_lines();
+    commands.add({1, 0, 2}, "SCAN", "scan for devices; those found are logged", [this] { return done(deeds_.scan(), "SCAN"); });
+    std::string links = "the number of the link:", lines = pulsed_lines();
     for (std::size_t i = 0; i < of_file_.links.size(); ++i) links += " " + std::to_string(i) + " " + of_file_.links[i].name;
     commands.add({1, 0, 3}, "RESTART_LINK", links, [this](std::uint8_t number) {
         if (number >= of_file_.links.size()) return done("there is no link " + std::to_string(number), "RESTART_LINK");
         return done(deeds_.restart(of_file_.links[number].name), "RESTART_LINK");
     });
-    commands.add({1, 0, 4}, "SUMMARY", "1 to 10: each link once a second in the flexible frame of this number; 0: no more",
+    commands.add({1, 0, 4}, "SUMMARY", "1 to 10: report each link once a second in the flexible frame with this number; 0: stop",
                  [this](std::uint8_t flexible) { return summarise(flexible); });
     if (!lines.empty())
-        commands.add({1, 0, 5}, "PULSE", "the GPIO line, by its number:" + lines,
+        commands.add({1, 0, 5}, "PULSE", "the number of the GPIO line:" + lines,
                      [this](std::uint8_t number) { return done(deeds_.pulse(number), "PULSE"); });
-    commands.add({1, 0, 6}, "START_RECORDING", "records as the configuration says; the status says where to",
+    commands.add({1, 0, 6}, "START_RECORDING", "start recording as configured; the status has the file",
                  [this] { return done(deeds_.start_recording(), "START_RECORDING"); });
-    commands.add({1, 0, 7}, "STOP_RECORDING", "ends that recording",
+    commands.add({1, 0, 7}, "STOP_RECORDING", "stop that recording",
                  [this] { return done(deeds_.stop_recording(), "STOP_RECORDING"); });
 }
 
@@ -142,7 +141,7 @@ bool GatewayDevice::act(ano::FrameView frame, const Asker& asker) {
         frame.source() == of_file_.gateway.id)
         return true;    // the device counts these and does not answer
     if (!asker.may_manage)
-        return refuse(&GatewayDeviceCounters::not_managed, "it came by " + asker.name + ", which has no manage=yes"), false;
+        return refuse(&GatewayDeviceCounters::not_managed, "received on " + asker.name + ", which has no manage=yes"), false;
     const auto action = ano::as<"parameter_command", "action">(frame);
     return !(action && action->get<"val">() == action_save && begin_save(frame));
 }
@@ -183,7 +182,7 @@ bool GatewayDevice::write(std::size_t row, const Value& value) {
 
 bool GatewayDevice::change(WrittenValues written) {
     if (locks_out(written)) {
-        refuse(&GatewayDeviceCounters::would_lock_out, "it would close " + asker_->name + ", by which it came");
+        refuse(&GatewayDeviceCounters::would_lock_out, "it would close " + asker_->name + ", the link of the request");
         return false;
     }
     if (written == written_) return true;
@@ -220,7 +219,7 @@ void GatewayDevice::refuse(std::uint64_t GatewayDeviceCounters::*cause, const st
         return;
     }
     next_refusal_ = now_ + between_refusals;
-    std::string line = "refused: what " + ano::hex_byte(asker_address_) + " asks of the gateway: " + why;
+    std::string line = "refused a request of " + ano::hex_byte(asker_address_) + " to the gateway: " + why;
     if (untold_refusals_ > 0) line += " (" + std::to_string(std::exchange(untold_refusals_, 0)) + " more since the last)";
     deeds_.warn(line);
     ano::Draft<"log"> told;
@@ -231,12 +230,12 @@ void GatewayDevice::refuse(std::uint64_t GatewayDeviceCounters::*cause, const st
 
 // Summaries go to the asker; if that is the control interface, to all hosts.
 bool GatewayDevice::summarise(std::uint8_t flexible) {
-    if (flexible > last_flexible - first_flexible + 1) return done("a flexible frame has a number from 1 to 10", "SUMMARY");
+    if (flexible > last_flexible - first_flexible + 1) return done("the number of a flexible frame must be 1 to 10", "SUMMARY");
     const Link link = asker_->is_ourselves ? ano::device::every_link : asker_->link;
     const std::uint8_t address = asker_->is_ourselves ? ano::address::host : asker_address_;
     std::erase_if(listeners_, [&](const Listener& l) { return l.link == link && l.address == address; });
     if (flexible != 0) {
-        if (listeners_.size() >= max_listeners) return done("eight hosts get it already", "SUMMARY");
+        if (listeners_.size() >= max_listeners) return done("eight hosts already receive it", "SUMMARY");
         listeners_.push_back({address, link, static_cast<std::uint8_t>(first_flexible + flexible - 1)});
         if (!summary_due_) summary_due_ = now_;
     }
@@ -283,7 +282,7 @@ void GatewayDevice::log(std::string_view text, LogColor color, ano::TimePoint no
 
 void GatewayDevice::tell_left_out() {
     if (lines_left_out_ > 0 && device_)
-        device_->log(static_cast<float>(std::exchange(lines_left_out_, 0)), "lines of the gateway were left out");
+        device_->log(static_cast<float>(std::exchange(lines_left_out_, 0)), "log lines of the gateway were omitted");
 }
 
 void GatewayDevice::run(ano::TimePoint now) {

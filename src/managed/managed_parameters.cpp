@@ -119,7 +119,7 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
     std::vector<ManagedParameter> rows{
         {"log/level",
          "LOG_LEVEL",
-         "what the gateway logs: 0 trace, 1 debug, 2 info, 3 warn, 4 error",
+         "lowest log level: 0 trace, 1 debug, 2 info, 3 warn, 4 error",
          Type::u8,
          0,
          4,
@@ -129,7 +129,7 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
          words_of_level},
         {"gateway/forget_after",
          "FORGET_AFTER",
-         "ms: an address not heard for so long is forgotten",
+         "ms without frames until an address is forgotten",
          Type::u32,
          static_cast<double>(min_memory.count()),
          static_cast<double>(max_memory.count()),
@@ -139,7 +139,7 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
          words_of_memory},
         {"gateway/unknown",
          "UNKNOWN",
-         "frames to an address that nobody has used: 0 flood, 1 drop" +
+         "frames to unknown addresses: 0 flood, 1 drop" +
              (names_a_link ? ", 2 to " + of_file.gateway.unknown_link : std::string{}),
          Type::u8,
          0,
@@ -153,12 +153,11 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
     for (const ManagedParameter& row : rows) taken.insert(row.name);
     for (const LinkSettings& link : of_file.links) {
         const std::string key = "links/" + link.name + "/";
-        rows.push_back({key + "enabled", short_name("EN_", link.name, taken), "the link " + link.name + ": 1 open, 0 not",
+        rows.push_back({key + "enabled", short_name("EN_", link.name, taken), "the link " + link.name + ": 1 enabled, 0 disabled",
                         Type::u8, 0, 1, link.name, enabled_of, put_enabled, words_of_enabled});
-        rows.push_back(
-            {key + "limit", short_name("LIM_", link.name, taken),
-             "the link " + link.name + ": frames a second that leave, at most, of each message of telemetry; 0: as the file says",
-             Type::f32, 0, max_per_second, link.name, no_limit_of_its_own, put_limit, words_of_limit});
+        rows.push_back({key + "limit", short_name("LIM_", link.name, taken),
+                        "the link " + link.name + ": maximum frames per second sent of each telemetry message; 0: as configured",
+                        Type::f32, 0, max_per_second, link.name, no_limit_of_its_own, put_limit, words_of_limit});
     }
     return rows;
 }

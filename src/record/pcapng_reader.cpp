@@ -104,16 +104,16 @@ std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type)
     if (type == section_header) {
         const auto magic = ano::load<std::uint32_t>(rest.data() + 8);
         swapped_ = magic == __builtin_bswap32(byte_order_magic);
-        if (!swapped_ && magic != byte_order_magic) return damage("the byte order of a section is not told"), std::nullopt;
+        if (!swapped_ && magic != byte_order_magic) return damage("the byte order of a section is unknown"), std::nullopt;
     } else if (!begun_) {
         return damage("it is neither pcapng nor MCAP"), std::nullopt;
     }
     const std::size_t size = u32(rest, 4);
     if (size < (type == section_header ? min_section_header : min_block) || size % 4 != 0)
-        return damage("a block has a length that no block has"), std::nullopt;
+        return damage("a block has an invalid length"), std::nullopt;
     if (size > max_block) return damage("a block is longer than 16 MiB"), std::nullopt;
     if (rest.size() < size) return std::nullopt;
-    if (u32(rest, size - 4) != size) return damage("both lengths of a block differ"), std::nullopt;
+    if (u32(rest, size - 4) != size) return damage("the two lengths of a block differ"), std::nullopt;
     at_ += size;
     position_ += size;
     block_size_ = size;
@@ -148,7 +148,7 @@ void PcapngReader::skip(const char* why, bool is_packet) {
 }
 
 void PcapngReader::begin_section(Bytes body) {
-    if (u16(body, 4) != 1) return damage("it is of another version of pcapng");
+    if (u16(body, 4) != 1) return damage("it uses an unsupported version of pcapng");
     begun_ = true;
     interfaces_.clear();
     for (std::string& peer : peers_) peer.clear();
@@ -198,7 +198,7 @@ void PcapngReader::end_interface(Bytes body) {
 void PcapngReader::take_packet(Bytes body) {
     if (body.size() < 20) return skip("a packet is too short", true);
     const std::size_t number = u32(body, 0), size = u32(body, 12), whole_size = u32(body, 16);
-    if (number >= interfaces_.size()) return skip("a packet is of an interface that is not described", true);
+    if (number >= interfaces_.size()) return skip("a packet belongs to an interface without a description", true);
     if (size > body.size() - 20) return skip("a packet is longer than its block", true);
     has_end_ = false;
     const Interface& interface = interfaces_[number];

@@ -83,16 +83,17 @@ void ReplayPlan::note(const RecordedFrame& frame, ano::Duration elapsed) {
 
 std::string ReplayPlan::why_nothing() const {
     if (says_some_) return {};
-    if (!has_frames_) return "there is no frame in it";
+    if (!has_frames_) return "it contains no frames";
     const auto is_seen = [&](const std::string& link) { return std::find(seen_.begin(), seen_.end(), link) != seen_.end(); };
     const auto& links = options_.links;
     if (!links.empty() && std::none_of(links.begin(), links.end(), is_seen))
-        return "there is no link " + list_of(links, "or") + " in it; there is " + list_of(seen_, "and");
+        return "there is no link " + list_of(links, "or") + " in it; it has " + list_of(seen_, "and");
     if (length_ < options_.from)
-        return "it is " + seconds_text(length_) + " long, and was to be said from " + seconds_text(options_.from) + " on";
+        return "it is " + seconds_text(length_) + " long, so there is nothing to replay from " + seconds_text(options_.from) +
+               " on";
     if (kept_back_.of_hosts + kept_back_.commands + kept_back_.tunnels > 0)
-        return "all that came in is of hosts or to command a vehicle, and is kept back: commands=true says it, too";
-    return "none of its frames that are asked for came in";
+        return "all received frames are from hosts or command a vehicle, so none is replayed; set commands=true to replay them";
+    return "none of the requested frames was received";
 }
 
 bool ReplayPlan::is_wanted(const RecordedFrame& frame) const {

@@ -62,7 +62,7 @@ public:
     /// Whether all further frames are after `to`.
     bool is_over() const noexcept { return is_over_; }
     const KeptBack& kept_back() const noexcept { return kept_back_; }
-    /// After the last frame: why no frame was chosen, in a clause: "there is no link radio in it; there is fc". Empty: at least one was.
+    /// After the last frame: why no frame was chosen, in a clause: "there is no link radio in it; it has fc". Empty: at least one was.
     std::string why_nothing() const;
 
 private:

@@ -145,8 +145,8 @@ std::string DiskWriter::look_for_room(ano::TimePoint now) {
     const std::uint64_t needed = room_needed(settings_.keep_free);
     if (free >= needed) return {};
     look_for_room_at_ = now;
-    return settings_.folder + ": only " + room_text(free) + " of the disk are free, and " + room_text(needed) +
-           " must be to write more: " + room_text(settings_.keep_free) + " that stay, as record.free says, and 5 MB";
+    return settings_.folder + ": only " + room_text(free) + " of disk space is free, and recording needs " + room_text(needed) +
+           ": " + room_text(settings_.keep_free) + " to keep free (record.free) and 5 MB";
 }
 
 std::string DiskWriter::write(ano::TimePoint now) {

@@ -23,7 +23,7 @@ constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
 
 std::string silence_text(ano::Duration silence) {
     const auto seconds = std::max<std::int64_t>(1, std::chrono::duration_cast<std::chrono::seconds>(silence).count());
-    return "the disk has taken nothing for " + std::to_string(seconds) + " s";
+    return "the disk has written nothing for " + std::to_string(seconds) + " s";
 }
 
 }    // namespace
@@ -222,7 +222,8 @@ RecorderReport Recorder::Impl::report() const {
     report.error = is_silent() ? silence_text(thread_->silence(Clock::now())) : news_.error;
     report.is_slow = report.error.empty() && disk_ == DiskPace::State::slow && !is_ended_;
     report.loses = report.is_slow && report.not_written > lost_before_;
-    if (report.is_slow) report.error = report.loses ? "the disk takes less than comes" : "the disk falls behind what comes";
+    if (report.is_slow)
+        report.error = report.loses ? "the disk is too slow; frames are being lost" : "the disk is too slow; frames are waiting";
     return report;
 }
 

@@ -44,16 +44,16 @@ std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
     self->wake_ = recorder_event();
     self->said_ = recorder_event();
     self->ended_ = recorder_event();
-    if (!self->wake_ || !self->said_ || !self->ended_) return error_text("the recorder has no descriptor", errno);
+    if (!self->wake_ || !self->said_ || !self->ended_) return error_text("no file descriptor for the recorder", errno);
     try {
         begin_thread([self, disk = std::make_unique<DiskWriter>(self->settings_, self->progress_)] {
             stand_behind_the_loop();
             self->run(*disk);
         }).detach();
     } catch (const std::system_error& error) {
-        return error_text("the recorder has no thread", error.code().value());
+        return error_text("no thread for the recorder", error.code().value());
     } catch (const std::bad_alloc&) {
-        return "the recorder has no memory";
+        return "not enough memory for the recorder";
     }
     return {};
 }

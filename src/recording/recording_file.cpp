@@ -32,7 +32,8 @@ UniqueFd open_folder(const std::string& folder) { return UniqueFd{::open(folder.
 std::variant<RecordingFile, DiskFault> RecordingFile::create(const std::string& folder, const std::string& name,
                                                              RecordingFormat format, unsigned& number) {
     const auto fault = [&](int error) { return DiskFault{error, error_text(folder, error)}; };
-    if (name.empty() || name.find('/') != std::string::npos) return DiskFault{EINVAL, "\"" + name + "\" is no name of a file"};
+    if (name.empty() || name.find('/') != std::string::npos)
+        return DiskFault{EINVAL, "\"" + name + "\" is not a valid file name"};
     if (const int error = make_folders(std::filesystem::path{folder}.lexically_normal()); error != 0) return fault(error);
     const UniqueFd at = open_folder(folder);
     if (!at) return fault(errno);
@@ -47,7 +48,7 @@ std::variant<RecordingFile, DiskFault> RecordingFile::create(const std::string& 
         ::fsync(at.get());
         return RecordingFile{std::move(fd), path};
     }
-    return DiskFault{EEXIST, folder + ": all names from " + name + " on are taken"};
+    return DiskFault{EEXIST, folder + ": all names from " + name + " on are in use"};
 }
 
 int RecordingFile::append(std::string_view bytes) {

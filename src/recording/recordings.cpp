@@ -158,9 +158,9 @@ void Recordings::check_end() {
     end_by_.reset();
     clock_.stop();
     for (const auto& running : running_)
-        log_warning("recording {}: the disk is not waited for any longer, {} kB of frames may not be on it", running->asked.name,
+        log_warning("recording {}: the disk does not respond; {} kB of frames may be lost", running->asked.name,
                     (running->recorder->report().waiting + 999) / 1000);
-    if (is_saving_) log_warning("recording: the disk is not waited for any longer, the last frames may not be saved");
+    if (is_saving_) log_warning("recording: the disk does not respond; the last frames may be lost");
     running_.clear();
     disk_.stop();
     std::exchange(ended_, {})();
@@ -243,7 +243,7 @@ void Recordings::changed(Running& running) {
     const bool has_begun = report.files > 0 && report.error.empty();
     if (!running.begun.empty() && (has_begun || !report.error.empty() || report.is_ended)) {
         for (const Say& say : std::exchange(running.begun, {}))
-            say(has_begun ? json_answer(json_of(running)) : http::error(507, "nothing is recorded: " + report.error));
+            say(has_begun ? json_answer(json_of(running)) : http::error(507, "recording did not start: " + report.error));
         if (!has_begun && !std::exchange(running.is_ending, true)) running.recorder->refuse();
     }
     if (report.is_ended) reap_soon();
@@ -258,9 +258,9 @@ void Recordings::tell_news(Running& running, const RecorderReport& report) {
     }
     const std::string error = without_numbers(report.error);
     if (error == running.told_error) return;
-    if (report.error.empty()) log_info("recording {}: it goes on; {} frames are missing", running.asked.name, report.not_written);
+    if (report.error.empty()) log_info("recording {}: resumed; {} frames are missing", running.asked.name, report.not_written);
     else
-        log_warning("recording {}: {}; frames go on, {}", running.asked.name, report.error,
+        log_warning("recording {}: {}; frames are still forwarded, {}", running.asked.name, report.error,
                     !report.is_slow ? "but are not recorded"
                     : report.loses  ? "but not all are recorded"
                                     : "and none is lost yet");
@@ -304,12 +304,12 @@ void Recordings::keep_clock() {
 }
 
 std::string Recordings::start_recording() {
-    if (is_stopped_) return "the gateway ends";
-    if (configured_one()) return "it records already";
+    if (is_stopped_) return "the gateway is stopping";
+    if (configured_one()) return "a recording is already in progress";
     const auto ending = std::count_if(running_.begin(), running_.end(), [](const auto& r) { return r->is_configured; });
     if (static_cast<std::size_t>(ending) >= max_ending)
-        return "the disk has not taken the end of the last recordings yet: again when it has";
-    if (folder_.empty()) return "there is no folder for it: name one, \"record\": {\"folder\": \"/path\"}";
+        return "the last recordings are not completely written yet; try again later";
+    if (folder_.empty()) return "there is no folder for recordings: set \"record\": {\"folder\": \"/path\"}";
     changed(launch(configured(), true));
     return {};
 }
@@ -317,7 +317,7 @@ std::string Recordings::start_recording() {
 std::string Recordings::stop_recording() {
     begins_late_ = false;
     Running* const running = configured_one();
-    if (!running) return "it does not record";
+    if (!running) return "no recording is in progress";
     running->is_ending = true;
     running->recorder->end();
     return {};

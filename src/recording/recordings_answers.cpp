@@ -51,9 +51,8 @@ std::string type_of(RecordingFormat format) {
 }
 
 const char* const nothing_kept =
-    "nothing is kept: \"record\": {\"keep_last\": \"60s\"} in the configuration keeps the last minute";
-const char* const no_folder =
-    "there is no folder for recordings: \"record\": {\"folder\": \"/path\"} in the configuration names one";
+    "no frames are kept: set \"record\": {\"keep_last\": \"60s\"} in the configuration to keep the last minute";
+const char* const no_folder = "there is no folder for recordings: set \"record\": {\"folder\": \"/path\"} in the configuration";
 
 }    // namespace
 
@@ -153,9 +152,9 @@ http::Response Recordings::begin(AskedRecording asked) {
     if (asked.name.empty()) asked.name = name_by_time(since_1970());
     if (!is_recording_name(asked.name)) return http::error(422, recording_name_rule(asked.name));
     if (folder_.empty()) return http::error(409, no_folder);
-    if (starting_.contains(asked.name) || find(asked.name)) return http::error(409, asked.name + " is being recorded already");
+    if (starting_.contains(asked.name) || find(asked.name)) return http::error(409, asked.name + " is already being recorded");
     if (count_of_asked() >= max_asked)
-        return http::error(409, std::to_string(max_asked) + " recordings that were asked for run already: end one of them");
+        return http::error(409, std::to_string(max_asked) + " requested recordings are already in progress: stop one of them");
     const auto held = std::make_shared<DiskWorks::Ticket>();
     http::Response response = http::later([this, asked, weak = std::weak_ptr{held}](const Say& say) {
         const auto refusal = std::make_shared<std::optional<Refusal>>();
@@ -180,7 +179,7 @@ void Recordings::named(const AskedRecording& asked, const std::string& fault, co
     starting_.erase(asked.name);
     if (!fault.empty()) return say(http::error(503, fault));
     if (refusal) return say(refused(*refusal));
-    if (is_stopped_) return say(http::error(503, "the gateway ends"));
+    if (is_stopped_) return say(http::error(503, "the gateway is stopping"));
     Running& running = launch(asked, false);
     running.begun.push_back(say);
     changed(running);
@@ -191,8 +190,8 @@ http::Response Recordings::end(const std::string& name) {
     if (!found) {
         std::vector<std::string_view> names;
         for (const auto& running : running_) names.emplace_back(running->asked.name);
-        return http::error(404, "nothing is being recorded under that name" + ano::did_you_mean(name, names) +
-                                    "; anoctl recordings says what is");
+        return http::error(
+            404, "no recording with that name is in progress" + ano::did_you_mean(name, names) + "; see anoctl recordings");
     }
     http::Response response = http::later([this, found](const Say& say) {
         found->ended.push_back(say);
@@ -223,14 +222,14 @@ http::Response Recordings::file(const http::Request& request, std::string name) 
 }
 
 http::Response Recordings::save_last(std::string name, const WantedForm& wanted) {
-    if (is_stopped_) return http::error(503, "the gateway ends");
+    if (is_stopped_) return http::error(503, "the gateway is stopping");
     if (!memory_) return http::error(409, nothing_kept);
     if (folder_.empty()) return http::error(409, no_folder);
     const bool is_made_up = name.empty();
     if (is_made_up) name = name_by_time(since_1970()) + "-last";
     if (!is_recording_name(name)) return http::error(422, recording_name_rule(name));
     http::Response response = http::later([this, name, is_made_up, wanted](const Say& say) {
-        if (is_saving_) return say(http::try_again("the disk has not taken what was saved last yet"));
+        if (is_saving_) return say(http::try_again("the previous save is not completely written yet"));
         if (!memory_) return say(http::error(409, nothing_kept));
         is_saving_ = true;
         if (is_made_up) return save(save_of(name, wanted, say));
@@ -250,8 +249,8 @@ http::Response Recordings::save_last(std::string name, const WantedForm& wanted)
 http::Response Recordings::last(const WantedForm& wanted) {
     if (!memory_) return http::error(409, nothing_kept);
     if (static_cast<std::size_t>(reading_.use_count()) > max_reading)
-        return http::try_again("the last frames are read by " + std::to_string(max_reading) +
-                               " clients already: again when one has them");
+        return http::try_again("the last frames are already being read by " + std::to_string(max_reading) +
+                               " clients; try again later");
     const RecordingFormat made = format_for(wanted);
     http::Response response;
     response.type = type_of(made);
@@ -365,9 +364,9 @@ void Recordings::look() {
 void Recordings::looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault) {
     is_looking_ = false;
     if (fault.empty()) free_ = free;
-    for (const std::string& name : old.gone) log_info("recording: {} is deleted, as \"keep\" says", name);
+    for (const std::string& name : old.gone) log_info("recording: deleted {} as configured by \"keep\"", name);
     if (!old.stays.empty() && old.stays != told_to_stay_)
-        log_warning("recording: {} stays, though \"keep\" has no room for it: keep.size is too small", old.stays);
+        log_warning("recording: {} is kept although it exceeds \"keep\": keep.size is too small", old.stays);
     told_to_stay_ = old.stays;
     if (std::exchange(look_again_, false)) look_soon();
 }
@@ -381,14 +380,13 @@ void Recordings::repair() {
             *repaired = repair_recordings(folder);
         },
         [repaired](const std::string& fault) {
-            if (!fault.empty()) log_warning("recording: what an earlier run left is not made whole: {}", fault);
+            if (!fault.empty()) log_warning("recording: files of an earlier run could not be repaired: {}", fault);
             for (const RepairedFile& file : *repaired) {
-                if (!file.fault.empty()) log_warning("recording: {} was cut and stays so: {}", file.name, file.fault);
+                if (!file.fault.empty())
+                    log_warning("recording: {} is truncated and could not be repaired: {}", file.name, file.fault);
                 else
-                    log_info(
-                        "recording: {} was cut and is whole again: {} frames, {} bytes of half a part are "
-                        "taken off",
-                        file.name, file.frames, file.cut);
+                    log_info("recording: repaired the truncated {}: {} frames, {} incomplete bytes removed", file.name,
+                             file.frames, file.cut);
             }
         });
 }

@@ -29,7 +29,7 @@ constexpr std::size_t bytes_at_a_time = 1024 * 1024;
 constexpr std::size_t max_index = 4 * 1024 * 1024;       // bytes to be read of one file for a list
 constexpr std::uint64_t max_cut = 2 * 1024 * 1024;       // bytes that a repair may cut off
 constexpr std::string_view our_program = "anogated ";    // followed by the version
-constexpr std::string_view left_alone = " was not written by the gateway, and is left alone";
+constexpr std::string_view left_alone = " was not written by the gateway and is left alone";
 
 bool may_be_in_name(char c) noexcept {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
@@ -208,7 +208,7 @@ Refusal refusal_of_open(int folder, const std::string& name, int error) {
 }
 
 Refusal refusal_of_folder(const std::string& folder, int error) {
-    if (error == ENOENT) return {404, "there is no recording: nothing was recorded yet"};
+    if (error == ENOENT) return {404, "there is no recording yet"};
     return {503, error_text(folder, error)};
 }
 
@@ -216,7 +216,7 @@ Refusal refusal_of_folder(const std::string& folder, int error) {
 std::optional<Refusal> unlink_same(int folder, const std::string& name, const struct stat& was) {
     struct stat is {};
     if (::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0) return Refusal{404, "there is no recording " + name};
-    if (is.st_dev != was.st_dev || is.st_ino != was.st_ino) return Refusal{409, name + " is another file now"};
+    if (is.st_dev != was.st_dev || is.st_ino != was.st_ino) return Refusal{409, name + " was replaced by another file"};
     if (::unlinkat(folder, name.c_str(), 0) == 0) return std::nullopt;
     return Refusal{errno == EACCES || errno == EPERM || errno == EROFS ? 403u : 503u, error_text(name, errno)};
 }
@@ -247,8 +247,8 @@ std::string make_whole(const OpenRecording& file, const RecordingRepair::Result&
 
 // An incomplete part at the end is no loss. This many bytes are no such part, and may still be readable.
 std::string damage_text(std::uint64_t behind, std::uint64_t bytes) {
-    return "it is damaged behind byte " + std::to_string(behind) + ", and the " + std::to_string(bytes) +
-           " bytes there are not thrown away";
+    return "it is damaged after byte " + std::to_string(behind) + ", and the " + std::to_string(bytes) +
+           " bytes after it are not discarded";
 }
 
 std::optional<RepairedFile> repair(int folder, const std::string& name) {
@@ -277,7 +277,7 @@ std::optional<RepairedFile> repair(int folder, const std::string& name) {
 bool is_recording_name(std::string_view name) noexcept { return is_name(name, max_recording_name); }
 
 std::string recording_name_rule(std::string_view given) {
-    return "a name has 1 to 100 of A-Z, a-z, 0-9, '.', '_' and '-', and no dot in front" +
+    return "a name must have 1 to 100 of A-Z, a-z, 0-9, '.', '_' and '-', and no leading dot" +
            std::string{given.size() > max_recording_name ? ": this one has " + std::to_string(given.size()) : ""};
 }
 
@@ -324,7 +324,7 @@ std::optional<Refusal> remove_recording(const std::string& folder, const std::st
     if (!at) return refusal_of_folder(folder, errno);
     const auto file = open_ours(at.get(), name);
     if (!file) return refusal_of_open(at.get(), name, errno);
-    if (is_locked(file->fd.get())) return Refusal{409, name + " is being written: end it before it is deleted"};
+    if (is_locked(file->fd.get())) return Refusal{409, name + " is still being recorded: stop it before you delete it"};
     return unlink_same(at.get(), name, file->is);
 }
 
@@ -335,7 +335,7 @@ std::optional<Refusal> check_new_name(const std::string& folder, const std::stri
         const std::string file = name + "." + std::string{text(format)};
         struct stat is {};
         if (at && ::fstatat(at.get(), file.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0)
-            return Refusal{409, file + " is there already: choose another name"};
+            return Refusal{409, file + " already exists: choose another name"};
     }
     return std::nullopt;
 }
@@ -388,11 +388,12 @@ std::string write_frames(KeptFramesWriting writing, const std::string& folder, s
         const auto is_free = free_bytes(folder);
         const std::uint64_t needed = free + bytes.size();
         if (is_free && *is_free < needed)
-            return "only " + std::to_string(*is_free) + " bytes of the disk are free, and " + std::to_string(needed) + " must be";
+            return "only " + std::to_string(*is_free) + " bytes of disk space are free, and " + std::to_string(needed) +
+                   " are needed";
         if (const int error = file.append(bytes); error != 0) return error_text(error);
     }
     if (const int error = file.sync(); error != 0) return error_text(error);
-    return file.is_there() ? "" : "it was removed meanwhile";
+    return file.is_there() ? "" : "it was removed in the meantime";
 }
 
 }    // namespace

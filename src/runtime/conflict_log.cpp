@@ -28,12 +28,12 @@ std::string conflict_text(const Gateway& gateway, const Conflict& conflict) {
     const LinkSet pinned = gateway.forwarder().router().pinned(conflict.address);
     const Forwarder::Claimant* const by = gateway.forwarder().claimant(conflict);
     const SharedSource meaning = meaning_of(gateway, conflict);
-    std::string text = fmt::format("0x{:02X} is {} {}", conflict.address, pinned.empty() ? "heard on" : "pinned to",
+    std::string text = fmt::format("0x{:02X} is {} {}", conflict.address, pinned.empty() ? "seen on" : "pinned to",
                                    names_of(gateway, pinned.empty() ? conflict.links : pinned));
     if (by != nullptr)
         text += (pinned.empty() ? ", claimed by " : ", and is claimed by ") + gateway.name(by->link) +
                 (by->peer.empty() ? "" : " (" + by->peer + ")");
-    else if (!pinned.empty()) text += ", and is heard on " + names_of(gateway, conflict.links);
+    else if (!pinned.empty()) text += ", and is seen on " + names_of(gateway, conflict.links);
     text.append(": ").append(advice_on(meaning));
     if (pinned.empty() && meaning != SharedSource::two_peers)
         text += fmt::format("; or pin it: --route 0x{:02X}=LINK", conflict.address);
@@ -43,7 +43,7 @@ std::string conflict_text(const Gateway& gateway, const Conflict& conflict) {
 std::string move_text(const Gateway& gateway, const Router::Moved& moved) {
     const std::string before = names_of(gateway, moved.from);
     return fmt::format(
-        "0x{:02X} moved from {} to {}: frames for it go there now. If the device was not connected there, pin it: --route "
+        "0x{:02X} moved from {} to {}: frames for it now go there. If the device is not connected there, pin it: --route "
         "0x{:02X}={}",
         moved.address, before, gateway.name(moved.to), moved.address, before);
 }

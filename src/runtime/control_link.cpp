@@ -39,14 +39,14 @@ public:
 
     void opened(http::WebSocket& socket) override {
         socket_ = &socket;
-        if (!link_.reads_) return socket.close(going_away, "the gateway's links were changed: come again");
+        if (!link_.reads_) return socket.close(going_away, "the links of the gateway changed; connect again");
         if (port_id_ != 0 && !link_.is_free(port_id_))
-            return socket.close(policy_violation, "the port id " + std::to_string(port_id_) + " was taken meanwhile");
+            return socket.close(policy_violation, "the port id " + std::to_string(port_id_) + " is now in use");
         host().now();
         try {
             channel_ = host().open_channel(link_, name_);
         } catch (const std::bad_alloc&) {
-            return socket.close(try_again_later, "there is too little memory for another channel just now");
+            return socket.close(try_again_later, "not enough memory for another channel");
         }
         if (!channel_) return socket.close(try_again_later, "all 64 channels of the gateway are in use");
         link_.sockets_[index(channel_->id)] = this;
@@ -56,7 +56,7 @@ public:
 
     void heard(std::string_view message, Kind kind) override {
         if (!channel_ || !link_.reads_) return;
-        if (kind == Kind::text) return tell("a text is no frame: send whole frames as binary messages");
+        if (kind == Kind::text) return tell("text messages are not accepted; send frames as binary messages");
         channel_->arrived_at = arrival_.unstamped(host().turn());
         const std::uint64_t skipped_before = channel_->parser.counters().skipped_bytes;
         const auto pass = [this](ano::FrameView frame) { host().receive(*channel_, frame); };
@@ -65,7 +65,7 @@ public:
         channel_->parser.finish();    // a message is whole frames
         while (const auto frame = channel_->parser.next()) pass(*frame);
         const std::uint64_t skipped = channel_->parser.counters().skipped_bytes - skipped_before;
-        if (skipped > 0) tell(std::to_string(skipped) + " bytes of a message are no whole frame: they went nowhere");
+        if (skipped > 0) tell(std::to_string(skipped) + " bytes of a message were not part of a complete frame and were ignored");
         if (arrival_.is_behind()) look_for_more();
         host().flush();
     }
@@ -74,7 +74,7 @@ public:
     void detach() {
         channel_ = nullptr;
         alive_.reset();
-        socket_->close(going_away, "the gateway's links were changed: come again");
+        socket_->close(going_away, "the links of the gateway changed; connect again");
     }
 
     std::uint8_t port_id() const { return port_id_; }
@@ -189,15 +189,15 @@ UnassignedTraffic ControlLink::unassigned_traffic() const {
 http::Response ControlLink::join(const http::Request& request, std::uint8_t own_id) {
     const std::string name{request.query_value("name").value_or("program")};
     if (name.empty() || name.size() > max_name || !ano::is_utf8(name))
-        return http::error(400, "name= must be a text of 1 to 64 bytes");
+        return http::error(400, "name= must be text of 1 to 64 bytes");
     for (std::size_t i = 0; i < name.size(); ++i)
-        if (ano::control_size(name, i) > 0) return http::error(400, "name= has a control character in it");
+        if (ano::control_size(name, i) > 0) return http::error(400, "name= contains a control character");
     std::uint8_t port_id = 0;
     if (const auto text = request.query_value("id")) {
         const auto id = parse_address(*text);
         if (!id || *id == 0 || *id > ano::address::last_port_id) return http::error(400, "id= must be a port id, 1 to 20");
         if (*id == own_id) return http::error(409, "id= is the gateway's own id");
-        if (!is_free(*id)) return http::error(409, "another link, or a channel of one, has the port id " + std::to_string(*id));
+        if (!is_free(*id)) return http::error(409, "another link or channel already has the port id " + std::to_string(*id));
         port_id = *id;
     }
     if ((~forwarder_.channels()).empty()) return http::try_again("all 64 channels of the gateway are in use");

@@ -163,7 +163,7 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
 
 void Gateway::start(LinkState& state) {
     if (state.link->settings().enabled) return state.link->start();
-    state.error = LinkError{"disabled", "it is disabled (enabled=false)", {}};
+    state.error = LinkError{"disabled", "disabled (enabled=false)", {}};
     log_info("{}: disabled", state.link->name());
 }
 

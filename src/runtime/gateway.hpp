@@ -179,7 +179,7 @@ public:
     /// `call` gets each channel whose wire is lost, or which is about to be closed.
     void on_loss(std::function<void(ChannelId)> call) { tells_loss_ = std::move(call); }
     std::string scan(const std::function<void(const std::string&)>& tell) {
-        return scan_ ? scan_(tell) : "nothing here asks devices";
+        return scan_ ? scan_(tell) : "requests to devices are not available here";
     }
     /// The last reading of the clock.
     TimePoint time() const noexcept { return now_; }

@@ -106,8 +106,7 @@ void GatewayDevices::tell_unknown(const Channel& from, std::uint8_t source) {
     const std::string here = words_of(gateway_.name(from.link), from.peer), name = ano::hex_byte(source);
     service_.hear_elsewhere(source, here, gateway_.time());
     log_warning(
-        "{} is heard on {} and not on {}, where it was: it is not known to be the same device, and stays lost. If it is the "
-        "same: "
+        "{} now sends on {}, but was last seen on {}: this may be another device, so it stays lost. If it is the same device: "
         "anoctl routes --forget {}",
         name, here, words_of(places_[source].link, places_[source].peer), name);
 }
@@ -145,8 +144,7 @@ std::string GatewayDevices::scan(const std::function<void(const std::string&)>& 
     JobOrder order{JobKind::scan, ano::host::Deed::read, std::nullopt, false, "the gateway as a device", anogate::scan};
     order.result = [this, tell] {
         for (const DeviceReport& device : service_.devices(gateway_.now()))
-            tell(ano::hex_byte(device.heard.address) + " " +
-                 (device.info ? device.texts.shown(device.info->name) : "of no name") +
+            tell(ano::hex_byte(device.heard.address) + " " + (device.info ? device.texts.shown(device.info->name) : "unnamed") +
                  (device.heard.link.empty() ? "" : " by " + device.heard.link));
         return std::string{"[]"};
     };
@@ -190,16 +188,16 @@ void GatewayDevices::remember_note(const std::string& folder, const std::string&
     const std::string about = describe_note(name, text);
     const std::string misfit = misfit_of_place(text, unit_place(0, {}), false);
     if (!misfit.empty())
-        return log_info("{}/{} ({}) is left alone: it is {}{}", folder, name, about, misfit,
+        return log_info("{}/{} ({}) is not used: it is {}{}", folder, name, about, misfit,
                         is_of_calibration ? ". To write it back: anoctl param import " + folder + "/" + name : "");
     service_.remember(name, std::move(text));
     if (is_of_calibration)
         log_info(
-            "{}/{}: the calibration never ended ({}); the old values are written back as soon as this very device is heard on "
-            "the ground, if its values tell it from others of its type",
+            "{}/{}: the calibration was not finished ({}); the old values are written back as soon as this device is seen on "
+            "the ground, if its values distinguish it from others of its type",
             folder, name, about);
     else if (is_loader_note(name))
-        log_info("{}/{}: the device was left in its loader ({}), it needs its firmware", folder, name, about);
+        log_info("{}/{}: the device was left in its boot loader ({}) and needs its firmware", folder, name, about);
 }
 
 void GatewayDevices::stop() {
@@ -267,7 +265,7 @@ Unsent GatewayDevices::send(ano::FrameView frame) {
     if (frame.destination() == gateway_.settings().gateway.id) {
         if (!is_device(gateway_.settings().gateway)) return {ano::hex_byte(frame.destination()) + " is the gateway itself"};
         if (ano::is_control(frame) && !gateway_.settings().control.manage)
-            return {"the control interface may not manage the gateway (control.manage)"};
+            return {"the control interface is not allowed to manage the gateway (control.manage)"};
     }
     was_taken_ = false;
     left_by_[frame.destination()].clear();
@@ -334,8 +332,8 @@ void GatewayDevices::dropped(const Channel& from, ano::FrameView frame, ReceiveC
     if (cause == &ReceiveCounters::no_route && ano::intent_of(frame) == ano::Intent::acts)
         refusal_.why = unknown_device(frame.destination()).text;
     if (!is_for_good(cause)) return;
-    refusal_.why = cause == &ReceiveCounters::inhibited ? "a GPIO switch that inhibits the link 'control' keeps this off"
-                                                        : "the rules 'control.receive' do not let this pass";
+    refusal_.why = cause == &ReceiveCounters::inhibited ? "blocked by a GPIO switch that inhibits the link 'control'"
+                                                        : "refused by the rules 'control.receive'";
 }
 
 void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
@@ -343,8 +341,8 @@ void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
     const std::string& name = gateway_.name(to);
     if (cause == &SendCounters::link_down) refusal_ = {"not sent: the link '" + name + "' is down", true};
     if (!is_for_good(cause)) return;
-    refusal_.why = cause == &SendCounters::too_big ? "it has more DATA than the link '" + name + "' carries"
-                                                   : "the rules 'send' of the link '" + name + "' do not let this pass";
+    refusal_.why = cause == &SendCounters::too_big ? "more DATA than the link '" + name + "' can carry"
+                                                   : "refused by the rules 'send' of the link '" + name + "'";
 }
 
 std::vector<HeardAddress> GatewayDevices::heard(ano::TimePoint now) {

@@ -63,7 +63,7 @@ void hand_over(const Gateway& gateway) {
     const int texts[] = {text.get()};
     const bool is_stored = text && (wires.empty() || store_descriptors(wire_name, wires)) &&
                            store_descriptors(state_name, texts) && await_systemd();
-    if (!is_stored) log_warning("systemd does not answer: a restart opens all wires again");
+    if (!is_stored) log_warning("systemd does not answer: a restart reopens all links");
 }
 
 }    // namespace anogate

@@ -112,7 +112,7 @@ std::optional<KeptConfig> parse_kept_config(std::string_view bytes) try {
 std::optional<KeptConfig> kept_config(const std::string& path, std::string& fault) {
     const auto bytes = read_kept_file(path, max_kept, fault);
     auto kept = bytes ? parse_kept_config(*bytes) : std::nullopt;
-    if (bytes && !kept) fault = path + ": is damaged; remove it";
+    if (bytes && !kept) fault = path + ": damaged; remove it";
     return kept;
 }
 

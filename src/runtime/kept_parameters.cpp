@@ -28,7 +28,7 @@ WrittenValues kept_parameters(const std::string& path) {
     if (!text && fault.empty()) return {};
     auto written = text ? WrittenValues::parse(*text) : std::nullopt;
     if (written) return *std::move(written);
-    log_warning("{}; the configuration holds", fault.empty() ? path + ": it is no list of parameters" : fault);
+    log_warning("{}; using the values of the configuration", fault.empty() ? path + ": not a list of parameters" : fault);
     return {};
 }
 

@@ -130,8 +130,8 @@ void OwnDevice::conflict_began(const std::string& what) { tell(what, LogColor::r
 void OwnDevice::apply(const WrittenValues& written) { reload_.write(written); }
 
 std::string OwnDevice::save(const WrittenValues& written) {
-    if (kept_path_.empty()) return "there is no configuration file, or no folder, that they could be kept beside";
-    if (saves_.size() >= max_waiting_saves) return "others wait for the disk already";
+    if (kept_path_.empty()) return "no configuration file or folder to save them in";
+    if (saves_.size() >= max_waiting_saves) return "other saves are still waiting for the disk";
     saves_.push_back({written, true});
     if (saves_.size() == 1) next_save();
     return {};
@@ -158,7 +158,7 @@ void OwnDevice::next_save() {
         saves_.pop_front();
         if (why.empty()) kept_ = save.values;
         if (save.is_asked_for) device_.saved(why, gateway_.now());
-        else if (!why.empty()) log_warning("parameters that the configuration has overruled are still kept: {}", why);
+        else if (!why.empty()) log_warning("stored parameters that the configuration overrides could not be removed: {}", why);
         gateway_.flush();
         if (!saves_.empty()) next_save();
     };
@@ -171,8 +171,8 @@ void OwnDevice::next_save() {
 // A reload without a confirmation time would confirm the configuration that waits for its confirmation.
 std::string OwnDevice::reload() {
     if (gateway_.config_state().runs == ConfigState::Runs::unconfirmed)
-        return "a configuration waits to be confirmed by who reloaded it";
-    if (std::exchange(reloads_, true)) return "a reload is under way";
+        return "a reloaded configuration is still waiting for confirmation";
+    if (std::exchange(reloads_, true)) return "a reload is in progress";
     reload_.reload({}, [this, alive = std::weak_ptr<bool>{is_alive_}](const ReloadOutcome& outcome) {
         if (alive.expired()) return;
         reloads_ = false;
@@ -187,7 +187,7 @@ void OwnDevice::tell(const ReloadOutcome& outcome) {
     std::string changed;
     for (const LinkDifference& link : outcome.difference.links)
         if (link.change != Change::same) changed += " " + link.name + " " + std::string{text(link.change)};
-    tell("reload:" + (changed.empty() ? " no link changes" : changed), LogColor::green);
+    tell("reload:" + (changed.empty() ? " no link changed" : changed), LogColor::green);
 }
 
 std::string OwnDevice::restart(const std::string& link) {
@@ -217,12 +217,12 @@ std::string OwnDevice::pulse(std::size_t number) {
 
 std::string OwnDevice::start_recording() {
     RecordingService* const service = gateway_.recording();
-    return service ? service->start_recording() : "nothing here records";
+    return service ? service->start_recording() : "recording is not available here";
 }
 
 std::string OwnDevice::stop_recording() {
     RecordingService* const service = gateway_.recording();
-    return service ? service->stop_recording() : "nothing here records";
+    return service ? service->stop_recording() : "recording is not available here";
 }
 
 std::vector<LinkSummary> OwnDevice::summaries() {

@@ -39,7 +39,7 @@ bool PeerLog::may_say(ano::TimePoint now) {
 }
 
 void PeerLog::tell_rest() {
-    if (unsaid_ > 0) log_info("peers came or went {} times more", std::exchange(unsaid_, 0));
+    if (unsaid_ > 0) log_info("{} more peers came or went", std::exchange(unsaid_, 0));
 }
 
 }    // namespace anogate

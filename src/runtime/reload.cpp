@@ -24,13 +24,13 @@ void log_difference(const Difference& difference, std::string_view why = "reload
 
 void log_outcome(const ReloadOutcome& outcome) {
     if (!outcome.refusal.empty()) return log_error("reload: nothing was changed: {}", outcome.refusal);
-    if (!outcome.faults.empty()) log_error("reload: nothing was changed, the configuration has faults:");
+    if (!outcome.faults.empty()) log_error("reload: nothing was changed, the configuration has errors:");
     for (const ConfigError& fault : outcome.faults) log_error("reload: {}", line_of(fault));
     if (!outcome.faults.empty() || outcome.dry_run) return;
-    if (outcome.difference.is_none()) log_info("reload: nothing changes");
+    if (outcome.difference.is_none()) log_info("reload: no changes");
     log_difference(outcome.difference);
     if (outcome.confirm_within)
-        log_warning("reload: the configuration before comes back in {} unless this one is confirmed",
+        log_warning("reload: the previous configuration is restored in {} unless this one is confirmed",
                     duration_text(*outcome.confirm_within));
 }
 
@@ -82,7 +82,7 @@ bool Reload::Job::prepare_restart() {
     std::string fault;
     if (!outcome.confirm_within) fault = forget_config(kept_path);
     else fault = keep_config(kept_path, {wanted.files, confirmed.files});
-    if (!fault.empty()) outcome.refusal = "what a restart is to run can't be written: " + fault;
+    if (!fault.empty()) outcome.refusal = "cannot save the configuration for the next start: " + fault;
     return fault.empty();
 }
 
@@ -216,7 +216,7 @@ void Reload::begin_confirm(const std::function<void(std::string)>& done) {
         done(std::move(why));
         next();
     };
-    if (!unconfirmed_) return refuse("nothing waits to be confirmed");
+    if (!unconfirmed_) return refuse("no configuration is waiting for confirmation");
     const auto why = std::make_shared<std::string>();
     const auto confirmed = [this, done, why](std::string fault) {
         if (fault.empty()) fault = *why;
@@ -247,7 +247,7 @@ bool Reload::may_still_be_confirmed() const {
 void Reload::roll_back() {
     if (!unconfirmed_ || may_still_be_confirmed()) return next();
     unconfirmed_.reset();
-    log_warning("reload: not confirmed in time, the configuration before is back; the file stays as it is");
+    log_warning("reload: not confirmed in time; the previous configuration is restored, the file is unchanged");
     const Settings before = without_restart(gateway_.settings(), written_.applied(confirmed_.settings));
     const Difference back = difference(gateway_.settings(), before);
     change_gateway(before, back, [this, back] { rolled_back(back); });
@@ -313,7 +313,7 @@ void Reload::restart(const std::string& link) {
 // When the file has changed a key since its value was written, the file takes precedence.
 void Reload::forget_stale() {
     for (const std::string& key : written_.forget_stale(confirmed_.settings))
-        log_info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
+        log_info("discarded the stored gateway parameter {}: the configuration changed after it was written", key);
 }
 
 void Reload::settle() {

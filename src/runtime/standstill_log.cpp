@@ -19,13 +19,13 @@ void StandstillLog::stood(const LoopWatch::Turn& turn, ano::TimePoint now) {
     if (now < next_) return void(++unsaid_);
     next_ = std::max(next_, now - (at_once - 1) * spacing) + spacing;
     const double seconds = std::chrono::duration<double>(turn.stood).count();
-    const char* why = turn.suspended > ano::Duration::zero() ? "the machine slept" : "stopped, or the machine was too busy";
-    const std::string more = unsaid_ == 0 ? "" : "; " + std::to_string(std::exchange(unsaid_, 0)) + " times more before";
-    log_warning("stood still for at least {:.1f} s ({}): what came meanwhile counts as that old{}", seconds, why, more);
+    const char* why = turn.suspended > ano::Duration::zero() ? "the computer slept" : "stopped, or the computer was too busy";
+    const std::string more = unsaid_ == 0 ? "" : "; " + std::to_string(std::exchange(unsaid_, 0)) + " more times before";
+    log_warning("stalled for at least {:.1f} s ({}): frames received meanwhile count as that old{}", seconds, why, more);
 }
 
 void StandstillLog::finish() const {
-    if (unsaid_ > 0) log_warning("stood still {} times more", unsaid_);
+    if (unsaid_ > 0) log_warning("stalled {} more times", unsaid_);
 }
 
 }    // namespace anogate

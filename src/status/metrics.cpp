@@ -45,26 +45,25 @@ void each_counter(Visit visit) {
 }
 
 void write_gateway(MetricsText& text, const MetricsSnapshot& s) {
-    text.family("anogate_build", MetricType::info, "the program that runs");
+    text.family("anogate_build", MetricType::info, "the running program");
     text.sample({{"version", s.version}}, std::uint64_t{1});
     text.family("anogate_uptime_seconds", MetricType::gauge, "since the gateway started");
     text.sample({}, s.uptime_s);
-    text.family("anogate_standstills", MetricType::counter,
-                "times that the gateway was not run for a while, frames waited meanwhile");
+    text.family("anogate_standstills", MetricType::counter, "number of stalls of the main loop");
     text.sample({}, s.standstills);
-    text.family("anogate_longest_standstill_seconds", MetricType::gauge, "the longest time that the gateway was not run");
+    text.family("anogate_longest_standstill_seconds", MetricType::gauge, "longest stall of the main loop");
     text.sample({}, s.longest_standstill_s);
-    text.family("anogate_own_frames", MetricType::counter, "frames for the address of the gateway itself");
+    text.family("anogate_own_frames", MetricType::counter, "frames to the address of the gateway itself");
     text.sample({}, s.own_frames);
-    text.family("anogate_routes", MetricType::gauge, "addresses that lead somewhere, by the rule that decides");
+    text.family("anogate_routes", MetricType::gauge, "known addresses, by routing rule");
     for (const auto& [via, count] : s.routes) text.sample({{"via", via}}, count);
-    text.family("anogate_conflicts", MetricType::gauge, "addresses that several claim");
+    text.family("anogate_conflicts", MetricType::gauge, "addresses claimed by several devices");
     text.sample({}, s.conflicts);
-    text.family("anogate_wrong_tokens", MetricType::counter, "wrong tokens that came to control.http");
+    text.family("anogate_wrong_tokens", MetricType::counter, "wrong tokens received by control.http");
     text.sample({}, s.wrong_tokens);
-    text.family("anogate_guessing_clients", MetricType::counter, "clients of control.http whose wrong tokens were slowed down");
+    text.family("anogate_guessing_clients", MetricType::counter, "clients of control.http delayed because of wrong tokens");
     text.sample({}, s.guessing_clients);
-    text.family("anogate_alarms", MetricType::gauge, "values of devices that are beyond their alarm limits");
+    text.family("anogate_alarms", MetricType::gauge, "device values outside their alarm limits");
     text.sample({{"level", "amber"}}, s.amber_alarms);
     text.sample({{"level", "red"}}, s.red_alarms);
 }
@@ -72,23 +71,23 @@ void write_gateway(MetricsText& text, const MetricsSnapshot& s) {
 void write_state(MetricsText& text, const MetricsSnapshot& s) {
     text.family("anogate_link", MetricType::info, "the links of the configuration; id is the port id");
     for (const auto& link : s.links) text.sample({{"link", link.name}, {"kind", link.kind}, {"id", link.id}}, std::uint64_t{1});
-    text.family("anogate_link_up", MetricType::gauge, "1: the wire is there; 0: it is waited for");
+    text.family("anogate_link_up", MetricType::gauge, "1: up; 0: waiting");
     for (const auto& link : s.links) text.sample({{"link", link.name}}, std::uint64_t{link.up});
-    text.family("anogate_link_state_seconds", MetricType::gauge, "for how long the link has been up, or has not");
+    text.family("anogate_link_state_seconds", MetricType::gauge, "how long the link has been up or down");
     for (const auto& link : s.links) text.sample({{"link", link.name}}, link.since_s);
-    text.family("anogate_link_channels", MetricType::gauge, "channels of the link, a listening one has one a peer");
+    text.family("anogate_link_channels", MetricType::gauge, "channels of the link; a listening link has one per peer");
     for (const auto& link : s.links) text.sample({{"link", link.name}}, std::uint64_t{link.channels.size()});
     text.family("anogate_link_certificate_expires_seconds", MetricType::gauge,
-                "until the certificate of a TLS link expires, in whole days; negative: it has expired");
+                "whole days until the certificate of a TLS link expires; negative: expired");
     for (const auto& link : s.links)
         if (link.certificate_days) text.sample({{"link", link.name}}, static_cast<double>(*link.certificate_days) * 86400);
-    text.family("anogate_link_hint", MetricType::gauge, "1: what the hint of the status says, as hint_id");
+    text.family("anogate_link_hint", MetricType::gauge, "1: the current hint of the status, as hint_id");
     for (const auto& link : s.links)
         if (!link.hint_id.empty()) text.sample({{"link", link.name}, {"hint", link.hint_id}}, std::uint64_t{1});
 }
 
 void write_links(MetricsText& text, const MetricsSnapshot& s) {
-    text.family("anogate_link_waiting_frames", MetricType::gauge, "frames that wait to leave");
+    text.family("anogate_link_waiting_frames", MetricType::gauge, "frames waiting to be sent");
     for (const auto& link : s.links) text.sample({{"link", link.name}}, link.traffic.waiting);
     each_counter([&](std::string_view name, std::string_view help, const auto& count) {
         text.family("anogate_link_" + std::string{name}, MetricType::counter, help);
@@ -101,11 +100,11 @@ void write_channels(MetricsText& text, const MetricsSnapshot& s) {
         for (const auto& link : s.links)
             for (const auto& channel : link.channels) visit(link, channel);
     };
-    text.family("anogate_channel_silent_seconds", MetricType::gauge, "since the last good frame");
+    text.family("anogate_channel_silent_seconds", MetricType::gauge, "time since the last valid frame");
     each_channel([&](const auto& link, const auto& channel) {
         if (channel.silent_s) text.sample({{"link", link.name}, {"peer", channel.peer}}, *channel.silent_s);
     });
-    text.family("anogate_channel_waiting_frames", MetricType::gauge, "frames that wait to leave");
+    text.family("anogate_channel_waiting_frames", MetricType::gauge, "frames waiting to be sent");
     each_channel([&](const auto& link, const auto& channel) {
         text.sample({{"link", link.name}, {"peer", channel.peer}}, channel.traffic.waiting);
     });
@@ -123,18 +122,19 @@ void write_recording(MetricsText& text, const RecordingFigures& figures) {
         text.sample({}, value);
     };
     using enum MetricType;
-    one("anogate_recording_running", gauge, "recordings that are under way", figures.running);
-    one("anogate_recording_failing", gauge, "of them, those of which not all is written now; the status says why",
+    one("anogate_recording_running", gauge, "recordings in progress", figures.running);
+    one("anogate_recording_failing", gauge, "recordings in progress that are losing frames; the status has the reason",
         figures.failing);
-    one("anogate_recording_frames", counter, "frames that were written into recordings", figures.frames);
-    one("anogate_recording_written_bytes", counter, "bytes that were written into recordings", figures.bytes);
-    one("anogate_recording_not_written", counter, "frames that are missing in recordings: the disk did not take them",
+    one("anogate_recording_frames", counter, "frames written to recordings", figures.frames);
+    one("anogate_recording_written_bytes", counter, "bytes written to recordings", figures.bytes);
+    one("anogate_recording_not_written", counter, "frames missing in recordings because they could not be written",
         figures.not_written);
-    if (figures.free) one("anogate_recording_disk_free_bytes", gauge, "of the disk of the recordings", *figures.free);
-    one("anogate_recording_memory_frames", gauge, "frames that keep_last holds", figures.memory_frames);
-    one("anogate_recording_memory_bytes", gauge, "the memory that they take", figures.memory_bytes);
-    one("anogate_recording_saved", counter, "times that what keep_last held was saved", figures.saved);
-    one("anogate_recording_skipped", counter, "times that it was not: it had been within a minute", figures.skipped);
+    if (figures.free) one("anogate_recording_disk_free_bytes", gauge, "free space on the disk of the recordings", *figures.free);
+    one("anogate_recording_memory_frames", gauge, "frames in keep_last", figures.memory_frames);
+    one("anogate_recording_memory_bytes", gauge, "memory used by keep_last", figures.memory_bytes);
+    one("anogate_recording_saved", counter, "number of times keep_last was saved", figures.saved);
+    one("anogate_recording_skipped", counter, "number of times keep_last was not saved because it had been within a minute",
+        figures.skipped);
 }
 
 void write_tunnel(MetricsText& text, const TunnelCounters& counters) {
@@ -148,19 +148,19 @@ void write_tunnel(MetricsText& text, const TunnelCounters& counters) {
 
 // Under the usual names of Prometheus clients.
 void write_process(MetricsText& text, const ProcessFigures& process) {
-    text.family("process_cpu_seconds", MetricType::counter, "CPU time, of user and system");
+    text.family("process_cpu_seconds", MetricType::counter, "user and system CPU time");
     text.sample({}, process.cpu_s);
     text.family("process_resident_memory_bytes", MetricType::gauge, "resident memory");
     text.sample({}, process.resident_bytes);
     text.family("process_virtual_memory_bytes", MetricType::gauge, "virtual memory");
     text.sample({}, process.virtual_bytes);
-    text.family("process_start_time_seconds", MetricType::gauge, "Unix time of the start");
+    text.family("process_start_time_seconds", MetricType::gauge, "start time as Unix time");
     text.sample({}, process.started_at_s);
     if (process.open_fds) {
         text.family("process_open_fds", MetricType::gauge, "open file descriptors");
         text.sample({}, *process.open_fds);
     }
-    text.family("process_max_fds", MetricType::gauge, "file descriptors that may be open");
+    text.family("process_max_fds", MetricType::gauge, "maximum number of open file descriptors");
     text.sample({}, process.max_fds);
 }
 

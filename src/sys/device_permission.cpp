@@ -46,10 +46,10 @@ std::string how_to_join(const DeviceGroup& group, const DeviceUser& user) {
     const bool is_service = is_service_user(user.uid);
     const std::string then = is_service ? "restart the service" : "log in again";
     if (is_among(group.members, user.name))
-        return is_service ? "its user " + user.name + " is in the group " + group.name + " since the last start: " + then
-                          : "you are in its group " + group.name + " since your last login: " + then;
+        return is_service ? "its user " + user.name + " was added to the group " + group.name + " after the last start: " + then
+                          : "you were added to its group " + group.name + " after your last login: " + then;
     const std::string name = is_service ? user.name : "$USER";
-    return "it is for the group " + group.name + ": sudo usermod -aG " + group.name + " " + name + ", and " + then;
+    return "it belongs to the group " + group.name + ": sudo usermod -aG " + group.name + " " + name + ", and " + then;
 }
 
 std::string name_of(uid_t id) {
@@ -81,13 +81,13 @@ std::string missing_permission(const fs::path& root, const std::string& device, 
     if (group.name == "tty") {
         const std::string port = fs::path{device}.filename().string();
         const std::string service = port.starts_with("ttyTHS") ? "nvgetty" : "serial-getty@" + port;    // nvgetty: on a Jetson
-        return "a login sits on it: sudo systemctl disable --now " + service + ", and restart";
+        return "a login console uses it: sudo systemctl disable --now " + service + ", and restart";
     }
-    if (s.st_uid == user.uid) return "it is yours, and its mode forbids it: chmod u+rw " + device;
+    if (s.st_uid == user.uid) return "you own it, but its mode denies access: chmod u+rw " + device;
     if (s.st_uid != 0 && ((s.st_mode >> 3) & both) != both)
-        return "it belongs to " + name_of(s.st_uid) + ", whose mode keeps others out: sudo chmod a+rw " + device;
+        return "it belongs to " + name_of(s.st_uid) + ", and its mode denies access to others: sudo chmod a+rw " + device;
     if (s.st_gid == 0 || ((s.st_mode >> 3) & both) != both)
-        return "only root may open it: a rule of udev gives it to a group (GROUP=\"dialout\", MODE=\"0660\")";
+        return "only root may open it: add a udev rule for a group (GROUP=\"dialout\", MODE=\"0660\")";
     return how_to_join(group, user);
 }
 

@@ -32,9 +32,9 @@ bool Errand::run(std::function<void()> work, std::function<void(std::string)> do
     auto shared = std::make_shared<Shared>();
     shared->event = UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
     UniqueFd event{shared->event ? ::fcntl(shared->event.get(), F_DUPFD_CLOEXEC, 0) : -1};
-    why_not_ = "no file descriptor can be had (ulimit -n)";
+    why_not_ = "no file descriptor is available (ulimit -n)";
     if (!event) return false;
-    why_not_ = "no thread can be had";
+    why_not_ = "no thread is available";
     shared->work = std::move(work);
     shared->done = std::move(done);
     try {

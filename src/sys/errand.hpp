@@ -22,7 +22,7 @@ public:
     /// Calls `work` in the thread, where it must not touch data of others, and then `done` in the loop; `fault` is the message of the
     /// exception that `work` threw, or empty. False: neither is called; why_not() says why.
     bool run(std::function<void()> work, std::function<void(std::string fault)> done);
-    /// After run() returned false, what was missing: "no thread can be had".
+    /// After run() returned false, what was missing: "no thread is available".
     std::string_view why_not() const noexcept { return why_not_; }
     bool is_running() const noexcept { return shared_ != nullptr; }
     static constexpr ano::Duration patience_at_the_end = std::chrono::milliseconds{200};

@@ -41,7 +41,7 @@ Fault read_address(std::string_view name, std::string_view word, bool given, Byt
 
 Fault read_id(std::string_view word, bool given, Bytes& set) {
     const auto ranges = parse_frames(word);
-    if (!ranges) return is_not("id", word, "is no id, range of ids, message or class of messages" + meant_frames(word));
+    if (!ranges) return is_not("id", word, "is not an id, range of ids, message or class of messages" + meant_frames(word));
     for (const ByteRange& range : *ranges) {
         add(set, given, range);
         given = true;
@@ -51,7 +51,7 @@ Fault read_id(std::string_view word, bool given, Bytes& set) {
 
 std::string one_of(std::span<const std::string_view> links) {
     std::string all;
-    for (const std::string_view link : links) all.append(all.empty() ? "; give one of " : ", ").append(link);
+    for (const std::string_view link : links) all.append(all.empty() ? "; use one of " : ", ").append(link);
     return all;
 }
 
@@ -65,7 +65,7 @@ Fault read_link(std::string_view word, std::span<const std::string_view> links, 
 Fault read_direction(std::string_view word, bool given, std::array<bool, 3>& chosen) {
     const auto* const found = std::find(std::begin(directions), std::end(directions), word);
     if (found == std::end(directions))
-        return is_not("direction", word, "is none of in, out and dropped") + ano::did_you_mean(word, directions);
+        return is_not("direction", word, "is not in, out or dropped") + ano::did_you_mean(word, directions);
     if (!given) chosen = {};
     chosen[static_cast<std::size_t>(found - std::begin(directions))] = true;
     return {};
@@ -89,7 +89,7 @@ Fault read_elsewhere(std::string_view word, bool& elsewhere) {
 Fault read_batch(std::string_view word, ano::Duration& batch) {
     constexpr ano::Duration min_batch = std::chrono::milliseconds{1}, max_batch = std::chrono::seconds{1};
     const auto time = parse_duration(word);
-    if (!time || *time < min_batch || *time > max_batch) return is_not("batch", word, "is no time from 1ms to 1s");
+    if (!time || *time < min_batch || *time > max_batch) return is_not("batch", word, "is not a time from 1ms to 1s");
     batch = *time;
     return {};
 }
@@ -99,7 +99,7 @@ Fault read_samples(std::string_view word, unsigned& samples) {
     unsigned number = 0;
     const auto [end, ec] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (ec != std::errc{} || end != word.data() + word.size() || number < 1 || number > max_samples)
-        return is_not("samples", word, "is no number from 1 to 100");
+        return is_not("samples", word, "is not a number from 1 to 100");
     samples = number;
     return {};
 }
@@ -118,9 +118,9 @@ public:
             return read_limit(std::string_view{field.name}.substr(limit_name.size()), field.value, query.filter.limit);
         const auto* const found = std::find(std::begin(filter_names), std::end(filter_names), field.name);
         if (found == std::end(filter_names))
-            return "there is no filter " + ano::in_quotes(field.name) + ano::did_you_mean(field.name, filter_names) +
-                   "; there are from, to, id, link, direction, limit.ID, samples, elsewhere, batch and format";
-        if (field.value.empty()) return field.name + "= says nothing: leave it out";
+            return "unknown filter " + ano::in_quotes(field.name) + ano::did_you_mean(field.name, filter_names) +
+                   "; filters are from, to, id, link, direction, limit.ID, samples, elsewhere, batch and format";
+        if (field.value.empty()) return field.name + "= has no value: omit it";
         bool& given = given_[static_cast<std::size_t>(found - std::begin(filter_names))];
         for (const std::string_view word : split(field.value, ',')) {
             if (Fault fault = read(field.name, word, given); !fault.empty()) return fault;

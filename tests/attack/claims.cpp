@@ -39,7 +39,7 @@ public:
         told_.str({});
         std::string lines;
         for (std::string line; std::getline(told, line);)
-            if (!line.starts_with("stood still for ")) lines += line + '\n';
+            if (!line.starts_with("stalled for ")) lines += line + '\n';
         return lines;
     }
 
@@ -115,9 +115,9 @@ TEST_F(Claims, peer_of_its_own_link_takes_nothing_either) {
         return count(fc, 0xC0) == 1 && !conflict().is_null();
     }));
     EXPECT_EQ(count(attacker, 0xC0), 0u);
-    EXPECT_EQ(
-        daemon.link("air").at("hint"),
-        "two peers speak as one device: `conflicts` in the status says who; two devices? give one of them another id (0xDC)");
+    EXPECT_EQ(daemon.link("air").at("hint"),
+              "two peers send as the same device: see `conflicts` in the status; if these are two devices, change the id of one "
+              "(0xDC)");
 }
 
 // It says always the same, and the attacker was first.
@@ -170,8 +170,8 @@ TEST_F(Claims, device_that_came_back_elsewhere_is_reached_after_its_silence) {
 TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
     const LogLines log;
     for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
-    EXPECT_EQ(log.take(), "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +
-                              "): two devices? give one of them another id; or pin it: --route 0xDC=LINK\n");
+    EXPECT_EQ(log.take(), "0xDC is seen on ground and air, claimed by ground (" + attacker.local().text() +
+                              "): if these are two devices, change the id of one; or pin it: --route 0xDC=LINK\n");
 }
 
 // It answers no question, so that it loses its address; but not without a word.
@@ -182,7 +182,7 @@ TEST_F(Claims, device_that_answers_nothing_loses_its_address_with_a_log_line) {
     ASSERT_TRUE(daemon.until([&] { return daemon.route("0xDC").at("links") == nlohmann::json{"ground"}; }));
     EXPECT_EQ(daemon.route("0xDC").at("moved_from"), nlohmann::json{"air"});
     EXPECT_EQ(log.take(),
-              "0xDC moved from air to ground: frames for it go there now. If the device was not connected there, pin it: "
+              "0xDC moved from air to ground: frames for it now go there. If the device is not connected there, pin it: "
               "--route 0xDC=air\n");
     ASSERT_TRUE(device_says(broadcast(2)));
     ASSERT_TRUE(daemon.until([&] { return daemon.route("0xDC").at("links") == nlohmann::json{"air"}; }));
@@ -228,11 +228,11 @@ TEST(PinnedAddress, never_moves) {
     attacker.send(daemon.port("ground"), broadcast(1));
     ASSERT_TRUE(daemon.until([&] { return !daemon.status().at("conflicts").empty(); }));
     const std::string advice =
-        "frames from there are not taken for its own; one device? give the links one `group`; two devices? give "
-        "the other one another id";
+        "its route does not change; if it is one device, put both links in one `group`; if two, change the id of the other one";
     EXPECT_EQ(log.take(), "0xDC is pinned to air, and is claimed by ground (" + attacker.local().text() + "): " + advice + "\n");
     for (const char* link : {"ground", "air"})
-        EXPECT_EQ(daemon.link(link).at("hint"), "a pinned address is claimed by another link: " + advice + " (0xDC)") << link;
+        EXPECT_EQ(daemon.link(link).at("hint"), "frames from a pinned address arrive on another link: " + advice + " (0xDC)")
+            << link;
     EXPECT_EQ(daemon.status().at("conflicts").at(0).at("claimed_by").at("peer"), attacker.local().text());
     EXPECT_EQ(daemon.route("0xDC").at("via"), "pinned");
 }

@@ -75,11 +75,11 @@ TEST_F(Files, a_damaged_note_of_a_flash_is_reported_and_in_nobodys_way) {
     Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
     ASSERT_TRUE(daemon.until_answers()) << daemon.output();
     const std::string said = daemon.output();
-    EXPECT_NE(said.find("state/firmware-0xDC.json is damaged and ignored: the device 0xDC may be in its loader"),
+    EXPECT_NE(said.find("state/firmware-0xDC.json is damaged and ignored: the device 0xDC may be in its boot loader"),
               std::string::npos)
         << said;
     EXPECT_NE(said.find("state/firmware-0xDD-12ab34cd.json"), std::string::npos) << said;
-    EXPECT_NE(said.find("FC (0xDE)) is left alone: it is of an older version"), std::string::npos) << said;
+    EXPECT_NE(said.find("FC (0xDE)) is not used: it is of an older version"), std::string::npos) << said;
 }
 
 // What is kept of a device: alarm limits, and each kind of note.
@@ -159,10 +159,10 @@ TEST_F(Files, with_a_key_that_others_may_read_encrypt_nothing) {
     const std::string with_tls = dir.write(
         "anogate.json", R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "tls": {"certificate": ")" +
                             (dir / "cert.pem") + R"(", "key": ")" + (dir / "key.pem") + "\"}}}");
-    const std::string words = "key.pem: everybody on this computer may read it; chmod o= ";
+    const std::string words = "key.pem: every user of this computer can read it; run chmod o= ";
     Daemon daemon{ANOGATED, dir / "control.sock", {"--config", with_tls}, environment()};
     ASSERT_TRUE(daemon.until_answers()) << daemon.output();
-    EXPECT_TRUE(daemon.until_says("control.http stays shut: control.tls: ")) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("control.http stays off: control.tls: ")) << daemon.output();
     EXPECT_NE(daemon.output().find(words), std::string::npos) << daemon.output();
     Process check{ANOGATED, {"--check", "--config", with_tls}, environment()};
     check.wait(soon);
@@ -177,7 +177,7 @@ TEST_F(Files, with_a_key_that_others_may_read_encrypt_nothing) {
     fs::permissions(dir / "key.pem", fs::perms{0640});
     Process checked{ANOGATED, {"--check", "--config", with_tls}, environment()};
     checked.wait(soon);
-    EXPECT_EQ(checked.output().find("stays shut"), std::string::npos) << checked.output();
+    EXPECT_EQ(checked.output().find("stays off"), std::string::npos) << checked.output();
 }
 
 }    // namespace

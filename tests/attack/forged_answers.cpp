@@ -96,7 +96,7 @@ TEST_P(ForgedAnswers, of_a_value_is_not_believed_and_the_job_reports_it) {
     }
     EXPECT_TRUE(wait_until([&] {    // a job may be over before one comes
         const std::string lines = asked(socket, "GET", "/devices/0xDC/parameters", {}, as_lines).body;
-        return lines.find("answers in the name of 0xDC came by net (127.0.0.1:") != std::string::npos;
+        return lines.find("answers with the address 0xDC were received on net (127.0.0.1:") != std::string::npos;
     }));
     EXPECT_GE(conflict().at("count"), 1);
     EXPECT_EQ(conflict().at("claimed_by").at("link"), "net");
@@ -111,7 +111,7 @@ TEST_P(ForgedAnswers, to_a_write_is_not_believed) {
     const Forger forger{daemon->port("net"), {check(0xDC), check(1), frame(0xDC, 0xFE, 0xE1, {0, 0, 5})}};
     const auto answer = asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
     EXPECT_GE(answer.status, 400u) << answer.body;
-    EXPECT_NE(answer.body.find("answers in the name of 0xDC came by net"), std::string::npos) << answer.body;
+    EXPECT_NE(answer.body.find("answers with the address 0xDC were received on net"), std::string::npos) << answer.body;
 }
 
 TEST_P(ForgedAnswers, that_the_device_is_another_one_is_not_believed) {
@@ -260,7 +260,8 @@ TEST_P(ForgedBeside, answers_of_a_value_and_to_a_write_are_not_believed) {
     ignores_writes = true;
     const auto written = asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
     EXPECT_GE(written.status, 400u) << written.body;
-    EXPECT_NE(written.body.find("answers in the name of 0xDC came by net (127.0.0.1:"), std::string::npos) << written.body;
+    EXPECT_NE(written.body.find("answers with the address 0xDC were received on net (127.0.0.1:"), std::string::npos)
+        << written.body;
 }
 
 INSTANTIATE_TEST_SUITE_P(At, ForgedBeside, testing::Values(true, false),
@@ -306,9 +307,10 @@ TEST_P(LostVehicle, does_not_look_alive_by_what_a_stranger_sends) {
     ASSERT_EQ(still.size(), 1u);
     EXPECT_EQ(still.at(0).at("elsewhere"), where);
     EXPECT_EQ(still.at(0).at("sflag"), 2);
-    EXPECT_TRUE(daemon.until_says("0xDC is heard on " + where +
-                                  " and not on air (127.0.0.2), where it was: it is not known to be "
-                                  "the same device, and stays lost. If it is the same: anoctl routes --forget 0xDC\n"))
+    EXPECT_TRUE(
+        daemon.until_says("0xDC now sends on " + where +
+                          ", but was last seen on air (127.0.0.2): this may be another device, so it stays lost. If it is "
+                          "the same device: anoctl routes --forget 0xDC\n"))
         << daemon.output();
     say(vehicle, "air", 2);
     EXPECT_TRUE(daemon.until([&](const json&) { return lost().empty(); })) << "it is back";

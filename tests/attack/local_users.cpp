@@ -398,11 +398,11 @@ TEST_F(ForeignFolder, a_link_of_theirs_on_the_way_is_not_followed) {
     ASSERT_EQ(::symlink(ours.c_str(), (theirs + "/way").c_str()), 0);
     ASSERT_EQ(::lchown((theirs + "/way").c_str(), nobody, nobody), 0);
     Server control{io};
-    EXPECT_NE(control.start(theirs + "/way/control.sock").error.find("leads through way, a link of another user"),
+    EXPECT_NE(control.start(theirs + "/way/control.sock").error.find("leads through way, a symbolic link of another user"),
               std::string::npos);
     RunningGateway gateway{pty("app", theirs + "/way/app")};
     EXPECT_EQ(gateway.link("app").at("error"),
-              theirs + "/way/app: leads through way, a link of another user: it is not followed");
+              theirs + "/way/app: leads through way, a symbolic link of another user, which is not followed");
     EXPECT_FALSE(fs::exists(fs::symlink_status(ours + "/app")));
     EXPECT_FALSE(fs::exists(ours + "/control.sock"));
 }
@@ -419,7 +419,7 @@ TEST_F(ForeignFolder, a_socket_of_theirs_is_left_alone_dead_or_alive) {
     ::kill(other.pid(), SIGKILL);
     other.wait();
     EXPECT_EQ(control.start(socket).error,
-              socket + ": is a socket of another user: it is left alone (give another path by --control)");
+              socket + ": is a socket of another user and is left alone (use --control with another path)");
     EXPECT_TRUE(fs::exists(socket));
 }
 
@@ -428,7 +428,8 @@ TEST_F(ForeignFolder, a_ptys_path_that_is_anothers_link_is_left_to_him) {
     ASSERT_EQ(::symlink("/dev/pts/99999", app.c_str()), 0);
     ASSERT_EQ(::lchown(app.c_str(), nobody, nobody), 0);
     RunningGateway gateway{pty("app", app)};
-    EXPECT_EQ(gateway.link("app").at("error"), app + " is a link of another user: it is left alone, choose another path");
+    EXPECT_EQ(gateway.link("app").at("error"),
+              app + " is a symbolic link of another user and is left alone; choose another path");
     EXPECT_EQ(fs::read_symlink(app), "/dev/pts/99999");
     fs::remove(app);
     EXPECT_TRUE(gateway.until([&] { return fs::is_symlink(app); })) << "the way is free now";

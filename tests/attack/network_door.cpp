@@ -187,7 +187,7 @@ TEST(NetworkDoorTokens, with_a_fault_keep_it_shut_and_the_gateway_running) {
         "anogate.json",
         R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "token_file": ")" + tokens + "\"}}");
     Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config}};
-    ASSERT_TRUE(daemon.until_says("control.http stays shut: control.token_file: " + tokens + ": line 1: ")) << daemon.output();
+    ASSERT_TRUE(daemon.until_says("control.http stays off: control.token_file: " + tokens + ": line 1: ")) << daemon.output();
     EXPECT_TRUE(daemon.until_answers()) << daemon.output();
     EXPECT_EQ(daemon.output().find("http://127.0.0.1:"), std::string::npos) << daemon.output();
 }

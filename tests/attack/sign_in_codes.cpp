@@ -76,7 +76,7 @@ TEST_F(SignInCodes, of_digits_are_void_after_three_wrong_tries_of_anybody) {
     EXPECT_EQ(use(other_than(right, 2), "127.9.0.1"), "401");
     EXPECT_EQ(state("digits"), "void");
     EXPECT_EQ(use(right), "401");
-    EXPECT_TRUE(daemon.until_says("void after 3 wrong tries, the last from 127.9.0.1")) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("void after 3 wrong attempts, the last from 127.9.0.1")) << daemon.output();
     EXPECT_EQ(daemon.status().at("http").at("wrong_tokens"), 4);
     const std::string another = digits();
     EXPECT_EQ(use(other_than(another, 0)), "401");

@@ -77,7 +77,7 @@ TEST_F(Tokens, guessed_from_many_addresses_are_counted_and_fill_no_log) {
             ASSERT_NE(http(port, request("GET /status", bearer("guess")), "127.9.0." + std::to_string(client)), "");
     EXPECT_EQ(daemon.status().at("http").at("guessing_clients"), 40);
     EXPECT_NE(http(socket, "GET /metrics HTTP/1.0\r\n\r\n").find("anogate_guessing_clients_total 40"), std::string::npos);
-    ASSERT_TRUE(daemon.until_says("others of this minute are only counted")) << daemon.output();
+    ASSERT_TRUE(daemon.until_says("others are only counted in this minute")) << daemon.output();
     int lines = 0;
     const std::string said = daemon.output(), line = "ten wrong tokens from";
     for (auto at = said.find(line); at != std::string::npos; at = said.find(line, at + 1)) ++lines;
@@ -195,7 +195,7 @@ TEST_F(Reloaded, whoever_asks_for_it_with_a_token_that_is_gone_is_told_the_outco
 TEST_F(Reloaded, files_that_are_at_fault_shut_the_door_as_at_the_start) {
     std::filesystem::permissions(tokens, std::filesystem::perms{0644});
     const std::string told = reload();
-    EXPECT_NE(told.find("token: everybody on this computer may read it"), std::string::npos) << told;
+    EXPECT_NE(told.find("token: every user of this computer can read it"), std::string::npos) << told;
     EXPECT_EQ(daemon.status().at("http").at("state"), "shut");
     EXPECT_EQ(code("GET /status", bearer(control_token)), "") << "nobody listens";
     EXPECT_EQ(code_at_socket("GET /status", "Via: 1.1 proxy\r\n" + bearer(control_token)), "401");

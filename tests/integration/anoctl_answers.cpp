@@ -79,13 +79,13 @@ TEST_F(AnoctlOtherDevice, that_is_heard_is_not_said_to_be_silent) {
     EXPECT_EQ(commands.output, "0xDD has no commands\n");
     const Ran way = asked({"waypoint", "get"});
     EXPECT_EQ(way.exit, 1);
-    EXPECT_TRUE(contains(way.output, "fake (0xDD) is heard, but did not answer the question for its number of waypoints, sent "))
+    EXPECT_TRUE(contains(way.output, "fake (0xDD) is online, but did not answer the request for its number of waypoints, sent "))
         << way.output;
-    EXPECT_TRUE(contains(way.output, " times; it probably keeps none\n")) << way.output;
+    EXPECT_TRUE(contains(way.output, " times; it probably stores none\n")) << way.output;
     const Ran set = asked({"param", "set", "PAR_0", "7"});
     EXPECT_EQ(set.exit, 1);
-    EXPECT_TRUE(contains(set.output, "fake (0xDD) is heard, but did not acknowledge: write of PAR_0, sent ")) << set.output;
-    EXPECT_TRUE(contains(set.output, " times; it probably takes no such value")) << set.output;
+    EXPECT_TRUE(contains(set.output, "fake (0xDD) is online, but did not acknowledge: write of PAR_0, sent ")) << set.output;
+    EXPECT_TRUE(contains(set.output, " times; it probably does not accept this value")) << set.output;
 }
 
 TEST_F(AnoctlOtherDevice, a_device_that_was_never_heard_is_asked_before_it_is_said_to_be_unknown) {
@@ -95,7 +95,7 @@ TEST_F(AnoctlOtherDevice, a_device_that_was_never_heard_is_asked_before_it_is_sa
     EXPECT_EQ(get.output, "PAR_0=0\n");
     const Ran nobody = anoctl({"param", "get", "PAR_0", "--device", "0x21"});
     EXPECT_EQ(nobody.exit, 1);
-    EXPECT_EQ(nobody.output, "anoctl: 0x21 was not heard, and does not answer\n");
+    EXPECT_EQ(nobody.output, "anoctl: 0x21 was not seen and does not answer\n");
 }
 
 TEST_F(AnoctlAnswers, nothing_is_written_when_one_of_several_is_wrong) {
@@ -193,7 +193,7 @@ TEST_F(AnoctlAnswers, all_that_does_not_fit_a_device_is_told_before_anything_is_
         const Ran ran = anoctl({"param", action, file, "--yes"});
         EXPECT_EQ(ran.exit, *action == 'd' ? 2 : 1);
         EXPECT_TRUE(contains(ran.output, "the file is for Other")) << ran.output;
-        EXPECT_TRUE(contains(ran.output, "no parameter is called NEWER\n")) << ran.output;
+        EXPECT_TRUE(contains(ran.output, "unknown parameter NEWER\n")) << ran.output;
         EXPECT_TRUE(contains(ran.output, "SIM_TURN: 300 is out of range, i8 is -128 to 127\n")) << ran.output;
         EXPECT_EQ(contains(ran.output, " bytes that the device has: --longer allows a longer one"), *action == 'i') << ran.output;
     }

@@ -105,7 +105,7 @@ TEST_F(AnoctlOfAGateway, send_says_by_which_links_it_left) {
 TEST_F(AnoctlOfAGateway, send_says_why_not) {
     Process nowhere = anoctl({"send", "wind", "--to", "0"});
     EXPECT_EQ(nowhere.wait(), 1);
-    EXPECT_EQ(nowhere.output(), "anoctl: it left by no link: control: good frames that had no taker\n");
+    EXPECT_EQ(nowhere.output(), "anoctl: not sent: control: good frames that had no taker\n");
     Process misspelt = anoctl({"send", "wnd"});
     EXPECT_EQ(misspelt.wait(), 2);
     Process damaged = anoctl({"send", "AB", "DC", "FF", "03", "00", "00", "00", "00"});

@@ -126,7 +126,7 @@ TEST_F(AnoctlDevices, defaults_come_back_only_when_somebody_says_so) {
     hear_whether_it_flies();
     const Ran flies = anoctl({"param", "reset", "--yes"});
     EXPECT_EQ(flies.exit, 1);
-    EXPECT_TRUE(contains(flies.output, "this is for the ground")) << flies.output;
+    EXPECT_TRUE(contains(flies.output, "this is only allowed on the ground")) << flies.output;
     const Ran reset = anoctl({"param", "reset", "--yes", "--force"});
     EXPECT_EQ(reset.exit, 0) << reset.output;
     EXPECT_NE(anoctl({"param", "get", "SIM_RANGE_OFFSET"}).output, "SIM_RANGE_OFFSET=7\n");

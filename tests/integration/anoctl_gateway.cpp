@@ -138,7 +138,7 @@ TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_says_one_hint_once) {
     const Result status = anoctl({"status", "--exit-code", "--control", socket});
     EXPECT_EQ(status.exit, 0) << status.said;
     EXPECT_EQ(status.said.find("ok\n"), 0u) << status.said;
-    const std::string hint = "no host takes what comes here";
+    const std::string hint = "no ground station is registered for this telemetry yet";
     const std::size_t first = status.said.find(hint);
     ASSERT_NE(first, std::string::npos) << status.said;
     EXPECT_EQ(status.said.find(hint, first + 1), std::string::npos) << status.said;
@@ -259,8 +259,7 @@ TEST_F(AnoctlGateway, without_permission_says_how_to_get_it) {
     ASSERT_EQ(::chmod(socket.c_str(), 0600), 0);
     const Result alone = anoctl({"status", "--control", socket}, {}, nobody);
     EXPECT_EQ(alone.exit, 1);
-    EXPECT_EQ(alone.said,
-              "anoctl: no permission for " + socket + ": it is for user root alone: be that user (sudo -u root anoctl ...)\n");
+    EXPECT_EQ(alone.said, "anoctl: no permission for " + socket + ": only user root has access: run sudo -u root anoctl ...\n");
     ASSERT_EQ(::chmod(socket.c_str(), 0660), 0);
     ASSERT_EQ(::chown(socket.c_str(), 0, 1), 0);
     const Result group = anoctl({"status", "--control", socket}, {}, nobody);
@@ -268,7 +267,7 @@ TEST_F(AnoctlGateway, without_permission_says_how_to_get_it) {
     EXPECT_NE(group.said.find("it belongs to group "), std::string::npos) << group.said;
     EXPECT_NE(group.said.find("sudo usermod -aG "), std::string::npos) << group.said;
     ASSERT_EQ(::chmod(dir.path().c_str(), 0700), 0);
-    EXPECT_NE(anoctl({"status", "--control", socket}, {}, nobody).said.find("lets this user not in: sudo anoctl"),
+    EXPECT_NE(anoctl({"status", "--control", socket}, {}, nobody).said.find("this user has no access to its folder: sudo anoctl"),
               std::string::npos);
 }
 
@@ -279,12 +278,11 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
                              ": there is no such socket (another one: --control PATH); to start one: anogated LINK...\n");
     if (no_namespaces().empty()) {
         const Result nowhere = anoctl({"status"}, {"XDG_RUNTIME_DIR="}, become_nobody_where_none_runs);
-        EXPECT_NE(nowhere.said.find("there is no such socket; where a gateway of this user is would be said by XDG_RUNTIME_DIR, "
-                                    "which is not set"),
+        EXPECT_NE(nowhere.said.find("socket not found; XDG_RUNTIME_DIR is not set, so a gateway of this user can't be found"),
                   std::string::npos)
             << nowhere.said;
         const Result neither = anoctl({"status"}, {"XDG_RUNTIME_DIR=/proc/none"}, become_nobody_where_none_runs);
-        EXPECT_NE(neither.said.find("at /proc/none/anogate.sock: there is no such socket, nor /run/anogate/control.sock"),
+        EXPECT_NE(neither.said.find("at /proc/none/anogate.sock: socket not found, nor /run/anogate/control.sock"),
                   std::string::npos)
             << neither.said;
     }
@@ -421,10 +419,10 @@ TEST_F(AnoctlReload, confirms) {
     EXPECT_EQ(reload({"--confirm"}).said, "the new configuration is confirmed\n");
     EXPECT_EQ(asked, "/reload/confirm");
     status = 409;
-    body = R"({"error": "nothing waits to be confirmed", "what": "busy"})";
+    body = R"({"error": "no configuration is waiting for confirmation", "what": "busy"})";
     const Result refused = reload({"--confirm"});
     EXPECT_EQ(refused.exit, 1);
-    EXPECT_EQ(refused.said, "anoctl: nothing waits to be confirmed\n");
+    EXPECT_EQ(refused.said, "anoctl: no configuration is waiting for confirmation\n");
     EXPECT_EQ(reload({"--confirm", "--dry-run"}).exit, 2);
 }
 

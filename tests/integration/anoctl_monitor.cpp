@@ -220,13 +220,13 @@ TEST(AnoctlMonitor, says_why_nothing_is_shown) {
     Monitor monitor{{"serial:" + device.path()}};
     ASSERT_TRUE(monitor.says("is up")) << monitor.err();
     device.write(support::Bytes(200, 0x55));
-    EXPECT_TRUE(monitor.says("tty: bytes but no frames: wrong baud rate, or another protocol?\n")) << monitor.err();
+    EXPECT_TRUE(monitor.says("tty: data but no valid frames: check baud rate and protocol\n")) << monitor.err();
     device.write(euler);
     EXPECT_TRUE(monitor.shows("euler"));
     EXPECT_TRUE(support::wait_until(
         [&] {
             device.write(support::Bytes(20, 0x55));
-            return monitor.err().find("tty: bytes but no frames any more: was the baud rate changed, or the firmware?\n") !=
+            return monitor.err().find("tty: data but no valid frames any more: check baud rate and firmware\n") !=
                    std::string::npos;
         },
         2 * support::patience))

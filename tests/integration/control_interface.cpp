@@ -160,7 +160,7 @@ protected:
         EXPECT_TRUE(open.body.ends_with("\n# EOF\n"));
     }
     void gpio() const {
-        refuses("POST", "/gpio", 404, "unknown", "no GPIO line fits", "{}");
+        refuses("POST", "/gpio", 404, "unknown", "no GPIO line matches", "{}");
         refuses("POST", "/gpio", 400, "invalid", "unknown key 'lien'", R"({"lien": 3})");
     }
     void recordings() const {
@@ -201,7 +201,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"GET /link", [this] { refuses("GET", "/link", 426, "unsupported", "WebSocket"); }},    // ControlLink
         {"POST /reload",
          [this] { EXPECT_EQ(json::parse(ask("POST", "/reload?dry_run").body).at("changed"), false); }},    // Reload
-        {"POST /reload/confirm", [this] { refuses("POST", "/reload/confirm", 409, "refused", "nothing waits"); }},
+        {"POST /reload/confirm", [this] { refuses("POST", "/reload/confirm", 409, "refused", "no configuration is waiting"); }},
         {"GET /flexible", [this] { EXPECT_EQ(get("/flexible").at("flexible").at(0).at("id"), "0xF1"); }},    // Flexible
         {"PUT /flexible", [this] { refuses("PUT", "/flexible", 400, "invalid", "a list of layouts", "5"); }},
         {"GET /devices",
@@ -250,8 +250,9 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /recordings", [this] { refuses("POST", "/recordings", 422, "invalid", "'nmae'", R"({"nmae": "x"})"); }},
         {"GET /recordings/last", [this] { refuses("GET", "/recordings/last", 409, "busy", "keep_last"); }},
         {"GET /recordings/{name}", [this] { refuses("GET", "/recordings/none.pcapng", 404, "unknown", "no recording"); }},
-        {"POST /recordings/{name}/end", [this] { refuses("POST", "/recordings/none/end", 404, "unknown", "nothing is being"); }},
-        {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no dot in front"); }},
+        {"POST /recordings/{name}/end",
+         [this] { refuses("POST", "/recordings/none/end", 404, "unknown", "no recording with that name"); }},
+        {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no leading dot"); }},
         {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},                     // NetworkDoor
         {"POST /login/code", [this] { refuses("POST", "/login/code", 409, "busy", "no token allows", "{}"); }},    // SignInCodes
         {"POST /logout", [this] { EXPECT_EQ(ask("POST", "/logout").status, 200u); }},                              // Tokens

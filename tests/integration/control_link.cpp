@@ -97,11 +97,12 @@ TEST_F(ControlLinkOfOnePeer, bytes_that_are_no_whole_frame_are_counted_and_told)
     program.say(from_program);    // the rest of a message does not begin the next
     EXPECT_TRUE(hears(frame(0xA1, 0xFF, 0x09, {1}) + from_program));
     ASSERT_TRUE(door.gateway.until([&] { return program.texts().size() == 1; }));
-    EXPECT_EQ(json::parse(program.texts().front()).at("error"), "9 bytes of a message are no whole frame: they went nowhere");
+    EXPECT_EQ(json::parse(program.texts().front()).at("error"),
+              "9 bytes of a message were not part of a complete frame and were ignored");
     EXPECT_EQ(door.gateway.count("control", "skipped_bytes"), 9u);
     program.say("hello", WebSocket::Kind::text);
     ASSERT_TRUE(door.gateway.until([&] { return program.texts().size() == 2; }));
-    EXPECT_NE(program.texts().back().find("a text is no frame"), std::string::npos);
+    EXPECT_NE(program.texts().back().find("text messages are not accepted"), std::string::npos);
     program.say(Bytes{});
     program.say(from_program);
     EXPECT_TRUE(door.gateway.until([&] { return door.gateway.count("control", "frames_in") == 3; }));
@@ -140,8 +141,8 @@ TEST_F(ControlLinkOfOnePeer, a_program_whose_port_id_somebody_else_gets_is_close
     bool changed = false;
     gateway.change(settings, anogate::difference(gateway.settings(), settings), 300ms, [&] { changed = true; });
     ASSERT_TRUE(door.gateway.until([&] { return changed && camera.ended && lamp.ended; }));
-    EXPECT_EQ(camera.ended->fault, "the gateway ended it: another link has the port id 7 now");
-    EXPECT_EQ(lamp.ended->fault, "the gateway ended it: the gateway has the port id 8 now");
+    EXPECT_EQ(camera.ended->fault, "closed by the gateway: another link has the port id 7 now");
+    EXPECT_EQ(lamp.ended->fault, "closed by the gateway: the gateway has the port id 8 now");
     EXPECT_TRUE(until_channels(1));
     EXPECT_EQ(door.gateway.route("0x07").at("links"), json{"peer"});
     EXPECT_FALSE(radio.ended) << "its id is its own";
@@ -246,7 +247,7 @@ TEST_F(ControlLinkOfOnePeer, what_can_not_be_sent_is_told_in_words) {
     EXPECT_EQ(nowhere.status, 409u);
     EXPECT_EQ(body_of(nowhere).at("dropped").at(0).at("cause"), "no_route");
     EXPECT_EQ(body_of(nowhere).at("what"), "refused");
-    EXPECT_NE(body_of(nowhere).value("error", "").find("it left by no link"), std::string::npos);
+    EXPECT_NE(body_of(nowhere).value("error", "").find("not sent"), std::string::npos);
     EXPECT_TRUE(peer.heard().empty());
 }
 

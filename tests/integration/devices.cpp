@@ -289,7 +289,7 @@ TEST_F(Devices, a_calibration_waits_and_puts_back_what_was) {
     EXPECT_EQ(ask("POST", "/devices/0xDC/commands/TAKE_OFF", R"({"values": [100]})").status, 200u);
     const std::vector<json> flying = lines("POST", "/devices/0xDC/calibration", what);
     ASSERT_FALSE(flying.empty());
-    EXPECT_EQ(flying.back().at("error"), "0xDC is unlocked or flies: this is for the ground");
+    EXPECT_EQ(flying.back().at("error"), "0xDC is unlocked or flying: this is only allowed on the ground");
     EXPECT_EQ(ask("POST", "/devices/0xDC/commands/LAND").status, 200u);
     const json before = value("CAL_AOFF_X");
     Told begun;
@@ -303,7 +303,7 @@ TEST_F(Devices, a_calibration_waits_and_puts_back_what_was) {
     EXPECT_TRUE(std::filesystem::exists(kept));
     EXPECT_EQ(ask("POST", path + "/next").status, 200u);
     EXPECT_TRUE(wait_until([&] { return ask("GET", path).body.contains("step"); }));
-    EXPECT_EQ(ask("DELETE", path).body.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(ask("DELETE", path).body.at("error"), "cancelled; the old values are restored");
     EXPECT_EQ(value("CAL_AOFF_X"), before);
     EXPECT_TRUE(wait_until([&] { return !std::filesystem::exists(kept); }));
 }
@@ -350,11 +350,11 @@ TEST_F(Devices, who_follows_a_job_is_told_its_end_when_the_gateway_ends) {
     EXPECT_LT(std::chrono::steady_clock::now() - begin, patience);
     const std::string last = read.to_the_end();
     EXPECT_NE(last.find(R"("state":"cancelled")"), last.npos) << last;
-    EXPECT_NE(last.find("the gateway ends: cancelled"), last.npos) << last;
+    EXPECT_NE(last.find("the gateway is stopping: cancelled"), last.npos) << last;
     EXPECT_TRUE(last.ends_with("\r\n0\r\n\r\n")) << "to the end of the answer: " << last;
     const Told told = plain.get();
     EXPECT_EQ(told.status, 503u);
-    EXPECT_EQ(told.body.at("error"), "the gateway ends: cancelled");
+    EXPECT_EQ(told.body.at("error"), "the gateway is stopping: cancelled");
 }
 
 TEST_F(Devices, old_values_of_a_calibration_that_the_end_cut_off_stay_for_the_user_where_the_unit_is_like_a_new_one) {
@@ -369,12 +369,12 @@ TEST_F(Devices, old_values_of_a_calibration_that_the_end_cut_off_stay_for_the_us
     daemon.signal(SIGTERM);
     EXPECT_EQ(daemon.wait(), 0);
     const std::string told = follows.to_the_end();
-    EXPECT_NE(told.find("the old values are kept as calibration-0xDC-"), told.npos) << told;
+    EXPECT_NE(told.find("the old values are saved as calibration-0xDC-"), told.npos) << told;
     ASSERT_TRUE(std::filesystem::exists(kept));
     Daemon next{ANOGATED, socket, {"--config", config}, {"STATE_DIRECTORY=" + (dir / "state")}};
     ASSERT_TRUE(next.until_answers());
-    EXPECT_TRUE(
-        wait_until([&] { return next.output().find("nothing tells this unit from others") != std::string::npos; }, 6 * patience))
+    EXPECT_TRUE(wait_until(
+        [&] { return next.output().find("this unit can't be distinguished from others") != std::string::npos; }, 6 * patience))
         << next.output();
     EXPECT_NE(next.output().find("anoctl param import " + kept), std::string::npos) << next.output();
     EXPECT_TRUE(std::filesystem::exists(kept));

@@ -142,7 +142,7 @@ TEST_F(Flexible, faulty_layouts_change_nothing_and_are_named_by_their_place) {
     for (int i = 0; i < 2000; ++i) many["k" + std::to_string(i)] = 0;
     const json told = json::parse(put(json::array({many}).dump()).body).at("faults");
     ASSERT_EQ(told.size(), 21u) << "the first ones, and how many more there are";
-    EXPECT_TRUE(told.back().get<std::string>().ends_with(" more faults")) << told.back();
+    EXPECT_TRUE(told.back().get<std::string>().ends_with(" more errors")) << told.back();
     EXPECT_EQ(put("5").status, 400u);
     EXPECT_EQ(put("{").status, 400u);
     EXPECT_EQ(fields().at(0).at("name"), "cells");
@@ -158,7 +158,7 @@ TEST_F(Flexible, anoctl_sets_and_shows_them_and_its_monitor_uses_them) {
     EXPECT_EQ(json::parse(listed.out).at("flexible").at(0).at("fields").at(0).at("name"), "cells");
     const auto wrong = support::anoctl({"flexible", "set", "-", "--control", socket}, R"([{"id": "0xF1", "fields": []}])");
     EXPECT_EQ(wrong.exit, 1);
-    EXPECT_NE(wrong.err.find("/flexible/0: a layout has at least one field"), std::string::npos) << wrong.err;
+    EXPECT_NE(wrong.err.find("/flexible/0: a layout needs at least one field"), std::string::npos) << wrong.err;
     const auto hostile = support::anoctl(
         {"flexible", "set", "-", "--control", socket},
         R"([{"id": "0xF1", "fields": [{"name": "a\u0085b", "type": "u8", "unit": "\u001b[2J"}]}])");

@@ -182,10 +182,10 @@ TEST_F(Frames, filters_choose_and_wrong_ones_are_told_in_words) {
         return json::parse(answer.body).at("error").get<std::string>();
     };
     EXPECT_EQ(refused("idd=3"),
-              "there is no filter 'idd' (did you mean 'id'?); there are from, to, id, link, direction, limit.ID, samples, "
+              "unknown filter 'idd' (did you mean 'id'?); filters are from, to, id, link, direction, limit.ID, samples, "
               "elsewhere, batch and format");
-    EXPECT_EQ(refused("link=aa"), "there is no link 'aa'; give one of control, a, b");
-    EXPECT_EQ(refused("format=binary"), "format=binary is for a WebSocket: as lines there is JSON");
+    EXPECT_EQ(refused("link=aa"), "there is no link 'aa'; use one of control, a, b");
+    EXPECT_EQ(refused("format=binary"), "format=binary needs a WebSocket; lines are JSON");
     Ear wrong{door, "/frames?id=wnd"};
     ASSERT_TRUE(door.gateway.until([&] { return wrong.ended.has_value(); }));
     EXPECT_EQ(wrong.ended->answer.status, 400u);

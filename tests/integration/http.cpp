@@ -48,7 +48,7 @@ TEST_P(HttpServer, tells_who_closed_his_half_within_a_request) {
     client.send("GET /sho");
     client.end_output();
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
-    EXPECT_TRUE(is_told(client.heard(), "400 Bad Request", "the request ended before it was whole")) << client.heard();
+    EXPECT_TRUE(is_told(client.heard(), "400 Bad Request", "the request ended before it was complete")) << client.heard();
 }
 
 TEST_F(HttpServer, tells_what_is_too_large_or_no_request_and_that_it_ends) {
@@ -65,7 +65,7 @@ TEST_F(HttpServer, tells_what_is_too_large_or_no_request_and_that_it_ends) {
 }
 
 TEST_F(HttpServer, tells_when_memory_is_short_and_when_to_come_again) {
-    const std::string words = "there is too little memory for a request just now";
+    const std::string words = "not enough memory for a request; try again";
     const auto told = [&](const std::string& answer) {
         return is_told(answer, "503 Service Unavailable", words) && answer.find("Retry-After: 1\r\n") != answer.npos;
     };
@@ -108,7 +108,7 @@ TEST_P(ImpatientHttpServer, parts_with_who_says_nothing_or_never_ends) {
     slow.send("GET /sho");
     EXPECT_TRUE(until([&] { return slow.send("r"), silent.is_closed() && slow.is_closed(); }));
     EXPECT_EQ(silent.heard(), "");
-    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "the request was not whole within 100 ms")) << slow.heard();
+    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "the request was not complete within 100 ms")) << slow.heard();
 }
 
 TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {

@@ -40,7 +40,7 @@ TEST_F(HttpServer, keeps_two_large_bodies_at_a_time_and_none_of_who_has_gone) {
             return keeping.done.size() == i + 1;
         }));
     }
-    EXPECT_TRUE(is_told(answer(post_of(100'000)), "503 Service Unavailable", "other large bodies are on their way"));
+    EXPECT_TRUE(is_told(answer(post_of(100'000)), "503 Service Unavailable", "other large uploads are in progress"));
     EXPECT_TRUE(answer(post_of(1000)).ends_with("here 1000")) << "a small one needs no place";
     EXPECT_NE(answer(post_of(100'000)).find("Retry-After: 1\r\n"), std::string::npos);
     keeping.waits = false;
@@ -64,7 +64,7 @@ TEST_F(HttpServer, a_large_body_in_chunks_has_a_place_when_it_is_large) {
     const std::string head = "POST /large HTTP/1.1\r\nConnection: close\r\nTransfer-Encoding: chunked\r\n\r\n";
     EXPECT_TRUE(answer(head + "3e8\r\n" + std::string(1000, 'y') + "\r\n0\r\n\r\n").ends_with("here 1000"));
     EXPECT_TRUE(is_told(answer(head + "20000\r\n" + std::string(0x20000, 'y') + "\r\n0\r\n\r\n"), "503 Service Unavailable",
-                        "other large bodies are on their way"));
+                        "other large uploads are in progress"));
     for (const auto& done : std::exchange(keeping.done, {})) done("");
 }
 
@@ -90,7 +90,7 @@ TEST_F(HttpServer, who_sends_next_to_nothing_of_a_large_body_gives_way_to_anothe
     })) << other.heard();
     EXPECT_TRUE(until([&] { return slow[0].is_closed() || slow[1].is_closed(); }));
     Client& gone = slow[0].is_closed() ? slow[0] : slow[1];
-    EXPECT_TRUE(is_told(gone.heard(), "408 Request Timeout", "too little of the body came for 50 ms")) << gone.heard();
+    EXPECT_TRUE(is_told(gone.heard(), "408 Request Timeout", "the body was received too slowly for 50 ms")) << gone.heard();
     EXPECT_FALSE(slow[0].is_closed() && slow[1].is_closed()) << "one place was enough";
 }
 
@@ -118,8 +118,8 @@ TEST_F(HttpServer, who_waits_to_be_told_to_send_a_body_is_told) {
 TEST_F(JudgingHttpServer, who_may_not_is_told_so_before_a_large_body_comes) {
     for (const std::string target : {"/large", "/echo"}) {
         EXPECT_TRUE(is_told(ask(target, ""), "401 Unauthorized", "this path needs a token")) << target;
-        EXPECT_TRUE(is_told(ask(target, bearer("wrong")), "401 Unauthorized", "the token is not right")) << target;
-        EXPECT_TRUE(is_told(ask(target, bearer("only-looks")), "403 Forbidden", "the token may not do this")) << target;
+        EXPECT_TRUE(is_told(ask(target, bearer("wrong")), "401 Unauthorized", "wrong token")) << target;
+        EXPECT_TRUE(is_told(ask(target, bearer("only-looks")), "403 Forbidden", "this token does not allow this")) << target;
     }
     EXPECT_TRUE(is_told(ask("/echo", bearer("may-act")), "413 Payload Too Large", "the body of a request has at most 65536"));
     EXPECT_TRUE(
@@ -144,7 +144,7 @@ TEST_F(ImpatientHttpServer, parts_with_who_stops_in_a_large_body_and_says_so) {
     until([&] { return slow.send("x"), std::chrono::steady_clock::now() - begin > 500ms; });
     EXPECT_FALSE(slow.is_closed()) << slow.heard();
     EXPECT_TRUE(until([&] { return slow.is_closed(); }));
-    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "nothing more of the body came for 100 ms")) << slow.heard();
+    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "no more of the body was received for 100 ms")) << slow.heard();
 }
 
 TEST_F(ImpatientHttpServer, says_that_the_disk_is_too_slow_where_it_is) {

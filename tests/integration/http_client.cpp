@@ -173,7 +173,7 @@ TEST_F(HttpClient, bounds_what_it_takes) {
     serve();
     ClientLimits limits;
     limits.body = 1000;
-    EXPECT_EQ(ask(get("/big"), limits).fault, "the answer of the gateway is longer than 1000 bytes");
+    EXPECT_EQ(ask(get("/big"), limits).fault, "the response of the gateway is longer than 1000 bytes");
 }
 
 TEST_F(HttpClient, hears_a_stream_line_by_line) {
@@ -263,7 +263,7 @@ TEST_F(HttpClient, is_told_why_a_web_socket_ended) {
     open(client, get("/ear"));
     ASSERT_TRUE(until_open());
     there.socket->close(1008, "too slow");
-    EXPECT_EQ(until_outcome().fault, "the gateway ended it: too slow");
+    EXPECT_EQ(until_outcome().fault, "closed by the gateway: too slow");
     EXPECT_EQ(outcome->answer.status, 101u);
     EXPECT_TRUE(here.gone);
 
@@ -272,7 +272,7 @@ TEST_F(HttpClient, is_told_why_a_web_socket_ended) {
     open(client, get("/ear"));
     ASSERT_TRUE(until_open());
     server->stop();
-    EXPECT_EQ(until_outcome().fault, "the gateway ended the connection");
+    EXPECT_EQ(until_outcome().fault, "the gateway closed the connection");
 }
 
 TEST_F(HttpClient, has_the_words_of_a_web_socket_that_is_refused) {
@@ -305,8 +305,7 @@ TEST_F(HttpClient, asks_again_while_there_is_no_place) {
 }
 
 TEST_F(HttpClient, without_a_gateway_says_so) {
-    EXPECT_EQ(ask(get("/")).fault,
-              "no gateway is running at " + path + ": there is no such socket (another one: --control PATH)");
+    EXPECT_EQ(ask(get("/")).fault, "no gateway is running at " + path + ": socket not found (another one: --control PATH)");
     path = dir.write("file", "");
     EXPECT_EQ(ask(get("/")).fault, path + " is not a socket");
     path = "/" + std::string(200, 'x');
@@ -349,15 +348,15 @@ TEST_F(HttpClient, of_what_is_no_gateway_says_so) {
         ::unlink(path.c_str());
         return came.fault;
     };
-    const std::string what = "what listens at " + dir / "stranger";
-    EXPECT_EQ(said(""), what + " ended the connection without an answer");
+    const std::string what = "the program at " + dir / "stranger";
+    EXPECT_EQ(said(""), what + " closed the connection without a response");
     EXPECT_EQ(said("SSH-2.0-OpenSSH_9.2p1\r\n\r\n").find(what + " is not a gateway: "), 0u);
     EXPECT_EQ(said("HTTP/1.1 200 OK\r\nServer: other\r\nContent-Length: 0\r\n\r\n"), what + " is not a gateway");
     EXPECT_EQ(said("HTTP/1.1 200 OK\r\nServer: anogate\r\nContent-Length: 9\r\n\r\n1"),
-              "the gateway ended before its answer was whole");
+              "the gateway stopped before its response was complete");
     path = dir / "datagrams";
     const Stranger datagrams{path, SOCK_DGRAM};
-    EXPECT_EQ(ask(get("/")).fault, "what listens at " + path + " is not a gateway");
+    EXPECT_EQ(ask(get("/")).fault, "the program at " + path + " is not a gateway");
 }
 
 TEST_F(HttpClient, does_not_wait_for_ever) {

@@ -156,7 +156,7 @@ TEST_F(LaterAnswers, behind_which_too_much_is_asked_end_in_words) {
     const std::string more(20'000, 'x');
     EXPECT_EQ(::send(fd, more.data(), more.size(), MSG_NOSIGNAL), static_cast<ssize_t>(more.size()));
     EXPECT_TRUE(heard(fd, "HTTP/1.1 431 Request Header Fields Too Large\r\n"));
-    EXPECT_TRUE(heard(fd, "more than 8192 bytes came behind a request that is not answered yet"));
+    EXPECT_TRUE(heard(fd, "more than 8192 bytes were received after a request that is not answered yet"));
     waiting[0](error(409, "nobody"));
     ::close(fd);
 }

@@ -85,7 +85,7 @@ TEST_F(Map, that_is_not_there_is_warned_of_before_the_start) {
         EXPECT_EQ(check.wait(), 0);
         return check.output();
     };
-    EXPECT_NE(checked().find("warning: 'map/file' '" + file + "': is not there: the page shows a grid"), std::string::npos)
+    EXPECT_NE(checked().find("warning: 'map/file' '" + file + "': not found: the page shows a grid"), std::string::npos)
         << checked();
     (void)dir.write("map.pmtiles", "0123456789");
     EXPECT_EQ(checked().find("map"), std::string::npos) << checked();

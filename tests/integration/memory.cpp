@@ -84,7 +84,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_peer_refused) {
     EXPECT_TRUE(wait_until([&] { return daemon.count("ground", "denied_in") == 1; })) << daemon.output();
     EXPECT_EQ(daemon.link("ground").at("channels").size(), 0u);
     EXPECT_EQ(daemon.link("ground").at("hint"),
-              "senders were refused for lack of memory: free some, or raise the memory limit of the service");
+              "new peers were refused for lack of memory: free some, or raise the memory limit of the service");
     ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
     stranger.send(port, vendor::who_are_you);
     EXPECT_TRUE(wait_until([&] { return daemon.link("ground").at("channels").size() == 1; })) << "there is memory again";
@@ -172,7 +172,7 @@ TEST(Memory, who_asks_while_it_is_short_is_told_so) {
     const std::string answer = http(dir / "control", "GET /status HTTP/1.1\r\nHost: x\r\n\r\n");
     EXPECT_TRUE(answer.starts_with("HTTP/1.1 503 Service Unavailable")) << answer;
     EXPECT_NE(answer.find("\r\nRetry-After: 1\r\n"), std::string::npos) << answer;
-    EXPECT_EQ(body_of(answer), "{\"error\": \"there is too little memory for a request just now\", \"what\": \"busy\"}\n");
+    EXPECT_EQ(body_of(answer), "{\"error\": \"not enough memory for a request; try again\", \"what\": \"busy\"}\n");
     ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
     EXPECT_TRUE(daemon.until_answers()) << "there is memory again";
 }

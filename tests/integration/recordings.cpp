@@ -64,7 +64,7 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     EXPECT_EQ(file_called("flight.pcapng").at("state"), "recording");
     EXPECT_EQ(gateway->status().at("recording").at("running").at(0).at("name"), "flight");
     refuses(409, "DELETE", "/recordings/flight.pcapng", {}, "is being written");
-    refuses(409, "POST", "/recordings", R"({"name": "flight"})", "is being recorded already");
+    refuses(409, "POST", "/recordings", R"({"name": "flight"})", "is already being recorded");
 
     const json ended = end("flight");
     EXPECT_EQ(ended.at("frames"), 50);
@@ -100,9 +100,9 @@ TEST_F(Recordings, are_ended_by_their_name_with_its_ending_or_without_whichever_
             ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == frames; })) << get();
         }
         if (name.empty()) name = running().at("file");
-        refuses(404, "POST", "/recordings/fligth/end", {}, "under that name (did you mean 'flight'?)");
+        refuses(404, "POST", "/recordings/fligth/end", {}, "is in progress (did you mean 'flight'?)");
         EXPECT_GE(end(name).at("files"), 2) << name;
-        refuses(404, "POST", "/recordings/flight/end", {}, "under that name; anoctl recordings says");
+        refuses(404, "POST", "/recordings/flight/end", {}, "is in progress; see anoctl recordings");
         refuses(404, "DELETE", "/recordings/flight", {}, "there is no recording flight; there is flight.pcapng");
         for (const auto& file : names()) EXPECT_EQ(ask("DELETE", "/recordings/" + file).status, 200u) << file;
     }
@@ -126,12 +126,12 @@ TEST_F(Recordings, hold_what_their_filters_say_and_end_after_a_time) {
 TEST_F(Recordings, are_named_as_every_system_takes_it_and_by_the_time_otherwise) {
     start();
     for (const char* name : {"../x", "a/b", ".x", "..", "a b", "ä", "x\n"})
-        refuses(422, "POST", "/recordings", json{{"name", name}}.dump(), "no dot in front");
+        refuses(422, "POST", "/recordings", json{{"name", name}}.dump(), "no leading dot");
     refuses(422, "POST", "/recordings", json{{"name", std::string(101, 'x')}}.dump(), "this one has 101");
-    refuses(422, "POST", "/recordings", R"({"name": "a.pcapng", "format": "mcap"})", "the end of the name says pcapng");
+    refuses(422, "POST", "/recordings", R"({"name": "a.pcapng", "format": "mcap"})", "the file extension means pcapng");
     refuses(422, "POST", "/recordings", R"({"format": "mp4"})", "neither pcapng nor mcap");
     refuses(422, "POST", "/recordings", R"({"format": "mcap", "message_encoding": "xml"})", "neither cdr nor json");
-    refuses(422, "POST", "/recordings", R"({"message_encoding": "json"})", "ask for the format mcap");
+    refuses(422, "POST", "/recordings", R"({"message_encoding": "json"})", "use format mcap");
     refuses(422, "POST", "/recordings", R"({"seconds": -1})", "seconds");
     refuses(422, "POST", "/recordings", R"({"link": "b"})", "there is no link 'b'");
     refuses(422, "POST", "/recordings", "[]", "a JSON object");
@@ -167,8 +167,8 @@ TEST_F(Recordings, leave_everything_alone_that_the_gateway_did_not_write) {
         refuses(403, "GET", target, {}, "left alone");
         refuses(403, "DELETE", target, {}, "left alone");
     }
-    refuses(422, "GET", "/recordings/..%2Fsecret.pcapng", {}, "no dot in front");
-    refuses(422, "DELETE", "/recordings/..%2F..%2Fsecret.pcapng", {}, "no dot in front");
+    refuses(422, "GET", "/recordings/..%2Fsecret.pcapng", {}, "no leading dot");
+    refuses(422, "DELETE", "/recordings/..%2F..%2Fsecret.pcapng", {}, "no leading dot");
     refuses(409, "POST", "/recordings", R"({"name": "link"})", "is there already");
     EXPECT_EQ(text_of(secret), "secret");
     EXPECT_EQ(names().size(), 3u);
@@ -224,7 +224,7 @@ TEST_F(Recordings, lose_a_second_at_most_when_the_gateway_is_killed_and_are_made
     EXPECT_FALSE(read_pcapng(content(first)).has_end);
     start(R"(, "record": {"start": false})");
     ASSERT_TRUE(wait_until([&] { return file_called(first).at("state") == "ended"; })) << gateway->output();
-    EXPECT_TRUE(gateway->until_says(first + " was cut and is whole again"));
+    EXPECT_TRUE(gateway->until_says("repaired the truncated " + first));
     const auto read = read_pcapng(content(first));
     EXPECT_TRUE(read.has_end);
     ASSERT_GE(read.items.size(), 30u);
@@ -271,10 +271,10 @@ TEST_F(Recordings, of_a_disk_without_room_are_told_of_within_a_second_and_frames
     };
     ASSERT_TRUE(gateway->until(is_failing)) << gateway->output();
     EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds{2} * (support::sanitized ? 5 : 1));
-    EXPECT_TRUE(gateway->until_says("frames go on, but are not recorded")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("frames are still forwarded, but are not recorded")) << gateway->output();
     EXPECT_NE(ask("GET", "/metrics").body.find("\nanogate_recording_failing 1\n"), std::string::npos);
     send_numbered(20);
-    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "nothing is recorded: ");
+    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "recording did not start: ");
     EXPECT_TRUE(until([](const json& all) { return all.at("running").size() == 1; })) << "what could not begin has ended";
     const json ended = end(get().at("running").at(0).at("name"));
     EXPECT_EQ(ended.at("frames"), 0);
@@ -290,9 +290,10 @@ TEST_F(Recordings, of_a_disk_that_can_only_be_read_at_the_start_are_told_of_and_
     const auto begun = std::chrono::steady_clock::now();
     ASSERT_TRUE(until_error("Read-only file system"));
     EXPECT_LT(std::chrono::steady_clock::now() - begun, told_within);
-    EXPECT_TRUE(gateway->until_says("Read-only file system; frames go on, but are not recorded")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("Read-only file system; frames are still forwarded, but are not recorded"))
+        << gateway->output();
     EXPECT_EQ(metric("anogate_recording_failing"), "1");
-    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "nothing is recorded: ");
+    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "recording did not start: ");
     send_numbered(20);
     ASSERT_TRUE(disk.read_only(false));
     ASSERT_TRUE(until([](const json& all) { return all.at("running").at(0).at("frames") == 20; })) << get();
@@ -315,7 +316,8 @@ TEST_F(Recordings, of_a_disk_that_is_full_are_told_of_within_a_second_and_what_i
     send_numbered(200);
     ASSERT_TRUE(until_error("No space left on device"));
     EXPECT_LT(std::chrono::steady_clock::now() - begun, told_within);
-    EXPECT_TRUE(gateway->until_says("No space left on device; frames go on, but are not recorded")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("No space left on device; frames are still forwarded, but are not recorded"))
+        << gateway->output();
     EXPECT_EQ(metric("anogate_recording_failing"), "1");
     send_numbered(20);
     const json ended = end(running().at("name"));
@@ -328,7 +330,7 @@ TEST_F(Recordings, are_ended_and_begun_anew_and_deleted_by_their_size_as_the_con
     start(R"(, "record": {"rotate": {"size": "20kB"}, "keep": {"size": "100kB"}})");
     // The first look takes what it finds for files of before.
     ASSERT_TRUE(until([](const json& all) { return !all.at("free_bytes").is_null(); }));
-    const auto gone = [&] { return gateway->output().find(" is deleted, as \"keep\" says") != std::string::npos; };
+    const auto gone = [&] { return gateway->output().find(" as configured by \"keep\"") != std::string::npos; };
     for (int round = 0; round < 50 && !gone(); ++round) {
         send_numbered(150);
         ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == sent_; })) << get();
@@ -393,7 +395,7 @@ TEST_F(Recordings, of_the_last_while_that_are_larger_than_all_may_be_stay_until_
     })) << get();
     ASSERT_EQ(ask("POST", "/recordings", R"({"last": true, "name": "incident"})").status, 200u);
     ASSERT_GT(fs::file_size(folder + "/incident.pcapng"), 100'000u);
-    EXPECT_TRUE(gateway->until_says("incident.pcapng stays, though \"keep\" has no room for it: keep.size is too small"));
+    EXPECT_TRUE(gateway->until_says("incident.pcapng is kept although it exceeds \"keep\": keep.size is too small"));
     const int files = running().at("files");
     for (int round = 0; round < 50 && running().at("files") < files + 3; ++round) {
         send_numbered(150);
@@ -459,7 +461,7 @@ TEST_F(Recordings, are_deleted_as_the_configuration_says_and_only_those_that_the
     fs::last_write_time(folder + "/second.pcapng", now - std::chrono::hours{2});
     write_config(R"(, "record": {"start": false, "keep": {"age": "1h"}})");
     gateway->signal(SIGHUP);
-    EXPECT_TRUE(gateway->until_says("first.pcapng is deleted, as \"keep\" says")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("deleted first.pcapng as configured by \"keep\"")) << gateway->output();
     EXPECT_EQ(names(), (std::vector<std::string>{"notes.pcapng", "second.pcapng", "third.pcapng"}));
 }
 
@@ -473,7 +475,7 @@ TEST_F(Recordings, of_the_minute_before_a_restart_stay_whatever_is_kept) {
     stop();
     fs::last_write_time(folder + "/old.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{4});
     start(R"(, "record": {"start": false, "rotate": {"size": "100kB"}, "keep": {"size": "100kB"}})");
-    EXPECT_TRUE(gateway->until_says("old.pcapng is deleted, as \"keep\" says")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("deleted old.pcapng as configured by \"keep\"")) << gateway->output();
     EXPECT_EQ(names(), (std::vector<std::string>{"last.pcapng", "newest.pcapng"}));
 }
 
@@ -491,7 +493,7 @@ TEST_F(Recordings, of_the_minute_before_a_restart_stay_also_when_keep_is_added_l
     ASSERT_TRUE(until([](const json& all) { return all.at("recordings").size() == 2; }));
     write_config(R"(, "record": {"start": false, "keep": {"size": "100kB"}})");
     gateway->signal(SIGHUP);
-    EXPECT_TRUE(gateway->until_says("newest.pcapng stays, though \"keep\" has no room for it")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("newest.pcapng is kept although it exceeds \"keep\"")) << gateway->output();
     EXPECT_EQ(names(), (std::vector<std::string>{"last.pcapng", "newest.pcapng"}));
 }
 
@@ -505,7 +507,7 @@ TEST_F(Recordings, of_a_gateway_that_is_a_device_are_started_and_stopped_by_its_
     };
     EXPECT_EQ(call("START_RECORDING"), 200u);
     EXPECT_TRUE(until([](const json& all) { return all.at("running").size() == 1; }));
-    EXPECT_NE(call("START_RECORDING"), 200u) << "it records already";
+    EXPECT_NE(call("START_RECORDING"), 200u) << "a recording is already in progress";
     EXPECT_EQ(call("STOP_RECORDING"), 200u);
     EXPECT_TRUE(until([](const json& all) { return all.at("running").empty() && all.at("recordings").size() == 1; }));
     EXPECT_NE(call("STOP_RECORDING"), 200u);

@@ -169,7 +169,7 @@ TEST_F(RecordingsAsMcap, lose_a_second_at_most_when_the_gateway_is_killed_and_ar
     EXPECT_FALSE(read_recording(content(name)).has_end);
     start(R"(, "record": {"start": false})");
     ASSERT_TRUE(wait_until([&] { return file_called(name).at("state") == "ended"; })) << gateway->output();
-    EXPECT_TRUE(gateway->until_says(name + " was cut and is whole again"));
+    EXPECT_TRUE(gateway->until_says("repaired the truncated " + name));
     const ReadRecording read = read_recording(content(name));
     EXPECT_TRUE(read.has_end) << read.fault;
     ASSERT_GE(read.items.size(), 35u);

@@ -124,8 +124,8 @@ TEST_F(Replay, says_what_an_mcap_file_has_and_of_one_that_was_cut_all_before_the
     anogate::HintLog log;
     const std::vector<std::string> lines = log.news(daemon.gateway());
     ASSERT_EQ(lines.size(), 2u);
-    EXPECT_NE(lines[0].find("flight.mcap: it is cut off: what is behind byte "), std::string::npos) << lines[0];
-    EXPECT_EQ(lines[1], "flight: the recording is at its end");
+    EXPECT_NE(lines[0].find("flight.mcap: it is truncated: the data after byte "), std::string::npos) << lines[0];
+    EXPECT_EQ(lines[1], "flight: the recording has ended");
     EXPECT_TRUE(log.news(daemon.gateway()).empty()) << "each once";
 }
 
@@ -143,7 +143,7 @@ TEST_F(Replay, goes_on_behind_a_damaged_chunk_and_tells_it) {
     RunningGateway daemon{settings_of_texts({"replay:" + dir.write("flight.mcap", damaged), ground.link("ground")})};
     EXPECT_EQ(all_heard(daemon, ground), expected);
     EXPECT_EQ(daemon.link("flight")["error_id"], "recording_damaged") << daemon.status();
-    EXPECT_NE(daemon.link("flight")["error"].get<std::string>().find("1 damaged part of it is left out, at byte " +
+    EXPECT_NE(daemon.link("flight")["error"].get<std::string>().find("1 damaged part is skipped, at byte " +
                                                                      std::to_string(first_chunk)),
               std::string::npos)
         << daemon.status();
@@ -174,9 +174,10 @@ TEST_F(Replay, plays_the_part_and_the_links_that_are_asked_for) {
 
 TEST_F(Replay, of_which_nothing_is_to_be_said_tells_why) {
     const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 20s)};
-    const std::pair<const char*, const char*> asked[] = {{",links=radio", "there is no link radio in it; there is fc"},
-                                                         {",from=30s", "it is 20 s long, and was to be said from 30 s on"},
-                                                         {",from=30s,loop", "it is 20 s long, and was to be said from 30 s on"}};
+    const std::pair<const char*, const char*> asked[] = {
+        {",links=radio", "there is no link radio in it; it has fc"},
+        {",from=30s", "it is 20 s long, so there is nothing to replay from 30 s on"},
+        {",from=30s,loop", "it is 20 s long, so there is nothing to replay from 30 s on"}};
     for (const auto& [keys, why] : asked) {
         RunningGateway daemon{settings_of_texts({link(items, keys), ground.link("ground")})};
         EXPECT_TRUE(all_heard(daemon, ground).empty()) << keys;

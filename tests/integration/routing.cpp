@@ -187,12 +187,10 @@ TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
         b.write(frame(0xDE, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 1}));
         daemon->run_for(5ms);
         return daemon->link("a").at("hint") ==
-               "different frames of one id by two links: two devices? give one of them "
-               "another id (0xDE)";
+               "different frames with one id arrive on two links: if these are two devices, change the id of one (0xDE)";
     }));
     EXPECT_EQ(daemon->link("b").at("hint"),
-              "different frames of one id by two links: two devices? give one of them "
-              "another id (0xDE)");
+              "different frames with one id arrive on two links: if these are two devices, change the id of one (0xDE)");
     EXPECT_EQ(daemon->link("c").at("hint"), "");
 }
 
@@ -203,12 +201,12 @@ TEST_F(Routing, one_device_on_two_cables_is_told_to_be_one_group) {
     for (std::uint8_t n = 0; n < 3; ++n) {
         ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFE, 0x03, {n})) && say(b, "b", frame(0xDC, 0xFE, 0x03, {n})));
     }
-    EXPECT_EQ(
-        daemon->link("a").at("hint"),
-        "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id (0xDC)");
-    EXPECT_EQ(
-        daemon->link("b").at("hint"),
-        "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id (0xDC)");
+    EXPECT_EQ(daemon->link("a").at("hint"),
+              "the same frames arrive on two links: if it is one device, put both links in one `group`; if two, change the id of "
+              "one (0xDC)");
+    EXPECT_EQ(daemon->link("b").at("hint"),
+              "the same frames arrive on two links: if it is one device, put both links in one `group`; if two, change the id of "
+              "one (0xDC)");
     EXPECT_EQ(daemon->link("c").at("hint"), "");
     const auto conflict = daemon->status().at("conflicts").at(0);
     EXPECT_EQ(conflict.at("address"), "0xDC");
@@ -232,7 +230,7 @@ TEST_F(Routing, a_device_whose_address_is_the_port_id_of_another_link_is_told) {
     start();
     ASSERT_TRUE(say(a, "a", frame(5, 0xFE, 0x01)) && say(c, "c", frame(6, 0xFE, 0x01)));
     EXPECT_EQ(daemon->link("a").at("hint"),
-              "device 0x05 can't be reached: its address is the port id of a link, change one of them");
+              "device 0x05 can't be reached: its address is also the port id of a link; change one of them");
     EXPECT_EQ(daemon->link("b").at("hint"), "");
     EXPECT_EQ(daemon->link("c").at("hint"), "") << "it is behind its port";
 }
@@ -341,8 +339,8 @@ TEST(Gateway, telemetry_that_no_host_takes_is_told_until_one_speaks) {
         });
     };
     EXPECT_TRUE(
-        hint_is("no host takes what comes here (anoctl needs none): it must send something first, or say where it is: --route "
-                "0xFE=LINK"));
+        hint_is("no ground station is registered for this telemetry yet (anoctl and the page see it anyway); have it send a "
+                "frame, or add --route 0xFE=LINK"));
     UdpPeer host;
     host.send(daemon.port("ground"), vendor::who_are_you);
     EXPECT_TRUE(hint_is(""));
@@ -410,10 +408,9 @@ TEST(Gateway, hints_of_two_conflicts_name_the_address_and_those_of_one_are_the_s
     })) << hint("a")
         << " / " << hint("b");
     EXPECT_EQ(hint("a"),
-              "different frames of one id by two links: two devices? give one of them "
-              "another id (0xDE)");
+              "different frames with one id arrive on two links: if these are two devices, change the id of one (0xDE)");
     EXPECT_EQ(hint("b"), hint("c"));
-    EXPECT_TRUE(hint("b").starts_with("the same frames by two links: one device?")) << hint("b");
+    EXPECT_TRUE(hint("b").starts_with("the same frames arrive on two links: if it is one device")) << hint("b");
 }
 
 // While no host is known, frames from one cable go out by the other: that can't be told from a ring.
@@ -423,7 +420,7 @@ TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
     RunningGateway daemon{serial("one", one.path()), serial("two", two.path()), udp_listen("ground")};
     ASSERT_TRUE(daemon.until_up("one") && daemon.until_up("two"));
     const std::string words =
-        "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id";
+        "the same frames arrive on two links: if it is one device, put both links in one `group`; if two, change the id of one";
     std::uint8_t count = 0;
     EXPECT_TRUE(daemon.until([&] {
         one.write(frame(0xDC, 0xFE, 0x03, {count}));

@@ -59,8 +59,8 @@ TEST(SerialLink, a_frame_sent_one_byte_at_a_time_arrives_whole) {
 TEST(SerialLink, an_absent_device_that_is_written_as_for_other_programs_is_told_how_it_is_meant) {
     RunningGateway daemon{serial("a", "ttyAbsent"), serial("b", "/dev/ttyAbsent:115200"),
                           serial("c", "/dev/by-path/usb-0:1:1.0")};
-    EXPECT_EQ(daemon.link("a").at("error"), "ttyAbsent is not there (did you mean /dev/ttyAbsent?)");
-    EXPECT_EQ(daemon.link("b").at("error"), "/dev/ttyAbsent:115200 is not there (did you mean /dev/ttyAbsent,baud=115200?)");
+    EXPECT_EQ(daemon.link("a").at("error"), "ttyAbsent not found (did you mean /dev/ttyAbsent?)");
+    EXPECT_EQ(daemon.link("b").at("error"), "/dev/ttyAbsent:115200 not found (did you mean /dev/ttyAbsent,baud=115200?)");
     EXPECT_EQ(daemon.link("c").at("error"), "/dev/by-path/usb-0:1:1.0 is not there");
 }
 
@@ -181,7 +181,7 @@ TEST(SerialLink, a_program_that_has_the_port_open_without_a_lock_is_named_until_
     const auto link = daemon.link("fc");
     EXPECT_EQ(link.at("hint_id"), "shared_port") << link;
     EXPECT_NE(
-        link.at("hint").get<std::string>().find("(pid " + std::to_string(other.pid()) + ") has " + fc.path() + " open as well"),
+        link.at("hint").get<std::string>().find("(pid " + std::to_string(other.pid()) + ") has " + fc.path() + " open, too"),
         std::string::npos)
         << link;
     ::kill(other.pid(), SIGKILL);
@@ -353,12 +353,12 @@ TEST(SerialLink, a_port_without_permission_says_what_to_do) {
             .wait();
     };
     ASSERT_EQ(::chown(fc.terminal().c_str(), 0, 0), 0);
-    EXPECT_EQ(nobody_is_told("only root may open it: a rule of udev gives it to a group (GROUP=\"dialout\", MODE=\"0660\")"), 0);
+    EXPECT_EQ(nobody_is_told("only root may open it: add a udev rule for a group (GROUP=\"dialout\", MODE=\"0660\")"), 0);
     const group* const dialout = ::getgrnam("dialout");
     if (dialout == nullptr) GTEST_SKIP() << "there is no group dialout";
     ASSERT_EQ(::chown(fc.terminal().c_str(), 0, dialout->gr_gid), 0);
     ::chmod(fc.terminal().c_str(), 0660);
-    EXPECT_EQ(nobody_is_told("it is for the group dialout: sudo usermod -aG dialout $USER, and log in again"), 0);
+    EXPECT_EQ(nobody_is_told("it belongs to the group dialout: sudo usermod -aG dialout $USER, and log in again"), 0);
 }
 
 TEST(SerialLink, a_port_that_nobody_reads_does_not_hold_up_the_end) {

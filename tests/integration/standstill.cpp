@@ -118,7 +118,7 @@ TEST_F(Standstill, is_told_in_the_log_and_the_status) {
     EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 0);
     stand_still_with([] {}, 1700ms);
     go_on();
-    EXPECT_TRUE(daemon.until_says("stood still for at least 1."));
+    EXPECT_TRUE(daemon.until_says("stalled for at least 1."));
     const auto gateway = daemon.status().at("gateway");
     EXPECT_EQ(gateway.at("standstills"), 1);
     EXPECT_GT(gateway.at("longest_standstill_s"), 1.0);
@@ -126,7 +126,7 @@ TEST_F(Standstill, is_told_in_the_log_and_the_status) {
 
 TEST_F(Standstill, each_of_two_in_a_row_is_in_the_log) {
     for (const auto& [time, words] :
-         {std::pair{700ms, "stood still for at least 0."}, std::pair{1700ms, "stood still for at least 1."}}) {
+         {std::pair{700ms, "stalled for at least 0."}, std::pair{1700ms, "stalled for at least 1."}}) {
         stand_still_with([&] { ground.send(ground_port, numbered(0xFE, command, 5)); }, time);
         go_on();
         EXPECT_TRUE(daemon.until_says(words));
@@ -138,7 +138,7 @@ TEST_F(Standstill, of_half_a_second_is_told_where_a_stream_speaks) {
     ASSERT_TRUE(wait_until([&] { return split(taker.heard()).frames.size() == 1; }));
     stand_still_with([&] { app->write(numbered(0xFE, command, 3)); }, 520ms);
     go_on();
-    EXPECT_TRUE(daemon.until_says("stood still for at least 0."));
+    EXPECT_TRUE(daemon.until_says("stalled for at least 0."));
     EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 1);
 }
 
@@ -147,7 +147,7 @@ TEST_F(Standstill, of_half_a_second_is_told_where_datagrams_waited) {
     ASSERT_TRUE(daemon.until([&](const auto&) { return daemon.link("app").at("state") == "waiting"; }));
     stand_still_with([&] { ground.send(ground_port, numbered(0xFE, command, 4)); }, 520ms);
     go_on();
-    EXPECT_TRUE(daemon.until_says("stood still for at least 0."));
+    EXPECT_TRUE(daemon.until_says("stalled for at least 0."));
     EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 1);
 }
 

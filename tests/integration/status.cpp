@@ -150,7 +150,7 @@ TEST_F(Hints, bytes_but_no_frames_is_a_wrong_baud_rate) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
     fc.write(Bytes(500, 0xF8));
-    EXPECT_TRUE(hint_says("fc", "bytes but no frames: wrong baud rate, or another protocol?"));
+    EXPECT_TRUE(hint_says("fc", "data but no valid frames: check baud rate and protocol"));
     for (int i = 0; i < 30; ++i) fc.write(vendor::i_am_an_mcu);
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "all is well now";
 }
@@ -161,9 +161,9 @@ TEST_F(Hints, are_news_once_while_the_link_is_up) {
     anogate::HintLog log;
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.write(Bytes(500, 0xF8));
-    ASSERT_TRUE(hint_says("fc", "bytes but no frames"));
+    ASSERT_TRUE(hint_says("fc", "data but no valid frames"));
     EXPECT_EQ(log.news(daemon->gateway()),
-              std::vector<std::string>{"fc: bytes but no frames: wrong baud rate, or another protocol?"});
+              std::vector<std::string>{"fc: data but no valid frames: check baud rate and protocol"});
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.unplug();
     ASSERT_TRUE(daemon->until([&] { return daemon->link("fc").at("state") == "waiting"; }));
@@ -171,7 +171,7 @@ TEST_F(Hints, are_news_once_while_the_link_is_up) {
     fc.plug();
     ASSERT_TRUE(daemon->until_up("fc"));
     EXPECT_EQ(log.news(daemon->gateway()),
-              std::vector<std::string>{"fc: bytes but no frames: wrong baud rate, or another protocol?"});
+              std::vector<std::string>{"fc: data but no valid frames: check baud rate and protocol"});
 }
 
 TEST_F(Hints, older_frames_are_named) {
@@ -181,10 +181,10 @@ TEST_F(Hints, older_frames_are_named) {
     const auto checks = ano::checks_of(v7);
     v7 = v7 + Bytes{checks.sum, checks.add};
     fc.write(v7);
-    EXPECT_TRUE(hint_says("fc", "older V7 frames (0xAA) seen"));
+    EXPECT_TRUE(hint_says("fc", "older V7 frames (0xAA) received"));
     UdpPeer device;
     device.send(daemon->port("ground"), v7);
-    EXPECT_TRUE(hint_says("ground", "older V7 frames (0xAA) seen")) << "from a stranger as well";
+    EXPECT_TRUE(hint_says("ground", "older V7 frames (0xAA) received")) << "from a stranger as well";
 }
 
 TEST_F(Hints, older_frames_of_long_ago_are_no_news) {
@@ -215,7 +215,7 @@ TEST_F(Hints, a_baud_rate_that_was_changed_is_no_silence) {
     EXPECT_TRUE(daemon->until([&] {
         fc.write(Bytes(20, 0xF8));
         const std::string hint = daemon->link("fc").at("hint");
-        return hint.starts_with("bytes but no frames for ") && hint.ends_with(" s: was the baud rate changed, or the firmware?");
+        return hint.starts_with("data but no valid frames for ") && hint.ends_with(" s: check baud rate and firmware");
     })) << daemon->link("fc").at("hint");
     fc.write(vendor::i_am_an_mcu);
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; }));
@@ -224,10 +224,10 @@ TEST_F(Hints, a_baud_rate_that_was_changed_is_no_silence) {
 
 TEST_F(Hints, a_device_that_never_spoke_and_a_port_without_a_peer) {
     daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
-    EXPECT_TRUE(hint_says(
-        "fc",
-        "nothing received yet: is the device powered, are RX and TX crossed? (some speak only when spoken to: try hello=on)"));
-    EXPECT_TRUE(hint_says("ground", "no peer yet"));
+    EXPECT_TRUE(hint_says("fc",
+                          "nothing received yet: check that the device is powered and that RX and TX are crossed (some devices "
+                          "send only after they receive a frame: try hello=on)"));
+    EXPECT_TRUE(hint_says("ground", "waiting for a peer"));
 }
 
 TEST_F(Hints, a_slow_link_is_named) {
@@ -238,7 +238,7 @@ TEST_F(Hints, a_slow_link_is_named) {
     UdpPeer air;
     EXPECT_TRUE(daemon->until([&] {
         air.send(daemon->port("air"), frame(0xDC, 0xFE, 0xF1, Bytes(1000)));
-        return daemon->link("fc").at("hint").get<std::string>().find("slower than what is sent") != std::string::npos;
+        return daemon->link("fc").at("hint").get<std::string>().find("more is sent to this link") != std::string::npos;
     }));
 }
 

@@ -116,7 +116,7 @@ TEST_F(Tcp, a_peer_that_refuses_and_a_name_that_is_none_are_named_and_tried_agai
     bridge.reset();
     start({link, "tcp:no-such-host.invalid:80,name=nobody"});
     ASSERT_TRUE(daemon->until([&] { return daemon->link("fc").at("error_id") == "refused"; }));
-    EXPECT_EQ(daemon->link("fc").at("error"), "refused: nothing listens at " + local);
+    EXPECT_EQ(daemon->link("fc").at("error"), "connection refused: nothing listens at " + local);
     ASSERT_TRUE(daemon->until([&] { return daemon->link("nobody").at("error_id") == "no_such_host"; })) << daemon->link("nobody");
     bridge.emplace(local);
     TcpPeer fc;

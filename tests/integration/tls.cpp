@@ -123,8 +123,9 @@ TEST_F(Tls, a_certificate_for_another_name_is_refused) {
 TEST_F(Tls, a_key_that_others_may_read_is_refused) {
     listen(ca());
     std::filesystem::permissions(dir / "vehicle-key.pem", std::filesystem::perms{0644});
-    EXPECT_NE(connect_error(to("localhost", pair("vehicle") + ca())).find("everybody on this computer may read it; chmod o= "),
-              std::string::npos);
+    EXPECT_NE(
+        connect_error(to("localhost", pair("vehicle") + ca())).find("every user of this computer can read it; run chmod o= "),
+        std::string::npos);
     std::filesystem::permissions(dir / "vehicle-key.pem", std::filesystem::perms{0600});
     EXPECT_TRUE(air->until_up("t"));
 }
@@ -273,7 +274,7 @@ TEST_F(Tls, files_that_can_not_be_used_any_more_are_told_and_the_ones_before_go_
     ASSERT_TRUE(air->until_up("t")) << air->link("t");
     const std::string error = ground->link("l").at("error");
     EXPECT_NE(error.find("chmod o="), std::string::npos) << error;
-    EXPECT_NE(error.find("are used until a restart"), std::string::npos) << error;
+    EXPECT_NE(error.find("stay in use until a restart"), std::string::npos) << error;
 }
 
 TEST_F(Tls, a_port_is_down_while_its_certificate_can_not_be_used) {

@@ -236,8 +236,8 @@ TEST_P(JoinedGateways, a_hosts_command_to_everybody_arrives_once) {
     for (auto& gateway : {a.get(), b.get()})
         for (const char* way : {"way1", "way2"}) {
             const std::string hint = gateway->link(way).at("hint");
-            EXPECT_TRUE(hint == "a ring: what goes out by way1 comes back by way2" ||
-                        hint == "a ring: what goes out by way2 comes back by way1")
+            EXPECT_TRUE(hint == "loop: frames sent to way1 come back from way2" ||
+                        hint == "loop: frames sent to way2 come back from way1")
                 << hint;
         }
     EXPECT_TRUE(adds_up());

@@ -157,7 +157,7 @@ TEST_F(Bridged, a_command_passes_three_times_at_most_and_then_once) {
         }));
         EXPECT_LE(times(what), n == 0 ? 3u : 1u);
     }
-    EXPECT_TRUE(std::string{gateway->link("wifi").at("hint")}.starts_with("a ring: what goes out by "));
+    EXPECT_TRUE(std::string{gateway->link("wifi").at("hint")}.starts_with("loop: frames sent to "));
     EXPECT_LE(from_left + from_right, 50u);
     EXPECT_TRUE(gateway->counters_add_up());
 }
@@ -211,7 +211,7 @@ protected:
 // So many commands that any machine brings 200 copies in a second.
 TEST_F(Cabled, a_loop_is_cut_and_named_and_then_a_command_passes_once) {
     for (std::uint8_t n = 0; n < 100; ++n) host.send(gateway->port("ground"), order(n));
-    ASSERT_TRUE(until([&] { return std::string{gateway->link("wifi").at("hint")}.starts_with("a ring: what goes out"); }));
+    ASSERT_TRUE(until([&] { return std::string{gateway->link("wifi").at("hint")}.starts_with("loop: frames sent to "); }));
     ASSERT_TRUE(until_quiet()) << "nothing circulates";
     EXPECT_GT(gateway->count("radio", "looped") + gateway->count("wifi", "looped"), 0u);
     for (std::uint8_t n = 100; n < 110; ++n) host.send(gateway->port("ground"), order(n));

@@ -70,7 +70,7 @@ TEST(UdpLink, a_peer_that_is_gone_is_shown_and_heard_again_when_it_is_back) {
         return daemon.link("host").at("refused") > 3;
     }));
     EXPECT_EQ(daemon.link("host").at("state"), "up") << "a peer that is not there is no fault";
-    EXPECT_EQ(daemon.link("host").at("error"), "refused: nothing listens at " + address.text());
+    EXPECT_EQ(daemon.link("host").at("error"), "connection refused: nothing listens at " + address.text());
     EXPECT_TRUE(daemon.counters_add_up());
 
     peer = std::make_unique<UdpPeer>(address.text());
@@ -271,7 +271,7 @@ TEST(UdpLink, a_multicast_group_that_no_route_leads_to_asks_for_its_interface) {
                 network.run("link set va up"));
     RunningGateway daemon{udp("group", "239.1.2.3:17000")};
     EXPECT_EQ(daemon.link("group").at("error"),
-              "no route leads to the multicast group 239.1.2.3; name an interface: interface=NAME, or by its address "
+              "no route to the multicast group 239.1.2.3; name an interface: interface=NAME, or by its address "
               "bind=ADDRESS:17000");
 }
 
@@ -396,7 +396,7 @@ TEST(UdpListenLink, a_local_address_that_is_not_there_yet_is_waited_for) {
     const NetworkNamespace network;
     RunningGateway daemon{udp_listen("ground", "192.0.2.1:12333")};
     EXPECT_EQ(daemon.link("ground").at("state"), "waiting");
-    EXPECT_EQ(daemon.link("ground").at("error"), "no interface has the address 192.0.2.1 now");
+    EXPECT_EQ(daemon.link("ground").at("error"), "no network interface has the address 192.0.2.1");
     ASSERT_TRUE(network.run("addr add 192.0.2.1/32 dev lo"));
     ASSERT_TRUE(daemon.until_up("ground"));
     UdpPeer host{"192.0.2.1:0"};

@@ -90,9 +90,9 @@ TEST_P(WebSockets, hear_what_came_with_the_request) {
 
 TEST_P(WebSockets, end_when_we_say_so_and_the_client_is_told_why) {
     Client client = open(GetParam());
-    echo.socket->close(1001, "the gateway ends");
+    echo.socket->close(1001, "the gateway is stopping");
     EXPECT_FALSE(echo.socket->send(std::make_shared<const std::string>("late"), WebSocket::Kind::text));
-    EXPECT_TRUE(says(client, closed_with(1001, "the gateway ends")));
+    EXPECT_TRUE(says(client, closed_with(1001, "the gateway is stopping")));
     client.send(frame(said_text, "not heard any more") + close_frame(1001));
     EXPECT_TRUE(until([&] { return client.is_closed() && echo.gone; }));
 }
@@ -152,7 +152,7 @@ TEST_F(WebSockets, are_refused_in_words_where_the_request_does_not_fit) {
     Client old = connect(), keyless = connect();
     old.send(upgrade("Sec-WebSocket-Version: 8\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"));
     keyless.send(upgrade("Sec-WebSocket-Version: 13\r\n"));
-    EXPECT_TRUE(until([&] { return old.has_heard("a WebSocket of version 13 only"); }));
+    EXPECT_TRUE(until([&] { return old.has_heard("only WebSocket version 13 is supported"); }));
     EXPECT_TRUE(until([&] { return keyless.has_heard("400 Bad Request"); }));
 }
 

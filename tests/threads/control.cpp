@@ -85,9 +85,9 @@ TEST_F(ControlSocket, other_paths_and_methods_are_told_what_is_wrong) {
 
 TEST_F(ControlSocket, who_misses_a_path_is_told_the_nearest) {
     EXPECT_EQ(body_of(http(socket, "GET /staus HTTP/1.0\r\n\r\n")),
-              "{\"error\": \"there is nothing at this path (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
+              "{\"error\": \"this path does not exist (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
     EXPECT_EQ(body_of(http(socket, "GET /abcdefghijkl HTTP/1.0\r\n\r\n")),
-              "{\"error\": \"there is nothing at this path; try /\", \"what\": \"unknown\"}\n");
+              "{\"error\": \"this path does not exist; try /\", \"what\": \"unknown\"}\n");
 }
 
 TEST_F(ControlSocket, junk_is_told_in_words_and_disturbs_nobody) {
@@ -155,13 +155,13 @@ TEST_F(ControlSocket, is_for_its_own_user_when_there_is_no_group) {
     std::filesystem::create_directory(dir / "open");
     std::filesystem::permissions(dir / "open", std::filesystem::perms{0755});
     Daemon other{ANOGATED, dir / "open/control.sock", {"sim:fc"}};
-    EXPECT_TRUE(other.until_says("only this user may use it"));
+    EXPECT_TRUE(other.until_says("accessible to this user only"));
     other.signal(SIGTERM);
     EXPECT_EQ(other.wait(), 0);
 }
 
 TEST_F(ControlSocket, says_nothing_of_others_in_a_folder_that_they_cannot_enter) {
-    EXPECT_EQ(daemon.output().find("only this user may use it"), std::string::npos) << daemon.output();
+    EXPECT_EQ(daemon.output().find("accessible to this user only"), std::string::npos) << daemon.output();
 }
 
 TEST_F(ControlSocket, a_second_daemon_is_told_and_the_first_keeps_its_socket) {
@@ -176,7 +176,7 @@ TEST_F(ControlSocket, a_file_in_its_place_is_left_alone_and_told) {
     const TempDir other;
     std::ofstream{other / "file"} << "precious";
     Daemon second{ANOGATED, other / "file", {"sim:fc"}};
-    EXPECT_TRUE(second.until_says("file: exists and is not a socket (give another path by --control")) << second.output();
+    EXPECT_TRUE(second.until_says("file: exists and is not a socket (use --control with another path")) << second.output();
     EXPECT_TRUE(std::filesystem::is_regular_file(other / "file"));
 }
 
@@ -246,7 +246,7 @@ TEST(ControlSocketAtStart, one_that_is_in_use_is_waited_for) {
     Daemon first{ANOGATED, socket, {"sim:fc,name=first"}};
     ASSERT_TRUE(first.until_answers()) << first.output();
     Daemon second{ANOGATED, socket, {"sim:fc,name=second"}};
-    ASSERT_TRUE(second.until_says("another program is using it (give this one another by --control); waiting for it"))
+    ASSERT_TRUE(second.until_says("another program is using it (use --control with another path); waiting for it"))
         << second.output();
     first.signal(SIGTERM);
     EXPECT_EQ(first.wait(), 0);

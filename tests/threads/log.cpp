@@ -192,7 +192,7 @@ TEST(BlockedLog, what_was_lost_is_told_once_it_is_read_again) {
         joined.daemon.signal(SIGUSR1);    // 5 kB
         ASSERT_NE(http(dir / "control", "GET /nothing HTTP/1.0\r\n\r\n"), "");
     }
-    EXPECT_TRUE(pipe.until_says("lines were lost: the log could not take them")) << pipe.heard().size();
+    EXPECT_TRUE(pipe.until_says("log lines were dropped: the log destination did not accept them")) << pipe.heard().size();
     joined.daemon.signal(SIGHUP);
     EXPECT_TRUE(pipe.until_says("SIGHUP"));
     const std::string& said = pipe.heard();

@@ -147,7 +147,7 @@ TEST_F(OwnDevice, closes_other_links_but_not_that_of_the_writer) {
     Host ground = by("ground");
     const Bytes own = act(0xE1, {3, 0, 0}), other = act(0xE1, {5, 0, 0}), open = act(0xE1, {5, 0, 1});
     ground.say(own);
-    EXPECT_TRUE(ground.hears_text(0xA0, "it would close ground, by which it came"));
+    EXPECT_TRUE(ground.hears_text(0xA0, "it would close ground, the link of the request"));
     ground.say(other);
     EXPECT_TRUE(ground.hears(acknowledges(other)));
     EXPECT_EQ(ground.count(0x00), 1u);
@@ -183,7 +183,7 @@ TEST_F(OwnDevice, does_not_confirm_by_a_reload_what_somebody_else_has_to) {
     ASSERT_EQ(asked(socket, "POST", "/reload?confirm_within=60s", {}).status, 200u);
     Host ground = by("ground");
     ground.say(act(0xC0, {1, 0, 1}));
-    EXPECT_TRUE(ground.hears_text(0xA0, "RELOAD: a configuration waits to be confirmed"));
+    EXPECT_TRUE(ground.hears_text(0xA0, "RELOAD: a reloaded configuration is still waiting for confirmation"));
     EXPECT_EQ(daemon->status().at("gateway").at("config").at("state"), "unconfirmed");
 }
 
@@ -193,7 +193,7 @@ TEST_F(OwnDevice, starts_with_a_pipe_in_the_place_of_what_was_saved) {
     ASSERT_EQ(::mkfifo((dir / "state/parameters.json").c_str(), 0600), 0);
     ASSERT_EQ(::mkfifo((dir / "state/parameters.json.new").c_str(), 0600), 0);
     ASSERT_TRUE(start());
-    EXPECT_TRUE(daemon->until_says("parameters.json: is not a file; the configuration holds"));
+    EXPECT_TRUE(daemon->until_says("parameters.json: is not a file; using the values of the configuration"));
     Host ground = by("ground");
     const Bytes save = act(0xE0, {0x10, 0xAB, 0});
     ground.say(save);
@@ -297,7 +297,7 @@ TEST_F(OwnDevice, is_not_changed_by_the_control_interface_that_may_not) {
     EXPECT_EQ(ask("GET", "/devices/21/parameters").at("parameters").size(), 7u);
     const auto is_refused = [&](const char* method, const char* target, const char* body) {
         const json told = ask(method, target, body);
-        EXPECT_EQ(told.at("error"), "the control interface may not manage the gateway (control.manage)") << target;
+        EXPECT_EQ(told.at("error"), "the control interface is not allowed to manage the gateway (control.manage)") << target;
         EXPECT_EQ(told.at("what"), "refused") << target;
     };
     is_refused("PUT", "/devices/21/parameters/FORGET_AFTER", R"({"value": 5000})");

@@ -253,7 +253,7 @@ TEST(PtyLink, a_path_that_another_program_took_is_told_and_had_again_when_that_e
     fs::rename(dir / "others", dir / "app");
     EXPECT_TRUE(daemon.until([&] {
         return daemon.link("app").at("error") ==
-               (dir / "app") + " leads to /dev/pts/99999, which another program made: give this link a path of its own";
+               (dir / "app") + " leads to /dev/pts/99999, which belongs to another program: choose another path for this link";
     })) << daemon.link("app").at("error");
     fs::remove(dir / "app");
     EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); }));
@@ -318,7 +318,7 @@ TEST(PtyLink, is_never_up_while_its_path_is_taken) {
     RunningGateway daemon{pty("app", dir / "app")};
     daemon.run_for(300ms);
     EXPECT_FALSE(daemon.gateway().links()[0].was_up);
-    EXPECT_NE(daemon.link("app").at("error").get<std::string>().find("exists and is not ours"), std::string::npos);
+    EXPECT_NE(daemon.link("app").at("error").get<std::string>().find("exists, was not created by anogated"), std::string::npos);
 }
 
 TEST(PtyLink, a_path_may_be_relative) {

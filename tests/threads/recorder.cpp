@@ -208,7 +208,7 @@ TEST_F(RecorderOfGateway, a_disk_that_hangs_is_told_within_a_second_and_holds_up
     const auto begin = ano::Clock::now();
     const int changes_before = changes;
     send(30);
-    ASSERT_TRUE(until_error("the disk has taken nothing for 1 s", 5s));
+    ASSERT_TRUE(until_error("the disk has written nothing for 1 s", 5s));
     EXPECT_LT(ano::Clock::now() - begin, 2s) << "a second, and what a busy machine needs";
     EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
     b.forget();
@@ -251,7 +251,7 @@ TEST_F(RecorderOfGateway, a_disk_that_takes_less_than_comes_is_told_and_what_is_
     const int changes_before = changes;
     while (recorder->report().not_written == 0 && sent < 60'000) send(300, true);
     const auto begin = ano::Clock::now();
-    ASSERT_TRUE(until_error("the disk takes less than comes", 5s)) << recorder->report().error;
+    ASSERT_TRUE(until_error("the disk is too slow; frames are being lost", 5s)) << recorder->report().error;
     EXPECT_LT(ano::Clock::now() - begin, 2s);
     EXPECT_TRUE(recorder->report().is_slow && recorder->report().loses);
     EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
@@ -276,7 +276,7 @@ TEST_F(RecorderOfGateway, a_disk_that_falls_a_second_behind_is_told_before_a_fra
     failing_disk.slowness = 600;    // less than what is told as a disk that takes nothing
     const auto begin = ano::Clock::now();
     while (recorder->report().error.empty() && ano::Clock::now() - begin < 20s) send(3);
-    EXPECT_EQ(recorder->report().error, "the disk falls behind what comes");
+    EXPECT_EQ(recorder->report().error, "the disk is too slow; frames are waiting");
     EXPECT_TRUE(recorder->report().is_slow);
     EXPECT_FALSE(recorder->report().loses);
     EXPECT_GT(recorder->report().waiting, 0u);
@@ -309,13 +309,13 @@ TEST_F(RecorderOfGateway, a_disk_that_hangs_holds_up_no_end) {
     EXPECT_LT(ano::Clock::now() - begin, 1s);
     EXPECT_GE(ano::Clock::now() - begin, 400ms) << "it might have been slow";
     start();
-    ASSERT_TRUE(until_error("the disk has taken nothing"));
+    ASSERT_TRUE(until_error("the disk has written nothing"));
     begin = ano::Clock::now();
     recorder.reset();
     EXPECT_LT(ano::Clock::now() - begin, 200ms) << "it is known to hang";
     start();
     recorder->end();
-    ASSERT_TRUE(until_error("the disk has taken nothing"));
+    ASSERT_TRUE(until_error("the disk has written nothing"));
     EXPECT_FALSE(recorder->report().is_ended);
     recorder.reset();
     EXPECT_LT(gateway.stop(), 2s);
@@ -381,7 +381,7 @@ TEST_F(RecorderOfGateway, keeps_some_of_the_disk_free) {
     settings.keep_free = 8'000'000;
     start();
     while (recorder->report().error.empty() && sent < 20'000) send(300, true);
-    EXPECT_TRUE(until_error("of the disk are free, and 13.2 MB must be to write more: "));
+    EXPECT_TRUE(until_error("of disk space is free, and recording needs 13.2 MB: "));
     const std::string error = recorder->report().error;
     send(3000, true);
     recorder->end();

@@ -275,7 +275,7 @@ TEST_F(RecordingsOfGateway, that_a_reload_could_not_begin_while_the_disk_hung_be
     EXPECT_EQ(recordings.figures().running, Recordings::max_ending);
     failing_disk.hangs = false;
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 1 && recordings.figures().failing == 0; }));
-    EXPECT_EQ(recordings.start_recording(), "it records already");
+    EXPECT_EQ(recordings.start_recording(), "a recording is already in progress");
 }
 
 }    // namespace

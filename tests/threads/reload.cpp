@@ -217,14 +217,14 @@ TEST_F(Reload, that_is_not_confirmed_in_time_is_undone) {
     EXPECT_EQ(names(), (std::vector<std::string>{"fc", "new"}));
     EXPECT_TRUE(has_names({"fc", "old"}));
     EXPECT_TRUE(wait_until([&] { return state() == "not the file"; }));
-    EXPECT_TRUE(daemon->until_says("not confirmed in time, the configuration before is back"));
+    EXPECT_TRUE(daemon->until_says("not confirmed in time; the previous configuration is restored"));
     EXPECT_EQ(post("/reload/confirm").status, 409) << "too late";
     daemon->signal(SIGKILL);    // the power fails
     daemon->wait();
     ASSERT_TRUE(start());
     EXPECT_EQ(names(), (std::vector<std::string>{"fc", "old"})) << "and again";
     EXPECT_EQ(state(), "not the file");
-    EXPECT_TRUE(daemon->until_says("was not confirmed and is not used"));
+    EXPECT_TRUE(daemon->until_says("was not confirmed; running the previous configuration"));
     EXPECT_EQ(post("/reload").body.at("changed"), true) << "the user takes the file";
     EXPECT_EQ(names(), (std::vector<std::string>{"fc", "new"}));
     EXPECT_EQ(state(), "file");

@@ -116,8 +116,8 @@ TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturb
     ASSERT_TRUE(passes());
     waits_for("ip link set vcan0 down", "vcan0 is down");
     comes_back("ip link set vcan0 up");
-    waits_for("ip link del vcan0", "there is no interface vcan0");
-    waits_for("ip link add dev vcan0 type vcan && ip link set vcan0 mtu 16 up", "vcan0 carries no CAN FD");
+    waits_for("ip link del vcan0", "network interface vcan0 not found");
+    waits_for("ip link add dev vcan0 type vcan && ip link set vcan0 mtu 16 up", "vcan0 is not set up for CAN FD");
     waits_for("ip link set vcan0 down", "vcan0 is down");
     comes_back("ip link set vcan0 mtu 72 up");
     EXPECT_EQ(gateway.count("vcan0", "link_down"), 4u);

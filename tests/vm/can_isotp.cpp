@@ -118,7 +118,7 @@ TEST_F(Can, a_kernel_without_isotp_is_named_and_waited_for) {
     RunningGateway gateway{loop,
                            {"can:vcan0,framing=isotp,tx=1,rx=2", "can:vcan0,name=stream", app.link("app"), other.link("other")}};
     EXPECT_EQ(gateway.link("vcan0")["state"], "waiting");
-    EXPECT_EQ(gateway.link("vcan0")["error"], "this kernel has no ISO-TP (module can-isotp)");
+    EXPECT_EQ(gateway.link("vcan0")["error"], "the kernel has no support for ISO-TP (module can-isotp)");
     EXPECT_TRUE(gateway.up("stream"));
     app.send(gateway.port("app"), frame(0xFE, 0xFF, 0x03));
     EXPECT_EQ(received(other, 1).size(), 1u) << "the rest runs";

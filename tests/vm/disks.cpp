@@ -20,7 +20,7 @@ using namespace support;
 using nlohmann::json;
 
 // By the gateway's own clock: a machine that computes 9 to 65 times slower takes long to ask it.
-constexpr char told[] = "the disk has taken nothing for 1 s; frames go on, but are not recorded";
+constexpr char told[] = "the disk has written nothing for 1 s; frames are still forwarded, but are not recorded";
 
 class Disks : public RecordingGateway {
 protected:
@@ -75,7 +75,7 @@ TEST_F(Disks, that_hang_are_told_of_within_a_second_and_lose_nothing_and_frames_
     const std::string name = running().at("name");
     freeze();
     send_numbered(50);
-    ASSERT_TRUE(until_error("the disk has taken nothing for "));
+    ASSERT_TRUE(until_error("the disk has written nothing for "));
     EXPECT_TRUE(gateway->until_says(told)) << gateway->output();
     EXPECT_TRUE(is_failing());
     send_numbered(50);
@@ -93,9 +93,9 @@ TEST_F(Disks, that_hang_hold_up_no_end_but_that_of_the_kernel) {
     ASSERT_TRUE(until_written(20));
     freeze();
     send_numbered(20);
-    ASSERT_TRUE(until_error("the disk has taken nothing for "));
+    ASSERT_TRUE(until_error("the disk has written nothing for "));
     gateway->signal(SIGTERM);
-    EXPECT_TRUE(gateway->until_says("the disk is not waited for any longer")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("the disk does not respond")) << gateway->output();
     EXPECT_TRUE(gateway->until_says("ends: ")) << gateway->output();
     thaw();    // until then the kernel keeps the thread that waits for the disk, and with it the process
     EXPECT_EQ(gateway->wait(), 0) << gateway->output();

@@ -250,7 +250,7 @@ TEST_F(Gpio, a_switch_that_chatters_fills_no_log) {
         EXPECT_LE(while_it_chatters, 5u);
         EXPECT_TRUE(loop.until([&] {
             const std::string last = lines->last_formatted(1).at(0);
-            return last.find("on, control frames go nowhere") != last.npos && last.find("changed") != last.npos;
+            return last.find("on, control frames are dropped") != last.npos && last.find("changed") != last.npos;
         })) << lines->last_formatted(1).at(0);
     }
     spdlog::set_default_logger(usual);
@@ -391,7 +391,7 @@ TEST_F(Gpio, a_line_that_can_not_be_had_says_so_and_is_waited_for) {
                             R"(,{"chip": "sim-b", "line": 0, "use": "power"}, {"line": "NOBODYS", "use": "power"})"};
     EXPECT_EQ(gateway.gpio(0)["error"], sim.chip() + " line 1 (LAMP) is in use by the-kernel");
     EXPECT_EQ(gateway.gpio(1)["error"], sim.chip() + " has lines 0 to 3, not 9");
-    EXPECT_EQ(gateway.gpio(2)["error"], "sim-b line 0: the chip is not there");
+    EXPECT_EQ(gateway.gpio(2)["error"], "sim-b line 0: the chip was not found");
     EXPECT_EQ(gateway.gpio(3)["error"], "no GPIO chip has a line NOBODYS");
     const auto reply = gateway.post(R"({"line": "NOBODYS"})");
     EXPECT_EQ(reply.status, 409u);
@@ -473,15 +473,15 @@ TEST_F(Gpio, post_says_what_is_wrong_with_a_request) {
         const auto reply = gateway.post(body);
         return std::to_string(reply.status) + " " + json::parse(reply.body).value("error", "");
     };
-    EXPECT_EQ(answer("{}"), "400 2 GPIO lines fit; say which by line, chip, link or use");
+    EXPECT_EQ(answer("{}"), "400 2 GPIO lines match; select one by line, chip, link or use");
     EXPECT_EQ(answer(R"({"lin": 3})"), "400 unknown key 'lin' (did you mean 'line'?)");
     EXPECT_EQ(answer(R"({"line": true})"), "400 'line' must be text or a number");
     EXPECT_EQ(answer("[]"), "400 the body must be a JSON object such as {\"link\": \"fc\", \"use\": \"reset\"}");
     EXPECT_EQ(answer("{").substr(0, 4), "400 ");
-    EXPECT_EQ(answer(R"({"link": "fd"})"), "404 no GPIO line fits; GET /status lists them under gpio");
-    EXPECT_EQ(answer(R"({"line": 2})"), "400 only reset and power lines can be asked to do something");
+    EXPECT_EQ(answer(R"({"link": "fd"})"), "404 no GPIO line matches; GET /status lists them under gpio");
+    EXPECT_EQ(answer(R"({"line": 2})"), "400 only reset and power lines support actions");
     EXPECT_EQ(answer(R"({"link": "radio", "action": "pulse"})"),
-              "400 the action of a reset is pulse, of power cycle, not 'pulse'");
+              "400 the action must be pulse for a reset line or cycle for a power line, not 'pulse'");
     EXPECT_FALSE(sim.level(0));
     EXPECT_TRUE(sim.level(1));
     EXPECT_EQ(answer(R"({"link": "fc"})"), "200 ") << "one that can act";

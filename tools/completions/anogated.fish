@@ -10,5 +10,5 @@ complete -c anogated -l http -x -d 'the same interface over TCP, at this address
 complete -c anogated -l log-level -x -a 'trace debug info warn error' -d 'what is logged'
 complete -c anogated -l route -x -d 'pin an address or range '
 complete -c anogated -l check -d 'check the configuration'
-complete -c anogated -l print-config -d 'print the configuration that results, as a file to use'
+complete -c anogated -l print-config -d 'print the resulting configuration as a file'
 complete -c anogated -a 'serial: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'

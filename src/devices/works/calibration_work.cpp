@@ -168,17 +168,17 @@ std::string by_hand(const WorkPlace& place, const std::string& name) {
     return "anoctl param import " + place.net.kept_path(name) + ", then anoctl param save";
 }
 
-constexpr const char* not_told_apart = "nothing tells this unit from others of its type that were never calibrated";
+constexpr const char* not_told_apart = "this unit can't be distinguished from others of its type that were never calibrated";
 
 // The note is the only copy of its values, so the log has them.
 std::string drop_note(const WorkPlace& place, const std::string& name, Unit unit) {
     const std::string text = *place.notes.find(name);
     const bool is_alike = unit == Unit::alike;
     place.notes.drop(name, is_alike ? "removed: it may be of another unit" : "removed: the device has other calibration values");
-    return (is_alike
-                ? std::string{not_told_apart} + ", so its values stay, and the file is removed: "
-                : "the device has other calibration values than its unfinished calibration left, so they stay, and the file is "
-                  "removed: ") +
+    return (is_alike ? std::string{not_told_apart} + ", so its values stay, and the file is removed: "
+                     : "the calibration values of the device are not those of the unfinished calibration, so they stay, and the "
+                       "file is "
+                       "removed: ") +
            describe_note(name, text) + ", " + ano::compact_json(note_json(text).value("parameters", Json{}));
 }
 
@@ -192,25 +192,25 @@ public:
     WriteBack(const WorkPlace& place, std::string name) : TaskWork{place}, name_{std::move(name)} {}
     void start(TimePoint now) override {
         const auto sensor = sensor_of_note(name_);
-        if (!sensor) return finish(work_fault(409, name_ + " is no note of a calibration"));
+        if (!sensor) return finish(work_fault(409, name_ + " is not a file of a calibration"));
         auto task = std::make_unique<ano::host::Parameters>(place().device, &place().cache);
         std::vector<std::string> names = ano::host::calibration_names(*sensor);
         std::ranges::copy(ano::host::calibration_names(ano::host::other_than(*sensor)), std::back_inserter(names));
         next(std::move(task)).read_named(std::move(names), now);
     }
-    std::string message() const override { return "writing back what was before a calibration that never ended"; }
-    std::string half_done() const override { return "the old values are kept, and written back at the next start"; }
+    std::string message() const override { return "restoring the values from before an unfinished calibration"; }
+    std::string half_done() const override { return "the old values are saved and will be written back at the next start"; }
 
 private:
     void done(const Task& task, TimePoint now) override {
         if (writes_) return written_back(task);    // CalibrationWrite has read them back
         const std::string* text = place().notes.find(name_);
         const auto sensor = sensor_of_note(name_);
-        if (text == nullptr || !sensor) return finish(work_fault(409, "nothing is kept any more"));
+        if (text == nullptr || !sensor) return finish(work_fault(409, "there are no saved values any more"));
         auto values = values_in_note(*text, *sensor);
         if (!values) return finish(work_fault(422, name_ + " is damaged: calibrate again, or remove it"));
         if (const std::string misfit = misfit_of_note(*text, place()); !misfit.empty())
-            return finish(work_fault(409, name_ + " is left alone: it is " + misfit));
+            return finish(work_fault(409, name_ + " is not used: it is " + misfit));
         const auto& parameters = static_cast<const ano::host::Parameters&>(task);
         CalibrationValues has;
         for (auto& [name, value] : *values) {    // the note has them as f32
@@ -224,7 +224,7 @@ private:
         const Unit unit = unit_of_note(has, of_other.value_or(CalibrationValues{}), *text, *sensor);
         if (unit == Unit::other) return finish(work_fault(409, drop_note(place(), name_, unit)));
         if (unit == Unit::alike)
-            return finish(work_fault(409, std::string{not_told_apart} + "; if it is the one of which they are: " +
+            return finish(work_fault(409, std::string{not_told_apart} + "; if the values belong to it: " +
                                               by_hand(place(), name_) + "; otherwise remove the file"));
         writes_ = true;
         next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
@@ -237,7 +237,7 @@ private:
         Json result{{"written_back", true}, {"kept", kept}};
         if (text != nullptr) result["values"] = note_json(*text).value("parameters", Json{});
         end.result = ano::compact_json(result);
-        end.error = "wrote back the old calibration values, because their calibration never ended: " + kept +
+        end.error = "restored the old calibration values, because the calibration was not finished: " + kept +
                     "; read back and equal, so " + name_ + " is removed";
         place().notes.forget(name_);
         finish(std::move(end));
@@ -276,21 +276,21 @@ public:
         switch (phase()) {
         case Phase::read: return "reading the old values";
         case Phase::keep:
-            return is_waiting() ? "the old values are kept; go on when the device may be turned" : "keeping the old values";
-        case Phase::clear: return after_restart("the device is told to forget them");
+            return is_waiting() ? "the old values are saved; continue when the device may be turned" : "saving the old values";
+        case Phase::clear: return after_restart("clearing the calibration of the device");
         case Phase::turn:
             return after_restart(sensor_ == Sensor::accelerometer ? "lay it on each of its six faces" : "turn it to all sides");
-        case Phase::confirm: return "checking that nothing was corrected meanwhile";
-        case Phase::keep_new: return "keeping the new values";
+        case Phase::confirm: return "checking that no sample was corrected";
+        case Phase::keep_new: return "saving the new values";
         case Phase::write: return "writing the new values";
         case Phase::verify:
             if (const auto face = calibration_->face_to_verify())
                 return (calibration_->is_further_face() ? "checking the new values: lay it still on "
                                                         : "checking the new values: leave it still on ") +
                        std::string{ano::host::name_of(*face)};
-            return "checking the new values: go on turning it";
+            return "checking the new values: keep turning it";
         case Phase::prove:
-            return std::string{"it does not show that it was cleared, so the new values are checked on all sides: "} +
+            return std::string{"the device does not show whether it was cleared, so the new values are checked on all sides: "} +
                    (sensor_ == Sensor::accelerometer ? "lay it on each of its six faces again" : "turn it to all sides again");
         case Phase::restore: return "writing the old values back";
         case Phase::over: break;
@@ -325,7 +325,7 @@ private:
         if (is_waiting()) return look_at_clock(now);
         if (kept_->fault.empty()) return;
         calibration_->cancel(now);
-        finish(work_fault(503, "the old values could not be kept, so nothing was changed: " + kept_->fault));
+        finish(work_fault(503, "the old values could not be saved, so nothing was changed: " + kept_->fault));
     }
     // A limit for the waiting, because the job blocks the device meanwhile.
     void look_at_clock(TimePoint now) {
@@ -333,7 +333,7 @@ private:
         if (now - *waits_since_ < Calibration::time_to_turn) return;
         calibration_->cancel(now);
         forget();
-        finish(work_fault(504, "nobody said go on within 10 minutes; nothing was changed"));
+        finish(work_fault(504, "not continued within 10 minutes; nothing was changed"));
     }
     // The old values are those kept by an unfinished calibration, not what it left in the device.
     bool uses_kept() {
@@ -390,7 +390,7 @@ private:
     // `when` the next run of the program writes them back, if it does.
     std::string kept_where(const std::string& what, const std::string& when) const {
         const std::string name = note_.empty() ? keep_name(place(), sensor_) : note_;
-        const std::string kept = what + " are kept as " + name, way = place().net.way_to_write_back(name);
+        const std::string kept = what + " are saved as " + name, way = place().net.way_to_write_back(name);
         if (!way.empty()) return kept + "; " + way;
         const CalibrationValues left = calibration_ != nullptr ? calibration_->cleared_values() : CalibrationValues{};
         const CalibrationValues other = calibration_ != nullptr ? calibration_->other_values() : CalibrationValues{};

@@ -59,7 +59,7 @@ protected:
         if (!seven || of_link == seven) return true;
         if (of_link) {
             finish(work_fault(422, "value type 7 is " + std::string{text_of_type_7(*of_link)} +
-                                       " for this link (value_type_7, or profile): change it there"));
+                                       " on this link (value_type_7 or profile): change it there"));
             return false;
         }
         given_type_7_ = seven;
@@ -71,10 +71,9 @@ protected:
         for (const CommandInfo& one : all) {
             const auto shown = ano::host::shown_type_7(one);
             if (!shown || shown == given_type_7_) continue;
-            finish(work_fault(
-                422, "value type 7 of this device is " + std::string{text_of_type_7(*shown)} +
-                         ", as its descriptions show, and not " + std::string{text_of_type_7(*given_type_7_)} +
-                         ": leave it out (type7); where the descriptions are wrong, the link's key value_type_7 decides"));
+            finish(work_fault(422, "value type 7 of this device is " + std::string{text_of_type_7(*shown)} +
+                                       ", as its descriptions show, not " + std::string{text_of_type_7(*given_type_7_)} +
+                                       ": omit type7; if the descriptions are wrong, set value_type_7 on the link"));
             return false;
         }
         return true;
@@ -107,7 +106,7 @@ protected:
     }
     void tell_unconfirmed() {
         note_ = ano::host::hex_of(place().device.address()) +
-                " did not say whether the command is still the same: it was sent as it was described before";
+                " did not confirm that the command is unchanged: it was sent as described earlier";
     }
     /// The check that is the current task; null: another one is.
     const CommandCheck* check() const { return check_ != nullptr && task() == check_ ? check_ : nullptr; }
@@ -149,7 +148,7 @@ private:
         const auto before = kept_type_7(place());
         if (before && before != given_type_7_)
             note_ = "value type 7 of this device is " + std::string{text_of_type_7(*given_type_7_)} +
-                    " from now on, it was kept as " + std::string{text_of_type_7(*before)};
+                    " from now on; it was stored as " + std::string{text_of_type_7(*before)};
     }
 
     Commands* commands_ = nullptr;
@@ -226,8 +225,7 @@ private:
         if (!agrees_as_read()) return;
         command_ = called(commands());
         if (!command_ && order_.called) return finish_outdated();
-        if (!command_)
-            return finish(work_fault(404, "no command is called " + ano::in_quotes(order_.command) + ", or several are"));
+        if (!command_) return finish(work_fault(404, "no single command has the name " + ano::in_quotes(order_.command)));
         call_it(now);
     }
     // The client may read the commands and call again: nothing was sent.
@@ -299,7 +297,7 @@ public:
         }
         if (!values.empty() && command_.types.empty() && known_as != all.end()) command_ = *known_as;
         else if (command_.types.size() != values.size())
-            return finish(work_fault(422, R"(each value needs a type, as in {"u16": 150}: the command is not known)"));
+            return finish(work_fault(422, R"(each value needs a type, as in {"u16": 150}: the command is unknown)"));
         call(command_, values, order_.repeat, now);
     }
     std::string message() const override { return "calling " + command_.name; }

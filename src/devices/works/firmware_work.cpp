@@ -71,7 +71,8 @@ private:
         if (end() || !read_->is_done) return;
         if (!read_->fault.empty()) return finish(work_fault(503, "the file could not be checked: " + read_->fault));
         if (!read_->file.image) return finish(work_fault(422, read_->file.wrong));
-        if (!read_->doubt.empty() && !order_.force) return finish(work_fault(422, read_->doubt + " (force sends it as it is)"));
+        if (!read_->doubt.empty() && !order_.force)
+            return finish(work_fault(422, read_->doubt + " (use force to send it anyway)"));
         size_ = read_->file.image->bytes.size();
         began_ = now;
         recall();

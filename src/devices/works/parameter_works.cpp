@@ -106,7 +106,7 @@ protected:
             for (const ano::host::ParameterInfo& one : all)
                 if (std::to_string(one.id) == word) found.parameter = &one;
         if (found.several) finish(ambiguous(word, all));
-        else if (found.parameter == nullptr) finish(work_fault(404, "no parameter is called " + ano::in_quotes(word)));
+        else if (found.parameter == nullptr) finish(work_fault(404, "unknown parameter " + ano::in_quotes(word)));
         return found.parameter;
     }
 
@@ -123,8 +123,7 @@ protected:
         std::string ids;
         for (const ano::host::ParameterInfo& one : all)
             if (texts().is(one.name, name)) ids += (ids.empty() ? "" : ", ") + std::to_string(one.id);
-        return {
-            409, {}, "several parameters are called " + ano::in_quotes(name) + ": say which by its number, " + ids, "ambiguous"};
+        return {409, {}, "several parameters have the name " + ano::in_quotes(name) + ": use the number,  " + ids, "ambiguous"};
     }
 
 private:
@@ -229,7 +228,7 @@ private:
         const ano::host::ParameterInfo* const info = parameter(name_);
         if (info == nullptr) return;
         const auto given = value_in(Json::parse(json_), info->type);
-        if (!given) return finish(work_fault(422, "the value must be a number or a text"));
+        if (!given) return finish(work_fault(422, "the value must be a number or text"));
         const auto value = texts().wire(*given);
         if (!value) return finish(work_fault(422, name_ + ": the text " + texts().misfit()));
         limits_.max_bytes = place().net.manners(place().device.address()).text.max_bytes;
@@ -270,7 +269,7 @@ public:
         read(Parameters::Values::none, now);
     }
     std::string message() const override {
-        if (apply_ != nullptr && apply_->is_undoing()) return "undoing what was written";
+        if (apply_ != nullptr && apply_->is_undoing()) return "undoing the changes";
         return order_.dry_run ? "comparing parameters" : "writing parameters";
     }
 
@@ -301,7 +300,7 @@ private:
             const auto* info = found.parameter;
             given_.push_back({name, json, info != nullptr ? info->type : std::nullopt, info != nullptr, {}});
             const auto value = value_in(json, given_.back().type);
-            if (!value) return finish(work_fault(422, ano::in_quotes(name) + " must be a number or a text"));
+            if (!value) return finish(work_fault(422, ano::in_quotes(name) + " must be a number or text"));
             const auto wire = texts().wire(*value);
             if (!wire && !order_.dry_run) return finish(work_fault(422, name + ": the text " + texts().misfit()));
             if (!wire) given_.back().unwritable = json.get<std::string>();
@@ -335,7 +334,7 @@ private:
         for (const Given& given : given_)
             if (!given.is_known && told < max_names) names += (told++ == 0 ? "" : ", ") + ano::in_quotes(given.name);
         return work_fault(
-            422, "nothing was written: no parameters are called " + names + " and " + std::to_string(strangers - told) + " more");
+            422, "nothing was written: unknown parameters  " + names + " and " + std::to_string(strangers - told) + " more");
     }
     // Reports what is half done as well.
     void failed(const Task& task, TimePoint) override {
@@ -368,8 +367,7 @@ private:
             if (row.stored && !order_.dry_run) json["stored"] = value_json(*row.stored, type, texts());
             json["clamped"] = row.state == ParameterApply::State::clamped;
             json["state"] = order_.dry_run && state < std::size(dry_states) ? dry_states[state] : apply_states[state];
-            if (!row.what.empty())
-                json["what"] = given.is_known ? texts().shown(row.what) : "no parameter is called " + given.name;
+            if (!row.what.empty()) json["what"] = given.is_known ? texts().shown(row.what) : "unknown parameter " + given.name;
             if (given.unwritable) {
                 json["state"] = dry_states[0];
                 json["encodable"] = false;

@@ -41,7 +41,7 @@ public:
         if (frame.id() == ano::id_of<"device_info">) answered_.set(frame.source());
     }
     ano::host::Progress progress() const override { return {answered_.count(), 0}; }
-    std::string message() const override { return "asking everybody, " + std::to_string(answered_.count()) + " answered"; }
+    std::string message() const override { return "scanning, " + std::to_string(answered_.count()) + " answered"; }
     std::optional<TimePoint> due() const override { return next_; }
 
 private:

@@ -65,7 +65,7 @@ public:
     /// Called for every passing frame, in addition to Device::take(). Must not send.
     virtual void hear(ano::FrameView /*frame*/, ano::TimePoint /*now*/) {}
     /// What is half done if it stops now, when cancel() did not end it at once.
-    virtual std::string half_done() const { return "it is left as it is"; }
+    virtual std::string half_done() const { return "it is unchanged"; }
     /// When run() has to be called, in addition to Device::due().
     virtual std::optional<ano::TimePoint> due() const { return std::nullopt; }
     /// run() has something to do at once: a request ended while frames were sent.

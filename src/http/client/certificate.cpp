@@ -134,7 +134,7 @@ Expected<void> make_signed_certificate(const CertificateNames& names, const Cert
     const Certificate issuer{PEM_read_X509(certificate.get(), nullptr, nullptr, nullptr)};
     const Key its_key{PEM_read_PrivateKey(key.get(), nullptr, nullptr, nullptr)};
     if (!issuer || !its_key || X509_check_private_key(issuer.get(), its_key.get()) != 1)
-        return Unexpected{authority.certificate + " and " + authority.key + " are no certificate and its key"};
+        return Unexpected{authority.certificate + " and " + authority.key + " are not a certificate and its key"};
     return make_pair(subject_of(names), valid_days, files, [&](X509& made, EVP_PKEY&) {
         return X509_set_issuer_name(&made, X509_get_subject_name(issuer.get())) == 1 &&
                add_use(made, names, "serverAuth,clientAuth") && X509_sign(&made, its_key.get(), EVP_sha256()) > 0;
@@ -145,7 +145,7 @@ Expected<std::string> fingerprint(const std::string& certificate) {
     const File file{::fopen(certificate.c_str(), "re")};
     if (!file) return Unexpected{error_text(certificate, errno)};
     const Certificate read{PEM_read_X509(file.get(), nullptr, nullptr, nullptr)};
-    if (!read) return Unexpected{certificate + ": is no certificate in PEM"};
+    if (!read) return Unexpected{certificate + ": not a PEM certificate"};
     unsigned char bytes[EVP_MAX_MD_SIZE];
     unsigned size = 0;
     if (X509_digest(read.get(), EVP_sha256(), bytes, &size) != 1) return openssl_fault();

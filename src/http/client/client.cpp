@@ -122,8 +122,8 @@ private:
     }
 
     void ended_early() {
-        fail(has_head_ ? "the gateway ended before its answer was whole"
-                       : "what listens at " + path_ + " ended the connection without an answer");
+        fail(has_head_ ? "the gateway stopped before its response was complete"
+                       : "the program at " + path_ + " closed the connection without a response");
     }
 
     void hear() {
@@ -133,18 +133,17 @@ private:
             answer_.headers = reader_.headers();
             if (line && answer_.status == 200) deadline_.cancel();
         }
-        if (has_head_ && answer_.header("Server") != "anogate") return fail("what listens at " + path_ + " is not a gateway");
+        if (has_head_ && answer_.header("Server") != "anogate") return fail("the program at " + path_ + " is not a gateway");
         if (has_head_ && !(line && answer_.status == 200 ? hear_lines() : hear_body())) return;
         if (reader_.is_done()) return answered();
         if (reader_.fault().empty()) return;
-        fail("what listens at " + path_ + (has_head_ ? " sends an answer that is none: " : " is not a gateway: ") +
-             reader_.fault());
+        fail("the program at " + path_ + (has_head_ ? " sent an invalid response: " : " is not a gateway: ") + reader_.fault());
     }
 
     bool hear_body() {
         answer_.body += reader_.take_body();
         if (answer_.body.size() <= limits_.body) return true;
-        fail("the answer of the gateway is longer than " + std::to_string(limits_.body) + " bytes");
+        fail("the response of the gateway is longer than " + std::to_string(limits_.body) + " bytes");
         return false;
     }
 

@@ -23,12 +23,11 @@ bool lists(const group& members, const std::string& name) {
 
 std::string no_permission(const std::string& path, const SocketFile& file) {
     const std::string no = "no permission for " + path + ": ";
-    if (!file.can_be_seen) return no + "the folder that it is in lets this user not in: sudo anoctl ...";
-    if (!file.is_for_group)
-        return no + "it is for user " + file.owner + " alone: be that user (sudo -u " + file.owner + " anoctl ...)";
-    if (file.group == "root") return no + "it is for group root: sudo anoctl ...";
+    if (!file.can_be_seen) return no + "this user has no access to its folder: sudo anoctl ...";
+    if (!file.is_for_group) return no + "only user " + file.owner + " has access: run sudo -u " + file.owner + " anoctl ...";
+    if (file.group == "root") return no + "it belongs to group root: sudo anoctl ...";
     const std::string belongs = no + "it belongs to group " + file.group;
-    if (file.lists_us) return belongs + ", and you are in it from your next login on: log in again";
+    if (file.lists_us) return belongs + ", which you join at your next login: log in again";
     return belongs + "; sudo usermod -aG " + file.group + " $USER, then log in again";
 }
 
@@ -41,9 +40,9 @@ void note_where_it_was_sought(const std::string& path, SocketFile& file) {
 }
 
 std::string no_such_socket(const SocketFile& file) {
-    std::string text = ": there is no such socket";
+    std::string text = ": socket not found";
     if (!file.nor.empty()) text += ", nor " + file.nor;
-    if (file.no_runtime_dir) text += "; where a gateway of this user is would be said by XDG_RUNTIME_DIR, which is not set";
+    if (file.no_runtime_dir) text += "; XDG_RUNTIME_DIR is not set, so a gateway of this user can't be found";
     return text + " (another one: --control PATH)";
 }
 
@@ -72,9 +71,9 @@ std::string connect_fault(const std::string& path, int error, const SocketFile& 
     switch (error) {
     case ENOENT:
     case ENOTDIR: return none + no_such_socket(file);
-    case ECONNREFUSED: return file.is_socket ? none + ": one that ended left its socket" : path + " is not a socket";
+    case ECONNREFUSED: return file.is_socket ? none + ": the socket is left from a stopped one" : path + " is not a socket";
     case EACCES: return no_permission(path, file);
-    case EPROTOTYPE: return "what listens at " + path + " is not a gateway";
+    case EPROTOTYPE: return "the program at " + path + " is not a gateway";
     default: return error_text(path, error);
     }
 }

@@ -139,14 +139,14 @@ std::optional<Response> Admission::refusal(const Request& request) const {
         return std::count_if(request.headers.begin(), request.headers.end(),
                              [name](const Field& field) { return ano::lower_case(field.name) == name; });
     };
-    if (count("origin") > 1) return error(400, "a request has one Origin");
+    if (count("origin") > 1) return error(400, "more than one Origin header");
     if (count("host") != 1 || !is_own_name(authority_of(host).host, request.door))
-        return error(403, "this gateway is not called '" + std::string{host} + "'; control.hosts has the names it answers to");
+        return error(403, "unknown host name '" + std::string{host} + "'; add it to control.hosts");
     if (!origin.empty() && !may_ask(origin, host, request.door.is_encrypted))
-        return error(403, "pages of '" + std::string{origin} + "' may not ask this gateway; control.origins has those that may");
+        return error(403, "pages of '" + std::string{origin} + "' may not use this gateway; add them to control.origins");
     const bool is_told = request.body_to_come > 0 && request.body_to_come != in_chunks;
     if ((!request.body.empty() || request.stored || is_told) && !is_plain_data(request.header("Content-Type")))
-        return error(415, "a body is application/json or application/octet-stream: say which in Content-Type");
+        return error(415, "Content-Type must be application/json or application/octet-stream");
     return std::nullopt;
 }
 
@@ -195,7 +195,7 @@ std::optional<Access> Admission::access_of_known(std::string_view token) const {
 
 tl::expected<Access, Response> Admission::access_of(std::string_view token, const Door& door, ano::TimePoint now) {
     if (const auto access = access_of_known(token)) return *access;
-    return tl::unexpected{refuse_wrong(door, needs_token("the token is not right"), now)};
+    return tl::unexpected{refuse_wrong(door, needs_token("wrong token"), now)};
 }
 
 Response Admission::refuse_wrong(const Door& door, Response answer, ano::TimePoint now) {
@@ -221,8 +221,7 @@ ano::Duration Admission::count_wrong(const Door& door, ano::TimePoint now) {
 
 Response slow_down(ano::Duration time) {
     const auto seconds = std::to_string(std::chrono::ceil<std::chrono::seconds>(time).count());
-    Response response = error(
-        429, "the token is not right, and too many wrong ones came from this address; try again in " + seconds + " s");
+    Response response = error(429, "wrong token, and too many wrong ones from this address; try again in " + seconds + " s");
     response.headers.push_back({"Retry-After", seconds});
     return response;
 }

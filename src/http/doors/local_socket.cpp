@@ -14,8 +14,8 @@ namespace anogate::http {
 namespace {
 
 constexpr int backlog = SOMAXCONN;    // clients that wait for a place
-constexpr char another_path[] = " (give another path by --control, or --control none)";
-constexpr char in_use[] = ": another program is using it (give this one another by --control)";
+constexpr char another_path[] = " (use --control with another path, or --control none)";
+constexpr char in_use[] = ": another program is using it (use --control with another path)";
 
 sockaddr_un address_of(const std::string& path) {
     sockaddr_un address{};
@@ -88,7 +88,7 @@ LocalSocket::Outcome LocalSocket::listen(const std::string& path) {
     }
     const group* group = ::getgrnam("anogate");
     if ((!group || !let_in(group->gr_gid)) && !is_private(folder_of(path)))
-        outcome.notice = path + ": only this user may use it, for there is no group `anogate` we are in";
+        outcome.notice = path + ": accessible to this user only (not a member of group anogate)";
     outcome.fd = std::move(socket);
     return outcome;
 }
@@ -103,11 +103,11 @@ LocalSocket::Outcome LocalSocket::make_room(const std::string& path) {
     }, around{};
     const UniqueFd there = look_at(folder_, name_, info);
     if (!there) return {};
-    if (!S_ISSOCK(info.st_mode)) return failed(path + ": exists and is not a socket (give another path by --control)");
+    if (!S_ISSOCK(info.st_mode)) return failed(path + ": exists and is not a socket (use --control with another path)");
     if (is_alive(there)) return failed(path + in_use, true);
     const bool in_our_folder = ::fstat(folder_.fd(), &around) == 0 && around.st_uid == ::geteuid();
     if (info.st_uid != ::geteuid() && !in_our_folder)
-        return failed(path + ": is a socket of another user: it is left alone (give another path by --control)");
+        return failed(path + ": is a socket of another user and is left alone (use --control with another path)");
     ::unlinkat(folder_.fd(), name_.c_str(), 0);
     return {};
 }
@@ -122,7 +122,7 @@ LocalSocket::Outcome LocalSocket::make(int socket, const std::string& path) {
     made_ = look_at(folder_, name_, info);
     if (made_ && S_ISSOCK(info.st_mode) && is_our_own(made_)) return {};
     made_ = UniqueFd{};
-    return failed(path + ": what was made there is not there: somebody changes this folder" + another_path);
+    return failed(path + ": the socket disappeared: another program changes this folder" + another_path);
 }
 
 // False: we are not a member of the group, or may not change the file.

@@ -53,7 +53,7 @@ Expected<void> make(const std::string& path) {
     if (const fs::path folder = fs::path{path}.parent_path(); !folder.empty()) fs::create_directories(folder, ec);
     const auto view = random_hex(token_bytes), control = random_hex(token_bytes);
     if (!view || !control) return failed();
-    const std::string text = "# Who gives one of these may look, or do everything: Authorization: Bearer TOKEN\nview " + *view +
+    const std::string text = "# view: read-only; control: full access. Send as: Authorization: Bearer TOKEN\nview " + *view +
                              "\ncontrol " + *control + "\n";
     const std::string draft = draft_of(path, ::getpid());
     const UniqueFd fd{::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR)};
@@ -73,7 +73,8 @@ Expected<std::vector<Token>> read_tokens(const UniqueFd& fd, const std::string& 
     struct stat facts {};
     if (!fd || ::fstat(fd.get(), &facts) != 0) return Unexpected{error_text(path, errno)};
     if (!S_ISREG(facts.st_mode)) return Unexpected{path + ": is not a file"};
-    if ((facts.st_mode & S_IRWXO) != 0) return Unexpected{path + ": everybody on this computer may read it; chmod o= " + path};
+    if ((facts.st_mode & S_IRWXO) != 0)
+        return Unexpected{path + ": every user of this computer can read it; run chmod o= " + path};
     std::string text(max_file, '\0');
     const ssize_t size = ::read(fd.get(), text.data(), text.size());
     if (size < 0) return Unexpected{error_text(path, errno)};
@@ -108,11 +109,11 @@ Expected<std::vector<Token>> parse_tokens(std::string_view text) {
         std::string_view token = line.substr(allows.size());
         token.remove_prefix(std::min(token.find_first_not_of(" \t"), token.size()));
         const std::string where = "line " + std::to_string(number) + ": ";    // without the line itself: it may hold a token
-        if (allows != "view" && allows != "control") return Unexpected{where + "a line is 'view TOKEN' or 'control TOKEN'"};
+        if (allows != "view" && allows != "control") return Unexpected{where + "a line must be 'view TOKEN' or 'control TOKEN'"};
         if (!is_token(token)) return Unexpected{where + "a token has 16 to 256 letters, digits or characters of -._~+/="};
         tokens.push_back({allows == "view" ? Access::view : Access::control, std::string{token}});
     }
-    if (tokens.empty()) return Unexpected{"there is no token in it; without the file one of each is made"};
+    if (tokens.empty()) return Unexpected{"it contains no token; delete the file to create one of each"};
     return tokens;
 }
 

@@ -78,7 +78,7 @@ void CanBus::add_facts(LinkFacts& facts, TimePoint now) const {
 
 std::string bus_off_text(const std::string& interface) {
     return interface +
-           " is bus-off: check wiring, termination (120 ohms at both ends) and bit rate; restart-ms makes it come back by "
+           " is bus-off: check wiring, termination (120 ohms at both ends) and bit rate; with restart-ms it recovers by "
            "itself: "
            "sudo ip link set " +
            interface + " down, then ... up type can restart-ms 100";
@@ -88,8 +88,7 @@ LinkError CanBus::trouble(const std::string& interface) const {
     const LinkError::Arguments where{{"interface", interface}};
     switch (state_) {
     case State::active: return {};
-    case State::warning:
-        return {"bus_errors", "error-warning: the controller counts many errors; check wiring and termination", where};
+    case State::warning: return {"bus_errors", "error-warning: many CAN errors; check wiring and termination", where};
     case State::passive:
         return {"bus_passive",
                 "error-passive: check wiring, termination (120 ohms at both ends) and bit rate; is another node on the bus?",

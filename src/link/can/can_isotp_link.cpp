@@ -68,7 +68,9 @@ void CanIsotpLink::read() {
 void CanIsotpLink::transfer_failed(int error) {
     ++transfer_errors_;
     trouble_ = error == ECOMM || error == ETIMEDOUT
-                   ? LinkError{"no_answer", "the peer does not answer: is it there, are tx and rx as it has them reversed?", {}}
+                   ? LinkError{"no_answer",
+                               "the peer does not answer: check that it is running and that tx and rx are swapped on its side",
+                               {}}
                    : LinkError{"a transfer failed: " + error_text(error)};
 }
 

@@ -148,7 +148,9 @@ LinkError CanLink::trouble() const {
     const std::string& interface = can().interface;
     if (LinkError trouble = bus_.trouble(interface); !trouble.text.empty()) return trouble;
     if (blocked_since_ && Clock::now() - *blocked_since_ > patience)
-        return {"bus_blocked", "the bus takes nothing: is another node on it, at the same bit rate?", {{"interface", interface}}};
+        return {"bus_blocked",
+                "frames are not acknowledged on the bus. Is another node connected, with the same bit rate?",
+                {{"interface", interface}}};
     return {};
 }
 
@@ -158,19 +160,18 @@ using namespace key_rows;
 using Can = CanSettings;
 
 constexpr Key<LinkSettings> can_keys[] = {
-    text<own<Can>, &Can::interface>("interface", 1, max_interface, "the CAN interface; its bit rate is the system's business") |
-        needed,
+    text<own<Can>, &Can::interface>("interface", 1, max_interface, "the CAN interface; the system sets its bit rate") | needed,
     choice<own<Can>, &Can::framing>("framing", "stream|isotp",
-                                    "stream: the bytes of each frame in CAN frames under the sender's id; isotp: each frame "
-                                    "one ISO-TP PDU, for one peer device"),
+                                    "stream: each frame as a byte stream in CAN frames with the sender's id; isotp: each frame "
+                                    "as one ISO-TP PDU, for one peer device"),
     boolean<own<Can>, &Can::fd>("fd", "CAN FD frames of up to 64 bytes"),
-    boolean<own<Can>, &Can::brs>("brs", "with fd: data at the faster bit rate"),
+    boolean<own<Can>, &Can::brs>("brs", "with fd: send the data phase at the faster bit rate"),
     boolean<own<Can>, &Can::extended>("extended", "29-bit CAN ids"),
     can_id<own<Can>, &Can::base>("base",
                                  "first CAN id of stream framing, a multiple of 0x100 up to 0x700, or of 0x40000 with "
                                  "extended (default: 0x600, extended 0x0AB00000)"),
-    can_id<own<Can>, &Can::tx>("tx", "with isotp: the CAN id that we send by (default: none)"),
-    can_id<own<Can>, &Can::rx>("rx", "with isotp: the CAN id that we receive by (default: none)"),
+    can_id<own<Can>, &Can::tx>("tx", "with isotp: the CAN id to send with (default: none)"),
+    can_id<own<Can>, &Can::rx>("rx", "with isotp: the CAN id to receive (default: none)"),
 };
 
 void validate_can(const LinkSettings& link, LinkFaults& faults) {
@@ -189,7 +190,7 @@ bool share_ids(const Can& a, const Can& b) {
 std::optional<SharedByTwo> shared_ids(const LinkSettings& first, const LinkSettings& second) {
     const Can &a = first.as<Can>(), &b = second.as<Can>();
     if (b.interface.empty() || a.interface != b.interface || !share_ids(a, b)) return std::nullopt;
-    return SharedByTwo{"interface", "'interface' " + in_quotes(b.interface) + " is used by ", " already, under the same CAN ids"};
+    return SharedByTwo{"interface", "'interface' " + in_quotes(b.interface) + " is already used by ", ", with the same CAN ids"};
 }
 
 std::string meant_can(std::string_view text) {
@@ -199,8 +200,7 @@ std::string meant_can(std::string_view text) {
 
 std::string about_key_of_can(std::string_view name) {
     if (name != "bitrate" && name != "dbitrate" && name != "baud") return {};
-    return in_quotes(name) +
-           " is not a key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
+    return in_quotes(name) + " is not a key of can: set the bit rate with sudo ip link set can0 up type can bitrate 500000";
 }
 
 std::unique_ptr<Link> make_can_link(LinkId id, const LinkSettings& settings, const LinkContext& context) {
@@ -215,11 +215,12 @@ constinit const LinkKind can_kind{
     .name = "can",
     .address = "interface",
     .example = "can0",
-    .help = "a CAN interface; absent, down or bus-off, it is waited for",
+    .help = "a CAN interface; if it is absent, down or bus-off, the link waits for it",
     .carries = Carries::pieces,
     .may_be_paced = true,
     .devices_only = true,
-    .hints = {.nothing_yet = {"nothing_on_bus", "nothing received yet: bit rate, termination, and the same base on all nodes?"},
+    .hints = {.nothing_yet = {"nothing_on_bus",
+                              "nothing received yet: check bit rate, termination, and that all nodes use the same base"},
               .may_wait_for_hello = true},
     .keys = can_keys,
     .settings = [] { return KindSettings{Can{}}; },

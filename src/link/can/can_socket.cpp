@@ -33,7 +33,9 @@ LinkError error_of(std::string_view id, std::string text, const CanSettings& can
 
 LinkError no_socket(int error, const char* what, const char* module) {
     if (error == EAFNOSUPPORT || error == EPROTONOSUPPORT || error == ESOCKTNOSUPPORT)
-        return {"no_kernel_support", std::string{"this kernel has no "} + what + " (module " + module + ")", {{"what", what}}};
+        return {"no_kernel_support",
+                std::string{"the kernel has no support for "} + what + " (module " + module + ")",
+                {{"what", what}}};
     return error_text(std::string{"no "} + what + " socket", error);
 }
 
@@ -135,15 +137,14 @@ Opened<void> check_can_interface(const CanSettings& can) {
     if (can.fd && ::ioctl(any.get(), SIOCGIFMTU, &request) == 0 && request.ifr_mtu < static_cast<int>(CANFD_MTU))
         return NotOpened{error_of(
             "no_can_fd",
-            name + " carries no CAN FD frames now: ip link set " + name + " type can ... dbitrate RATE fd on (vcan: mtu 72)",
-            can)};
+            name + " is not set up for CAN FD: ip link set " + name + " type can ... dbitrate RATE fd on (vcan: mtu 72)", can)};
     return {};
 }
 
 LinkError can_error(const CanSettings& can, int error) {
     switch (error) {
     case EADDRNOTAVAIL:    // what an ISO-TP socket reports for an absent interface
-    case ENODEV: return error_of("no_interface", "there is no interface " + can.interface, can);
+    case ENODEV: return error_of("no_interface", "network interface " + can.interface + " not found", can);
     case ENETDOWN: return error_of("interface_down", can.interface + " is down: ip link set " + can.interface + " up", can);
     default: return error_text(can.interface, error);
     }

@@ -24,7 +24,7 @@ Expected<void> HalfDuplex::open(int port, ano::Duration byte_time) {
             }
         });
     } catch (const std::system_error& e) {
-        return Unexpected{"no thread to wait for the last bit: " + error_text(e.code().value())};
+        return Unexpected{"can't start a thread for RS-485 direction control: " + error_text(e.code().value())};
     }
     sent_.open(std::move(event));
     sent_.read_with([this] { all_sent(); });

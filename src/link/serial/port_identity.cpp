@@ -82,9 +82,10 @@ std::string fault_of_by_id(const fs::path& root, const std::string& device) {
     const bool is_one_of_many = port.usb.empty() ? device.starts_with(std::string{by_id} + "usb-1a86_") && port.device.empty()
                                                  : port.is_one_of_many() || !twins_of(root, port).empty();
     if (!is_one_of_many) return {};
-    return "its adapter has no serial number of its own, so this name leads to another one of its kind after plugging: use " +
+    return "its adapter has no serial number, so after replugging this name may belong to another adapter of the same model: "
+           "use " +
            (port.by_path.empty() ? "the name in /dev/serial/by-path/ (anoctl ports)" : port.by_path) +
-           ", which stays with the USB socket";
+           ", which belongs to the USB port";
 }
 
 }    // namespace anogate

@@ -36,7 +36,7 @@ Opened<UniqueFd> PtyLink::open_wire() {
     UniqueFd ours{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
     char name[64];
     if (!ours || ::grantpt(ours.get()) != 0 || ::unlockpt(ours.get()) != 0 || ::ptsname_r(ours.get(), name, sizeof name) != 0)
-        return Unexpected{error_text("no pseudo-terminal", errno)};
+        return Unexpected{error_text("can't open a pseudo-terminal", errno)};
     device_ = name;
     {
         const UniqueFd user_side = open_user_side();    // after its first close our side reports when no program has it open
@@ -170,8 +170,8 @@ LinkError PtyLink::nobody_there() const {
     const std::string& path = settings().as<PtySettings>().path;
     std::error_code ec;
     const fs::path leads_to = fs::read_symlink(path, ec);
-    if (ec || leads_to == device_) return {"nobody_there", "no program has " + path + " open", {{"path", path}}};
-    return path + " leads to " + leads_to.string() + ", which another program made: give this link a path of its own";
+    if (ec || leads_to == device_) return {"nobody_there", "no program has opened " + path, {{"path", path}}};
+    return path + " leads to " + leads_to.string() + ", which belongs to another program: choose another path for this link";
 }
 
 LinkError PtyLink::why_gone(int error) const { return error_text(device_, error == 0 ? EIO : error); }
@@ -187,14 +187,14 @@ namespace {
 using namespace key_rows;
 
 constexpr Key<LinkSettings> pty_keys[] = {
-    text<own<PtySettings>, &PtySettings::path>("path", 1, max_path, "the link that is made to the pseudo-terminal") | as("PATH") |
-        needed,
+    text<own<PtySettings>, &PtySettings::path>("path", 1, max_path, "the symbolic link to create for the pseudo-terminal") |
+        as("PATH") | needed,
 };
 
 std::optional<SharedByTwo> shared_path(const LinkSettings& a, const LinkSettings& b) {
     const std::string& path = b.as<PtySettings>().path;
     if (path.empty() || a.as<PtySettings>().path != path) return std::nullopt;
-    return SharedByTwo{"path", "'path' " + in_quotes(path) + " is made by "};
+    return SharedByTwo{"path", "'path' " + in_quotes(path) + " is already created by "};
 }
 
 }    // namespace
@@ -204,7 +204,7 @@ constinit const LinkKind pty_kind{
     .name = "pty",
     .address = "path",
     .example = "/run/anogate/app",
-    .help = "a pseudo-terminal, linked to PATH, for programs that expect a serial port",
+    .help = "a pseudo-terminal at PATH, for programs that expect a serial port",
     .carries = Carries::bytes,
     .may_be_paced = true,
     .keys = pty_keys,

@@ -32,9 +32,9 @@ std::string absent_text(const std::string& device) {
     const bool baud = colon != device.npos && device.size() - colon > 3 &&
                       device.find_first_not_of("0123456789", colon + 1) == device.npos;
     std::string meant = device.find('/') == device.npos ? "/dev/" : "";
-    if (meant.empty() && !baud) return device + " is not there";
+    if (meant.empty() && !baud) return device + " not found";
     meant += baud ? device.substr(0, colon) + ",baud=" + device.substr(colon + 1) : device;
-    return device + " is not there (did you mean " + meant + "?)";
+    return device + " not found (did you mean " + meant + "?)";
 }
 
 std::string not_permitted_text(const std::string& device) {
@@ -62,15 +62,15 @@ LinkError open_error(const std::string& device, int error) {
 // Programs that do not lock the port: what it receives goes to one of both, byte by byte.
 LinkError of_shared_port(const std::string& device, const DeviceHolder& holder) {
     return {"shared_port",
-            holder.text() + " has " + device + " open as well, without a lock, and takes a part of what comes: end it",
+            holder.text() + " has " + device + " open, too, without a lock, and reads part of the data: stop it",
             {{"device", device}, {"program", holder.program}, {"pid", std::to_string(holder.pid)}}};
 }
 
 LinkError of_other_adapter(const std::string& device, const SocketWatch& socket) {
     return {"other_adapter",
-            device + " was the adapter in the USB socket " + socket.from() + " and is the one in " + socket.to() + " now, and " +
+            device + " was the adapter in USB port " + socket.from() + " and is now the one in " + socket.to() + "; " +
                 socket.twin() +
-                " is of the same kind: is this the right device? Use its name in /dev/serial/by-path/ (anoctl ports)",
+                " is the same model. Check that this is the right device, and use its /dev/serial/by-path/ name (anoctl ports)",
             {{"device", device}, {"from", socket.from()}, {"to", socket.to()}, {"twin", socket.twin()}}};
 }
 
@@ -197,16 +197,16 @@ using Serial = SerialSettings;
 constexpr Key<LinkSettings> serial_keys[] = {
     text<own<Serial>, &Serial::device>("device", 1, max_path, "path of the port") | as("PATH") | needed,
     integer<own<Serial>, &Serial::baud>("baud", 1, std::numeric_limits<std::uint32_t>::max(),
-                                        "line rate, any the driver can make"),
+                                        "baud rate; any rate that the driver supports"),
     choice<own<Serial>, &Serial::parity>("parity", "none|even|odd", "parity bit"),
     integer<own<Serial>, &Serial::stop_bits>("stop_bits", 1, 2, "stop bits"),
-    choice<own<Serial>, &Serial::flow>("flow", "none|hardware", "flow control; hardware is RTS/CTS"),
-    boolean<own<Serial>, &Serial::low_latency>("low_latency", "ask the driver not to collect bytes"),
+    choice<own<Serial>, &Serial::flow>("flow", "none|hardware", "flow control; hardware means RTS/CTS"),
+    boolean<own<Serial>, &Serial::low_latency>("low_latency", "ask the driver to deliver bytes without delay"),
     choice<own<Serial>, &Serial::pace>("pace", "auto|on|off",
-                                       "give the port no more than the line carries, so that what is urgent can overtake; auto: "
-                                       "not a cdc_acm port, whose baud means nothing"),
-    boolean<own<Serial>, &Serial::dtr>("dtr", "hold the DTR line on or off (default: as the driver sets it)"),
-    boolean<own<Serial>, &Serial::rts>("rts", "hold the RTS line on or off (default: as the driver sets it)"),
+                                       "send no faster than the baud rate, so that urgent frames can overtake others; auto: "
+                                       "off for cdc_acm ports, where the baud rate has no effect"),
+    boolean<own<Serial>, &Serial::dtr>("dtr", "set the DTR line on or off (default: left to the driver)"),
+    boolean<own<Serial>, &Serial::rts>("rts", "set the RTS line on or off (default: left to the driver)"),
 };
 
 std::string name_of_port(const LinkSettings& link) {
@@ -227,7 +227,7 @@ void validate_serial(const LinkSettings& link, LinkFaults& faults) {
 std::optional<SharedByTwo> shared_port(const LinkSettings& a, const LinkSettings& b) {
     const std::string& device = b.as<Serial>().device;
     if (device.empty() || a.as<Serial>().device != device) return std::nullopt;
-    return SharedByTwo{"device", "'device' " + in_quotes(device) + " is used by "};
+    return SharedByTwo{"device", "'device' " + in_quotes(device) + " is already used by "};
 }
 
 std::string meant_port(std::string_view text) {
@@ -251,15 +251,16 @@ constinit const LinkKind serial_kind{
     .name = "serial",
     .address = "device",
     .example = "/dev/ttyUSB0",
-    .help = "a serial port; absent or unplugged, it is waited for",
+    .help = "a serial port; if it is absent or unplugged, the link waits for it",
     .carries = Carries::bytes,
     .may_be_paced = true,
     .devices_only = true,
     .number_means = "baud",
-    .hints = {.nothing_yet = {"nothing_on_line", "nothing received yet: is the device powered, are RX and TX crossed?"},
+    .hints = {.nothing_yet = {"nothing_on_line",
+                              "nothing received yet: check that the device is powered and that RX and TX are crossed"},
               .may_wait_for_hello = true,
-              .no_frames = {"no_frames_at_baud", "bytes but no frames: wrong baud rate, or another protocol?"},
-              .no_frames_any_more = {"no_frames_at_baud_any_more", ": was the baud rate changed, or the firmware?"}},
+              .no_frames = {"no_frames_at_baud", "data but no valid frames: check baud rate and protocol"},
+              .no_frames_any_more = {"no_frames_at_baud_any_more", ": check baud rate and firmware"}},
     .keys = serial_keys,
     .settings = [] { return KindSettings{Serial{}}; },
     .make = make_link_of<SerialLink>,

@@ -70,8 +70,8 @@ Expected<std::uint32_t> configure(int fd, const SerialSettings& settings, bool i
     const termios2 before = t;
     set_line(t, settings);
     if (!(is_receiving && is_same_line(before, t)) && ::ioctl(fd, TCSETS2, &t) != 0)
-        return Unexpected{"the driver refuses " + std::to_string(settings.baud) +
-                          " baud with these line settings: " + error_text(errno)};
+        return Unexpected{"the driver does not support " + std::to_string(settings.baud) +
+                          " baud with these settings: " + error_text(errno)};
     if (settings.low_latency) ask_for_low_latency(fd);
     if (settings.dtr) set_modem_line(fd, TIOCM_DTR, *settings.dtr);
     if (settings.rts) set_modem_line(fd, TIOCM_RTS, *settings.rts);

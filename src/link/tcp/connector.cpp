@@ -13,9 +13,9 @@ namespace anogate {
 namespace {
 
 LinkError connect_failed(const std::string& peer, int error) {
-    if (error == ECONNREFUSED) return {"refused", "refused: nothing listens at " + peer, {{"peer", peer}}};
+    if (error == ECONNREFUSED) return {"refused", "connection refused: nothing listens at " + peer, {{"peer", peer}}};
     if (error == ENETUNREACH || error == EHOSTUNREACH)
-        return {"no_way", "no way to " + peer + " now: " + error_text(error), {{"address", peer}}};
+        return {"no_way", "can't connect to " + peer + ": " + error_text(error), {{"address", peer}}};
     return error_text(peer, error);
 }
 

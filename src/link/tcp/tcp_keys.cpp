@@ -6,14 +6,14 @@ namespace anogate {
 
 void check_pair(const LinkCertificates& files, LinkFaults& faults) {
     if (files.certificate.empty() == files.key.empty()) return;
-    if (files.key.empty()) faults.error("key", "'certificate' needs its 'key'");
-    else faults.error("certificate", "'key' needs its 'certificate'");
+    if (files.key.empty()) faults.error("key", "'certificate' also needs 'key'");
+    else faults.error("certificate", "'key' also needs 'certificate'");
 }
 
 LinkError tls_trouble(TlsContext& tls) {
     const auto days_left = tls.days_left();
     if (const std::string& fault = tls.fault(); !fault.empty())
-        return {"tls", fault + (days_left ? "; the certificates of before are used until a restart" : ""), {}};
+        return {"tls", fault + (days_left ? "; the previous certificates stay in use until a restart" : ""), {}};
     constexpr std::int64_t soon = 14;
     if (!days_left || *days_left > soon) return {};
     const std::string days = std::to_string(*days_left);

@@ -10,11 +10,10 @@
 namespace anogate {
 
 inline constexpr std::string_view dead_after_help =
-    "a connection is closed when the other end is silent or acknowledges nothing for so long";
-inline constexpr std::string_view certificate_help = "PEM file of our certificate, with intermediate ones";
-inline constexpr std::string_view key_help = "PEM file of its key, which others may not read";
-inline constexpr std::string_view ca_help =
-    "PEM file of the certificates that may sign the other end's (default: those of the system)";
+    "close a connection when the peer is silent or acknowledges nothing for this time";
+inline constexpr std::string_view certificate_help = "PEM file of the certificate, with intermediate certificates";
+inline constexpr std::string_view key_help = "PEM file of its private key, not readable by other users";
+inline constexpr std::string_view ca_help = "PEM file of the CA certificates to accept (default: those of the system)";
 
 /// An error if there is a certificate without a key, or a key without a certificate.
 void check_pair(const LinkCertificates& files, LinkFaults& faults);

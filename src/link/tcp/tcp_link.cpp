@@ -63,8 +63,8 @@ void TcpLink::read_ended(int error) {
         return fail({"closed_by_peer", peer + " closed the connection", {{"peer", peer}}});
     if (error == ETIMEDOUT || error == EHOSTUNREACH || error == ENETUNREACH)
         return fail({"peer_silent",
-                     peer + " did not acknowledge anything for " + duration_text(settings().as<TcpSettings>().dead_after) +
-                         ": the way to it is cut",
+                     peer + " acknowledged nothing for " + duration_text(settings().as<TcpSettings>().dead_after) +
+                         ": the connection is broken",
                      {{"peer", peer}}});
     fail(error_text(peer, error));
 }
@@ -107,9 +107,9 @@ using namespace key_rows;
 using Tcp = TcpSettings;
 
 constexpr Key<LinkSettings> tcp_keys[] = {
-    host<own<Tcp>, &Tcp::peer>("address", "the HOST:PORT that listens; a name or an IP address") | needed,
-    duration<own<Tcp>, &Tcp::dead_after>(
-        "dead_after", second, day, "a connection is closed when the other end is silent or acknowledges nothing for so long"),
+    host<own<Tcp>, &Tcp::peer>("address", "HOST:PORT to connect to; a name or an IP address") | needed,
+    duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day,
+                                         "close a connection when the peer is silent or acknowledges nothing for this time"),
 };
 
 void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
@@ -117,14 +117,16 @@ void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
     const HostSpec& peer = tcp_peer(link);
     const std::string text = peer.text();
     const IpAddress& address = peer.address;
-    if (peer.port == 0) faults.error("address", in_quotes(text) + " has port 0: a peer needs its port, 1 to 65535");
+    if (peer.port == 0) faults.error("address", in_quotes(text) + " has port 0: give the port of the peer, 1 to 65535");
     if (!peer.host.empty()) return;
     if (address.is_any())
-        faults.error("address", in_quotes(text) + " is nobody's address; to wait for connections there, use tcp-listen:" + text);
+        faults.error("address",
+                     in_quotes(text) + " is not the address of a peer; to accept connections there, use tcp-listen:" + text);
     if (address.is_multicast() || is_broadcast(address, {}))
-        faults.error("address", in_quotes(text) + " stands for many hosts: a TCP connection has one peer; use udp:" + text);
+        faults.error("address", in_quotes(text) +
+                                    " is a multicast or broadcast address: TCP needs the address of one host; use udp:" + text);
     else if (address.v6 && address.is_link_local() && peer.interface.empty())
-        faults.error("address", in_quotes(text) + " is the same on every interface; say which: [" + address.text() +
+        faults.error("address", in_quotes(text) + " is a link-local address: add the interface, [" + address.text() +
                                     "%eth0]:" + std::to_string(peer.port));
 }
 
@@ -133,20 +135,19 @@ std::optional<PeerPort> port_of_peer(const LinkSettings& link) { return PeerPort
 Reach reach_of_peer(const LinkSettings& link) { return tcp_peer(link).is_here() ? Reach::here : Reach::network; }
 
 constexpr Key<LinkSettings> tls_keys[] = {
-    host<own<Tcp>, &Tcp::peer>("address", "the HOST:PORT that listens; a name or an IP address") | needed,
+    host<own<Tcp>, &Tcp::peer>("address", "HOST:PORT to connect to; a name or an IP address") | needed,
     duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day, dead_after_help),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) | as("FILE"),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::key>("key", 1, max_path, key_help) | as("FILE"),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::ca>("ca", 1, max_path, ca_help) | as("FILE"),
-    choice<own<Tcp>, &Tcp::tls, &LinkCertificates::verify>("verify", "peer|none",
-                                                           "none: the other end's certificate is not checked"),
+    choice<own<Tcp>, &Tcp::tls, &LinkCertificates::verify>("verify", "peer|none", "none: the peer's certificate is not checked"),
 };
 
 void validate_tls(const LinkSettings& link, LinkFaults& faults) {
     validate_tcp(link, faults);
     check_pair(link.as<Tcp>().tls, faults);
     if (link.as<Tcp>().tls.verify == TlsVerify::none)
-        faults.warning("verify", "with verify=none anybody on the way can pretend to be " + tcp_peer(link).text());
+        faults.warning("verify", "with verify=none anyone on the network path can impersonate " + tcp_peer(link).text());
 }
 
 }    // namespace
@@ -156,7 +157,7 @@ constinit const LinkKind tcp_kind{
     .name = "tcp",
     .address = "address",
     .example = "192.168.4.1:8080",
-    .help = "a TCP connection to a peer that listens: a Wi-Fi bridge (ESP8266, ESP32), ser2net, another program",
+    .help = "a TCP connection to a listening peer: a Wi-Fi bridge (ESP8266, ESP32), ser2net, another program",
     .carries = Carries::bytes,
     .over_network = true,
     .may_be_paced = true,
@@ -175,7 +176,7 @@ constinit const LinkKind tls_kind{
     .name = "tls",
     .address = "address",
     .example = "gateway.local:12334",
-    .help = "an encrypted TCP connection; both ends show a certificate",
+    .help = "an encrypted TCP connection; both ends present a certificate",
     .carries = Carries::bytes,
     .over_network = true,
     .encrypts = true,

@@ -186,7 +186,7 @@ bool TcpListenLink::make_place(const IpAddress& address, TimePoint now) {
     for (const auto& one : connections_) all.push_back(one->facts());
     const bool is_trusted = tcp.trusted_any || contains(tcp.trusted, address);
     const ConnectionPlaces::Place place = places_.place_for(all, address, is_trusted, now);
-    if (place.gives_way) end(*connections_[*place.gives_way], "its place was needed, and it sent no frame");
+    if (place.gives_way) end(*connections_[*place.gives_way], "it sent no frame, and another peer needed the connection");
     return place.free;
 }
 
@@ -205,7 +205,7 @@ bool TcpListenLink::has_rival(const Connection& from, std::uint8_t source) {
     for (std::size_t i = connections_.size(); i-- > 0;) {
         Connection& other = *connections_[i];
         if (&other == &from || other.address != from.address || other.since > from.since || !other.has_heard(source)) continue;
-        if (now - other.heard_at() >= one_exchange) end(other, "its device connected anew");
+        if (now - other.heard_at() >= one_exchange) end(other, "its device reconnected");
         else has = true;
     }
     return has;
@@ -274,13 +274,11 @@ LinkError TcpListenLink::trouble() const {
         return refusals.count > 0 && now - refusals.last < refusals_shown ? std::to_string(refusals.count) : std::string{};
     };
     if (const std::string count = count_of(no_place_); !count.empty())
-        return {"no_place", count + " connections were refused: all places are taken", {{"count", count}}};
+        return {"no_place", count + " connections were refused: the limit of peers is reached", {{"count", count}}};
     if (const std::string count = count_of(no_memory_); !count.empty())
-        return {"no_memory",
-                count + " connections were refused: there was too little memory, or no file descriptor",
-                {{"count", count}}};
+        return {"no_memory", count + " connections were refused: not enough memory or file descriptors", {{"count", count}}};
     if (const std::string count = count_of(failed_handshakes_); !count.empty())
-        return {"tls", count + " connections were refused, the last: " + last_fault_, {}};
+        return {"tls", count + " connections were refused, most recently: " + last_fault_, {}};
     if (outsiders_ == 0 || !connections_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};
 }
@@ -302,54 +300,55 @@ constexpr Key<LinkSettings> tcp_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     duration<own<TcpListen>, &TcpListen::dead_after>("dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
-                                                   "most connections at a time; one that sends no frame gives way"),
+                                                   "maximum number of connections; one that sends no frame is replaced first"),
     integer<own<TcpListen>, &TcpListen::max_per_address>(
         "max_per_address", 1, max_channels,
-        "most connections of one IP address, loopback excepted (default: a quarter of "
-        "max_peers, two at least)"),
+        "maximum number of connections per IP address, except loopback (default: a quarter of "
+        "max_peers, at least two)"),
     networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
-        "allow", "networks whose members may connect, or any (default: the networks of our interfaces)"),
+        "allow", "networks that may connect, or any (default: the local networks)"),
     networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
-        "trusted", "networks for whose members a quarter of max_peers is kept, or any (default: none)"),
+        "trusted", "networks for which a quarter of max_peers is reserved, or any (default: none)"),
 };
 
 constexpr Key<LinkSettings> tls_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     duration<own<TcpListen>, &TcpListen::dead_after>("dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
-                                                   "most connections at a time; one that sends no frame gives way"),
+                                                   "maximum number of connections; one that sends no frame is replaced first"),
     integer<own<TcpListen>, &TcpListen::max_per_address>(
         "max_per_address", 1, max_channels,
-        "most connections of one IP address, loopback excepted (default: a quarter of "
-        "max_peers, two at least)"),
+        "maximum number of connections per IP address, except loopback (default: a quarter of "
+        "max_peers, at least two)"),
     networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
-        "allow", "networks whose members may connect, or any (default: the networks of our interfaces)"),
+        "allow", "networks that may connect, or any (default: the local networks)"),
     networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
-        "trusted", "networks for whose members a quarter of max_peers is kept, or any (default: none)"),
+        "trusted", "networks for which a quarter of max_peers is reserved, or any (default: none)"),
     text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) |
         as("FILE") | needed,
     text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::key>("key", 1, max_path, key_help) | as("FILE") | needed,
     text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::ca>("ca", 1, max_path, ca_help) | as("FILE"),
     choice<own<TcpListen>, &TcpListen::tls, &LinkCertificates::verify>("verify", "peer|none",
-                                                                       "none: whoever connects needs no certificate"),
+                                                                       "none: clients need no certificate"),
 };
 
 void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
     if (link.hello && *link.hello != Duration{})
         faults.error("hello",
-                     "'hello' is not possible on tcp-listen: the other end connects first; for a device at a known address use "
+                     "'hello' is not possible on tcp-listen, where the device connects; for a device at a known address use "
                      "tcp:HOST:PORT,hello=on");
 }
 
 void validate_tls_listener(const LinkSettings& link, LinkFaults& faults) {
     validate_tcp_listener(link, faults);
     const LinkCertificates& tls = link.as<TcpListen>().tls;
-    if (tls.certificate.empty()) faults.error("certificate", "'certificate' is missing: 'anoctl certificate' makes one");
-    if (tls.key.empty()) faults.error("key", "'key' is missing: the file with the key of the certificate");
+    if (tls.certificate.empty()) faults.error("certificate", "'certificate' is missing: create one with 'anoctl certificate'");
+    if (tls.key.empty()) faults.error("key", "'key' is missing: the private key file of the certificate");
     if (tls.verify == TlsVerify::peer && tls.ca.empty())
         faults.error("ca",
-                     "'ca' is missing: the file of the certificate that signed those of the peers; or verify=none, if anybody "
-                     "may connect");
+                     "'ca' is missing: the certificate file that the peers' certificates are signed with; or set verify=none to "
+                     "let anyone "
+                     "connect");
 }
 
 Reach reach_of_tcp(const LinkSettings& link) {
@@ -370,7 +369,7 @@ constinit const LinkKind tcp_listen_kind{
     .name = "tcp-listen",
     .address = "address",
     .example = "0.0.0.0:12333",
-    .help = "a listening TCP port; each connection is a peer; port 0: the kernel chooses",
+    .help = "a listening TCP port; each connection is a peer; port 0: chosen by the kernel",
     .carries = Carries::bytes,
     .over_network = true,
     .listens = true,
@@ -389,7 +388,7 @@ constinit const LinkKind tls_listen_kind{
     .name = "tls-listen",
     .address = "address",
     .example = "0.0.0.0:12334",
-    .help = "a listening TCP port, encrypted; who connects shows a certificate",
+    .help = "an encrypted listening TCP port; clients present a certificate",
     .carries = Carries::bytes,
     .over_network = true,
     .encrypts = true,

@@ -40,7 +40,7 @@ void TcpSession::close() noexcept {
 
 std::string TcpSession::tls_fault() const {
     if (!tls_) return {};
-    return is_late_ ? "the handshake was not finished within 10 s" : tls_->fault();
+    return is_late_ ? "the TLS handshake did not finish within 10 s" : tls_->fault();
 }
 
 StreamSession::Opening TcpSession::go_on_opening() {

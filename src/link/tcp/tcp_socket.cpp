@@ -32,7 +32,8 @@ std::size_t queued(int fd, unsigned long request) noexcept {
 LinkError listen_error(const EndpointSpec& local, int error) {
     const std::string port = std::to_string(local.port);
     if (error == EADDRINUSE)
-        return {"port_in_use", "TCP port " + port + " is in use by another program: sudo ss -ltnp names it", {{"port", port}}};
+        return {
+            "port_in_use", "TCP port " + port + " is in use by another program (find it with sudo ss -ltnp)", {{"port", port}}};
     if (error == EADDRNOTAVAIL) return no_address(local.text());
     if (error == EACCES) return {"no_port_permission", "no permission to listen on TCP port " + port, {{"port", port}}};
     return error_text(local.text(), error);
@@ -56,7 +57,7 @@ void set_tcp_options(int fd, ano::Duration dead_after) noexcept {
 
 Opened<UniqueFd> begin_connect(const Endpoint& to, ano::Duration dead_after) {
     UniqueFd fd = tcp_socket(to.address.v6);
-    if (!fd) return Unexpected{error_text("no TCP socket", errno)};
+    if (!fd) return Unexpected{error_text("can't open a TCP socket", errno)};
     set_tcp_options(fd.get(), dead_after);
     const SocketAddress address = SocketAddress::of(to, to.address.v6);
     if (::connect(fd.get(), address.get(), address.size) == 0 || errno == EINPROGRESS) return fd;
@@ -73,7 +74,7 @@ Opened<UniqueFd> listen_tcp(const EndpointSpec& written) {
     const auto local = endpoint_now(written);
     if (!local) return NotOpened{no_interface(written.interface)};
     UniqueFd fd = tcp_socket(local->address.v6);
-    if (!fd) return Unexpected{error_text("no TCP socket", errno)};
+    if (!fd) return Unexpected{error_text("can't open a TCP socket", errno)};
     set_option(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
     if (local->address.v6) set_option(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, 0);
     const SocketAddress address = SocketAddress::of(*local, local->address.v6);

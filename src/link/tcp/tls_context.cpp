@@ -59,7 +59,7 @@ std::string fault_of_file(const std::string& file, bool is_secret) {
     if (::access(file.c_str(), R_OK) != 0 || ::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
     if (!S_ISREG(facts.st_mode)) return file + ": is not a file";
     const bool is_open = is_secret && (facts.st_mode & S_IRWXO) != 0;
-    return is_open ? file + ": everybody on this computer may read it; chmod o= " + file : "";
+    return is_open ? file + ": every user of this computer can read it; run chmod o= " + file : "";
 }
 
 std::string fault_of_files(const LinkCertificates& files) {
@@ -107,7 +107,7 @@ std::size_t TlsConnection::unsent() const noexcept { return parts_->taken.size()
 
 TlsConnection::Handshake TlsConnection::go_on() {
     if (++parts_->steps > max_handshake_steps) {
-        parts_->fault = "the handshake takes too many steps";
+        parts_->fault = "the TLS handshake takes too many steps";
         errno = ECONNABORTED;
         return Handshake::failed;
     }
@@ -132,7 +132,7 @@ TlsConnection::Handshake TlsConnection::go_on() {
         const bool was_refused_by_us = verified != X509_V_OK;
         if (verified == X509_V_ERR_HOSTNAME_MISMATCH || verified == X509_V_ERR_IP_ADDRESS_MISMATCH)
             parts_->fault =
-                "its certificate is for other names: connect to one of them, or make one for this name by "
+                "its certificate is for other names: connect to one of them, or create one for this name with "
                 "'anoctl certificate NAME'";
         else
             parts_->fault = was_refused_by_us ? std::string{"its certificate: "} + ::X509_verify_cert_error_string(verified)

@@ -113,11 +113,11 @@ std::optional<Endpoint> endpoint_now(const EndpointSpec& written) {
 }
 
 LinkError no_address(const std::string& address) {
-    return {"no_address", "no interface has the address " + address + " now", {{"address", address}}};
+    return {"no_address", "no network interface has the address " + address, {{"address", address}}};
 }
 
 LinkError no_interface(const std::string& interface) {
-    return {"no_interface", "no network interface " + interface + " now", {{"interface", interface}}};
+    return {"no_interface", "network interface " + interface + " not found", {{"interface", interface}}};
 }
 
 std::vector<Network> own_networks() {
@@ -185,7 +185,7 @@ LinkError bind_error(const Endpoint& local, int error) {
     case EADDRINUSE: return {"port_in_use", "port " + port + " is in use by another program", {{"port", port}}};
     case EADDRNOTAVAIL: return no_address(local.address.text());
     case EACCES:
-        return {"no_port_permission", "port " + port + ": no permission (below 1024 only root may listen)", {{"port", port}}};
+        return {"no_port_permission", "port " + port + ": permission denied (ports below 1024 need root)", {{"port", port}}};
     default: return error_text(local.text(), error);
     }
 }
@@ -221,7 +221,7 @@ Opened<UniqueFd> open_udp(const EndpointSpec& written, bool share_port, const st
     if (!local) return NotOpened{no_interface(written.interface)};
     const int family = local->address.v6 ? AF_INET6 : AF_INET;
     UniqueFd fd{::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
-    if (!fd) return Unexpected{error_text("no UDP socket", errno)};
+    if (!fd) return Unexpected{error_text("can't open a UDP socket", errno)};
     set_options(fd.get());
     const int on = 1;
     const int off = 0;

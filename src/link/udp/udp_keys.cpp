@@ -8,7 +8,7 @@ void check_interface(const std::string& interface, const EndpointSpec& endpoint,
     const std::string& other = endpoint.interface;
     if (!interface.empty() && !other.empty() && interface != other && !parse_number(other))
         faults.error("interface",
-                     "'interface' " + in_quotes(interface) + " is not that of " + endpoint.text() + ": take one of them away");
+                     "'interface' " + in_quotes(interface) + " contradicts " + endpoint.text() + ": remove one of them");
 }
 
 }    // namespace anogate

@@ -5,8 +5,7 @@
 
 namespace anogate {
 
-inline constexpr std::string_view one_interface_help =
-    "hear and send by this network interface alone, such as wg0 (default: any)";
+inline constexpr std::string_view one_interface_help = "use only this network interface, such as wg0 (default: any)";
 
 /// An error if `endpoint` names an interface other than `interface`.
 void check_interface(const std::string& interface, const EndpointSpec& endpoint, LinkFaults& faults);

@@ -79,7 +79,7 @@ void UdpLink::look_up_again() {
     context_.names.resolve(peer.host, context_.host.now(), this, [this, &peer](const auto& addresses, const auto&) {
         const IpAddress here = endpoint_of(to_.storage).address;
         if (!addresses.empty() && std::find(addresses.begin(), addresses.end(), here) == addresses.end())
-            fail({"moved", peer.host + " has another address now", {{"host", peer.host}}});
+            fail({"moved", peer.host + " has a new address", {{"host", peer.host}}});
     });
 }
 
@@ -138,7 +138,7 @@ Opened<UniqueFd> UdpLink::open_to(const Endpoint& peer) {
         if (auto joined = join_group(socket->get()); !joined) return NotOpened{std::move(joined.error())};
     } else if (connected_ && !connected_to(socket->get()) && ::connect(socket->get(), to_.get(), to_.size) != 0) {
         const std::string written = settings().as<UdpSettings>().peer.text();
-        return NotOpened{LinkError{"no_way", "no way to " + written + " now: " + error_text(errno), {{"address", written}}}};
+        return NotOpened{LinkError{"no_way", "can't reach " + written + ": " + error_text(errno), {{"address", written}}}};
     }
     return socket;
 }
@@ -172,7 +172,7 @@ Opened<void> UdpLink::join_group(int fd) const {
     if (interface == 0 && errno == ENODEV)
         return NotOpened{
             LinkError{"no_way",
-                      "no route leads to the multicast group " + peer.address.text() +
+                      "no route to the multicast group " + peer.address.text() +
                           "; name an interface: interface=NAME, or by its address bind=ADDRESS:" + std::to_string(peer.port),
                       {{"address", peer.address.text()}}}};
     return Unexpected{"can't join the multicast group " + peer.address.text() + ": " + error_text(errno)};
@@ -270,7 +270,7 @@ void UdpLink::flush(Channel& channel) {
     case SendResult::paced: return;
     case SendResult::full: descriptor_.when_writable([this] { flush(*channel_); }); return;
     case SendResult::no_memory: again_.set(context_.host.now() + no_memory_pause); return;
-    case SendResult::broken: return fail(error_text("the way to " + settings().as<UdpSettings>().peer.text(), report.error));
+    case SendResult::broken: return fail(error_text("sending to " + settings().as<UdpSettings>().peer.text(), report.error));
     }
 }
 
@@ -290,8 +290,9 @@ void UdpLink::note(const SendReport& report) {
     if (report.error == 0 || report.error == EAGAIN || report.error == EINTR) return;
     trouble_at_ = context_.host.now();
     const std::string peer = settings().as<UdpSettings>().peer.text();
-    trouble_ = report.error == ECONNREFUSED ? LinkError{"refused", "refused: nothing listens at " + peer, {{"peer", peer}}}
-                                            : LinkError{error_text(report.error)};
+    trouble_ = report.error == ECONNREFUSED
+                   ? LinkError{"refused", "connection refused: nothing listens at " + peer, {{"peer", peer}}}
+                   : LinkError{error_text(report.error)};
 }
 
 LinkError UdpLink::trouble() const { return context_.host.now() - trouble_at_ < trouble_shown ? trouble_ : LinkError{}; }
@@ -312,9 +313,9 @@ using namespace key_rows;
 using Udp = UdpSettings;
 
 constexpr Key<LinkSettings> udp_keys[] = {
-    host<own<Udp>, &Udp::peer>("address", "the peer's HOST:PORT; of a name with several addresses, an IPv4 one is taken") |
+    host<own<Udp>, &Udp::peer>("address", "the peer's HOST:PORT; if a name has several addresses, an IPv4 address is used") |
         needed,
-    endpoint<own<Udp>, &Udp::bind>("bind", "local IP:PORT to send from (default: the system chooses)") | local,
+    endpoint<own<Udp>, &Udp::bind>("bind", "local IP:PORT to send from (default: chosen by the system)") | local,
     text<own<Udp>, &Udp::interface>("interface", 1, max_interface, one_interface_help),
 };
 
@@ -323,18 +324,18 @@ void validate_udp(const LinkSettings& link, LinkFaults& faults) {
     const Udp& udp = link.as<Udp>();
     const std::string peer = udp.peer.text();
     const IpAddress& address = udp.peer.address;
-    if (udp.peer.port == 0) faults.error("address", "'" + peer + "' has port 0: a fixed peer needs its port, 1 to 65535");
+    if (udp.peer.port == 0) faults.error("address", "'" + peer + "' has port 0: give the port of the peer, 1 to 65535");
     check_interface(udp.interface, udp.peer, faults);
     if (udp.bind) check_interface(udp.interface, *udp.bind, faults);
     if (!udp.peer.host.empty()) return;
     if (udp.peer.port != 0 && address.is_any())
-        faults.error("address", "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
+        faults.error("address", "'" + peer + "' is not the address of a peer; to accept peers there, use udp-listen:" + peer);
     if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() && udp.interface.empty() &&
         !(udp.bind && !udp.bind->interface.empty()))
-        faults.error("address", "'" + peer + "' is the same on every interface; say which: [" + address.text() +
+        faults.error("address", "'" + peer + "' is a link-local address: add the interface, [" + address.text() +
                                     "%eth0]:" + std::to_string(udp.peer.port));
     if (udp.bind && udp.bind->address.v6 != address.v6)
-        faults.error("bind", "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");
+        faults.error("bind", "'bind' " + udp.bind->text() + " and the peer " + peer + " must both be IPv4 or both IPv6");
 }
 
 std::optional<BoundPort> port_of_udp(const LinkSettings& link) {
@@ -349,7 +350,7 @@ constinit const LinkKind udp_kind{
     .name = "udp",
     .address = "address",
     .example = "192.168.1.20:6670",
-    .help = "one fixed UDP peer; broadcast and multicast addresses too",
+    .help = "one fixed UDP peer; also a broadcast or multicast address",
     .carries = Carries::datagrams,
     .may_be_paced = true,
     .hints = {.nothing_yet = {"nothing_from_peer", "nothing received yet from the peer"}, .may_wait_for_hello = true},

@@ -312,11 +312,14 @@ LinkFacts UdpListenLink::facts() const {
 
 LinkError UdpListenLink::trouble() const {
     if (gateways_ > 0)
-        return {"other_gateway", "another gateway listens at " + last_gateway_ + " and was refused", {{"peer", last_gateway_}}};
+        return {"other_gateway",
+                "another gateway listens at " + last_gateway_ + "; it was refused as a peer",
+                {{"peer", last_gateway_}}};
     if (const std::string count = std::to_string(no_place_); no_place_ > 0)
-        return {"no_place", count + " datagrams of strangers were refused: all places are taken", {{"count", count}}};
+        return {
+            "no_place", count + " datagrams from new senders were refused: the limit of peers is reached", {{"count", count}}};
     if (const std::string count = std::to_string(no_memory_); no_memory_ > 0)
-        return {"no_memory", count + " datagrams of strangers were refused: there was too little memory", {{"count", count}}};
+        return {"no_memory", count + " datagrams from new senders were refused: not enough memory", {{"count", count}}};
     if (outsiders_ == 0 || !peers_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};
 }
@@ -330,17 +333,20 @@ constexpr Key<LinkSettings> listen_keys[] = {
     endpoint<own<Listen>, &Listen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     text<own<Listen>, &Listen::interface>("interface", 1, max_interface, one_interface_help),
     duration<own<Listen>, &Listen::peer_timeout>(
-        "peer_timeout", second, day, "a peer silent for so long is forgotten; a host of our networks may listen for an hour"),
-    integer<own<Listen>, &Listen::max_peers>("max_peers", 1, max_channels, "most peers at a time; one that is silent gives way"),
-    integer<own<Listen>, &Listen::max_per_address>("max_per_address", 1, max_channels,
-                                                   "most peers of one IP address, loopback excepted (default: a quarter of "
-                                                   "max_peers, two at least)"),
+        "peer_timeout", second, day,
+        "forget a peer after this time without frames; hosts in the local networks may listen for an hour"),
+    integer<own<Listen>, &Listen::max_peers>("max_peers", 1, max_channels,
+                                             "maximum number of peers; a silent one is replaced first"),
+    integer<own<Listen>, &Listen::max_per_address>(
+        "max_per_address", 1, max_channels,
+        "maximum number of peers per IP address, except loopback (default: a quarter of "
+        "max_peers, at least two)"),
     networks<Listen, &Listen::allow_any, &Listen::allow>(
-        "allow", "networks whose members may become peers, or any (default: the networks of our interfaces)"),
+        "allow", "networks whose hosts are accepted as peers, or any (default: the local networks)"),
     networks<Listen, &Listen::trusted_any, &Listen::trusted>(
         "trusted",
-        "networks outside those of our interfaces whose peers are sent to at once, or any; others get at most three "
-        "times what they send, until they answer (default: none)"),
+        "networks outside the local ones whose peers are sent to at once, or any; others get at most three "
+        "times what they send until they answer (default: none)"),
 };
 
 void validate_listener(const LinkSettings& link, LinkFaults& faults) {
@@ -349,12 +355,12 @@ void validate_listener(const LinkSettings& link, LinkFaults& faults) {
     const std::uint64_t memory = std::uint64_t{link.queue} * listen.max_peers;
     if (link.hello && *link.hello != Duration{})
         faults.error("hello",
-                     "'hello' is not possible on udp-listen: it knows nobody to speak to before they have spoken; "
+                     "'hello' is not possible on udp-listen, which learns its peers from the frames they send; "
                      "for a device at a known address use udp:IP:PORT,hello=on");
     if (memory > much_memory)
         faults.warning("queue", "queue " + std::to_string(link.queue) + " for each of " + std::to_string(listen.max_peers) +
                                     " peers is " + std::to_string(memory / 1'000'000) +
-                                    " MB, more than 64 MB: lower 'queue' or 'max_peers'");
+                                    " MB, more than 64 MB: reduce 'queue' or 'max_peers'");
     check_interface(listen.interface, listen.local, faults);
 }
 
@@ -372,7 +378,7 @@ constinit const LinkKind udp_listen_kind{
     .name = "udp-listen",
     .address = "address",
     .example = "0.0.0.0:12333",
-    .help = "a UDP socket whose peers are learned: one exists after one whole good frame; port 0: the kernel chooses",
+    .help = "a listening UDP port; a sender becomes a peer with its first valid frame; port 0: chosen by the kernel",
     .carries = Carries::datagrams,
     .listens = true,
     .may_be_paced = true,

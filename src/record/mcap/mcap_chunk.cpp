@@ -91,28 +91,27 @@ std::optional<ChunkRecord> chunk_of(std::string_view body) noexcept {
 
 ChunkFault ChunkOpener::open(std::string_view body, std::string& records) {
     const auto chunk = chunk_of(body);
-    return chunk ? open(*chunk, records) : ChunkFault{"it is shorter than what it tells of itself"};
+    return chunk ? open(*chunk, records) : ChunkFault{"it is shorter than its header states"};
 }
 
 ChunkFault ChunkOpener::open(const ChunkRecord& chunk, std::string& records) {
     if (chunk.unpacked_size > max_chunk) return {"it is longer than 64 MiB"};
     if (chunk.compression == "zstd") {
         if (!unpacker_.unpack(chunk.records, static_cast<std::size_t>(chunk.unpacked_size), records))
-            return {"it can't be unpacked"};
+            return {"it can't be decompressed"};
     } else if (chunk.compression.empty()) {
-        if (chunk.records.size() != chunk.unpacked_size) return {"it does not have the length that it tells"};
+        if (chunk.records.size() != chunk.unpacked_size) return {"its length is not the length in its header"};
         records = chunk.records;
     } else if (chunk.compression == "lz4") {
-        return {"its chunks are packed by lz4, which is not read here: `mcap compress --compression zstd` packs them anew",
+        return {"its chunks are compressed with lz4, which is not supported: convert it with `mcap compress --compression zstd`",
                 false};
     } else {
-        return {"its chunks are packed by something that is not known here", false};
+        return {"its chunks use an unknown compression", false};
     }
-    if (chunk.unpacked_crc != 0 && crc32_of(records) != chunk.unpacked_crc)
-        return {"it does not have the checksum that it tells"};
+    if (chunk.unpacked_crc != 0 && crc32_of(records) != chunk.unpacked_crc) return {"its checksum is wrong"};
     std::string_view rest = records;
     while (take_record(rest)) continue;
-    return {rest.empty() ? nullptr : "a record in it reaches over its end"};
+    return {rest.empty() ? nullptr : "a record in it extends beyond its end"};
 }
 
 }    // namespace anogate::mcap

@@ -55,7 +55,7 @@ void McapReader::check(const mcap::Record& record) {
     const auto told = fields.number<std::uint32_t>();
     const bool is_known = is_end ? skipped_.count > 0 : !is_data_over_;
     if (told != 0 && told != crc_.value() && !is_known)
-        mismatches_.push_back(is_end ? "what stands in front of its DataEnd does not match the CRC there"
+        mismatches_.push_back(is_end ? "the data does not match the CRC in its DataEnd"
                                      : "its summary does not match the CRC in its Footer");
     crc_ = {};
 }

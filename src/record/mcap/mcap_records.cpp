@@ -17,9 +17,9 @@ bool Records::take_magic() {
     const std::string_view there = rest.substr(0, magic.size()), wanted = magic.substr(0, there.size());
     if (there != wanted) {
         const bool is_other_version = place_ == Place::before && there.substr(0, version_at) == magic.substr(0, version_at);
-        fault_ = place_ == Place::at_end ? "it does not end as an MCAP file does"
-                 : is_other_version      ? "it is of another version of MCAP"
-                                         : "it is no MCAP file";
+        fault_ = place_ == Place::at_end ? "it does not end like an MCAP file"
+                 : is_other_version      ? "it uses an unsupported version of MCAP"
+                                         : "it is not an MCAP file";
         return false;
     }
     if (there.size() < magic.size()) return false;
@@ -35,14 +35,14 @@ std::optional<Record> Records::next() {
         place_ = Place::among;
     }
     if (place_ == Place::at_end && take_magic()) place_ = Place::behind;
-    if (place_ == Place::behind && unfinished() > 0) fault_ = "something stands behind its end";
+    if (place_ == Place::behind && unfinished() > 0) fault_ = "there is data after its end";
     if (place_ != Place::among) return std::nullopt;
 
     std::string_view rest = std::string_view{buffer_}.substr(at_);
     Fields head{rest};
     const auto opcode = head.number<std::uint8_t>();
     if (!head.is_bad() && opcode == 0) {
-        fault_ = "it has a record of a kind that there is not";
+        fault_ = "it has a record of an unknown type";
         return std::nullopt;
     }
     const auto size = head.number<std::uint64_t>();

@@ -46,7 +46,7 @@ Expected<HeldFolder> HeldFolder::of(const fs::path& path) {
         const ssize_t size = link ? ::readlinkat(link.get(), "", target.data(), target.size()) : -1;
         if (size < 0 || ::fstat(link.get(), &info) != 0) return Unexpected{error_text(error)};
         if (!is_trusted(info))
-            return Unexpected{"leads through " + step.string() + ", a link of another user: it is not followed"};
+            return Unexpected{"leads through " + step.string() + ", a symbolic link of another user, which is not followed"};
         if (++links > max_symlinks) return Unexpected{error_text(ELOOP)};
         const fs::path leads_to{std::string{target.data(), static_cast<std::size_t>(size)}};
         if (leads_to.is_absolute()) {

@@ -116,7 +116,7 @@ tl::expected<void, PathClaim::Refusal> PathClaim::take(const std::filesystem::pa
     if (result == Lock::ours) return {};
     lock_ = UniqueFd{};
     if (result == Lock::in_use) return refused(path.string() + " is in use by another gateway", true);
-    if (trusted) return refused(error_text(path.string() + ": its lock can't be had", error));
+    if (trusted) return refused(error_text(path.string() + ": can't lock it", error));
     return {};
 }
 

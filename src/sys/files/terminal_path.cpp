@@ -40,11 +40,11 @@ Expected<void> link_to_terminal(const std::string& device, const fs::path& path)
     const std::string name = path.filename();
     const There there = find(*folder, name).what;
     if (there == There::anothers)
-        return Unexpected{path.string() + " is a link of another user: it is left alone, choose another path"};
+        return Unexpected{path.string() + " is a symbolic link of another user and is left alone; choose another path"};
     if (there == There::ours) ::unlinkat(folder->fd(), name.c_str(), 0);
     if (there != There::no_link && ::symlinkat(device.c_str(), folder->fd(), name.c_str()) == 0) return {};
     if (there == There::no_link || errno == EEXIST)
-        return Unexpected{path.string() + " exists and is not ours: it is left alone, choose another path"};
+        return Unexpected{path.string() + " exists, was not created by anogated and is left alone; choose another path"};
     return Unexpected{error_text(path.string(), errno)};
 }
 

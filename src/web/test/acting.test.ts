@@ -55,8 +55,8 @@ test("says in Chinese what the gateway says of jobs, and leaves what it does not
   assert.equal(messageInChinese("calling LAND"), "正在执行 LAND");
   assert.equal(reasonInChinese("no answer to LAND: it may have been carried out"), "没有收到对 LAND 的确认：它可能已经执行了");
   assert.equal(reasonInChinese("0xDC is used by job 7 (firmware upgrade, by 192.168.1.5)"), "0xDC 正被任务 7（固件升级，来自 192.168.1.5）占用");
-  assert.equal(reasonInChinese("0x1E is heard, but did not answer the question for its number of commands, sent 5 times; it probably has none"), "听得到 0x1E，但问它 number of commands，问了 5 次都没有回答");
-  assert.equal(reasonInChinese("/rec: only 1.0 MB of the disk are free, and 500.0 MB must be to write more"), "/rec：磁盘只剩 1.0 MB，至少要有 500.0 MB 才继续写");
+  assert.equal(reasonInChinese("0x1E is online, but did not answer the request for its number of commands, sent 5 times; it probably has none"), "0x1E 在线，但没有应答对 number of commands 的请求，已发送 5 次");
+  assert.equal(reasonInChinese("/rec: only 1.0 MB of disk space is free, and recording needs 500.0 MB: 495.0 MB to keep free (record.free) and 5 MB"), "/rec：磁盘只剩 1.0 MB，至少需要 500.0 MB 才能继续录制");
   assert.equal(reasonInChinese("/mnt/a.pcapng: Read-only file system"), "/mnt/a.pcapng：文件系统只读");
   assert.equal(reasonInChinese("something new"), "something new");
 });

@@ -160,7 +160,7 @@ TEST(ParameterFile, shows_what_changes) {
                        {{{"name", "A"}, {"was", 1}, {"written", 1}, {"state", "unchanged"}},
                         {{"name", "B"}, {"was", 1.5}, {"written", 2}, {"state", "differs"}},
                         {{"name", "C"}, {"was", 1}, {"written", 9}, {"stored", 5}, {"state", "clamped"}},
-                        {{"name", "D"}, {"written", 9}, {"state", "failed"}, {"what", "no parameter is called D"}},
+                        {{"name", "D"}, {"written", 9}, {"state", "failed"}, {"what", "unknown parameter D"}},
                         {{"name", "F"}, {"was", 1}, {"written", 2}, {"stored", 2}, {"state", "not_undone"}},
                         {{"name", "G"}, {"was", 1}, {"written", 2}, {"stored", 1}, {"state", "failed"}, {"what", "it keeps 1"}},
                         {{"name", "H"}, {"was", 1}, {"written", 2}, {"state", "waiting"}},
@@ -171,7 +171,7 @@ TEST(ParameterFile, shows_what_changes) {
                                   "D: 9, failed: no parameter is called D", "F: 1 -> 2, not restored",
                                   "G: 1 -> 2, failed: it keeps 1", "H: 1 -> 2, not attempted", "E: \"a\" -> \"b\\u001b\""}));
     EXPECT_EQ(rows_with(answer, "failed"), 2u);
-    EXPECT_EQ(misfit_line(answer["parameters"][3]), "no parameter is called D");
+    EXPECT_EQ(misfit_line(answer["parameters"][3]), "unknown parameter D");
     EXPECT_EQ(misfit_line(answer["parameters"][5]), "G: it keeps 1");
 }
 
@@ -302,7 +302,7 @@ TEST(JobText, names_the_option_that_allows_what_is_refused) {
     const std::string text = "A: \"xy\" is longer than the 1 byte that the device has: a longer one must be allowed (longer)";
     EXPECT_EQ(with_options_named(text, "param"),
               "A: \"xy\" is longer than the 1 byte that the device has: --longer allows a longer one");
-    const std::string flies = "0xDC is unlocked or flies: this is for the ground";
+    const std::string flies = "0xDC is unlocked or flying: this is only allowed on the ground";
     EXPECT_EQ(with_options_named(flies, "flash"), flies + "; land and lock it, or use --force");
     EXPECT_EQ(with_options_named(flies, "calibrate"), flies + "; land and lock it first") << "it has no such option";
 }

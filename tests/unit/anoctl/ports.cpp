@@ -134,9 +134,10 @@ TEST(Ports, of_adapters_without_a_serial_number_are_named_by_their_socket) {
               std::string::npos);
     EXPECT_TRUE(nlohmann::json::parse(lines_of(computer.shown(administrator, true)).at(0))["by_place"].get<bool>());
     const auto fault = [&](const std::string& device) { return anogate::fault_of_by_id(computer.root(), device); };
-    EXPECT_EQ(fault("/dev/serial/by-id/usb-maker_0-if00-port0"),
-              "its adapter has no serial number of its own, so this name leads to another one of its kind after plugging: use "
-              "/dev/serial/by-path/pci-0000:00:14.0-usb-0:0:1.0-port0, which stays with the USB socket");
+    EXPECT_EQ(
+        fault("/dev/serial/by-id/usb-maker_0-if00-port0"),
+        "its adapter has no serial number, so after replugging this name may belong to another adapter of the same model: use "
+        "/dev/serial/by-path/pci-0000:00:14.0-usb-0:0:1.0-port0, which belongs to the USB port");
     EXPECT_NE(fault("/dev/serial/by-id/usb-maker_1-if00-port0"), "");
     EXPECT_EQ(fault("/dev/serial/by-id/usb-maker_2-if00-port0"), "");
     EXPECT_EQ(fault("/dev/serial/by-path/pci-0000:00:14.0-usb-0:0:1.0-port0"), "");
@@ -254,30 +255,31 @@ TEST(Ports, say_which_permission_is_missing_and_how_to_get_it) {
     EXPECT_EQ(missing(administrator), "");
     EXPECT_EQ(missing(member), "") << "of its group";
     if (group != 0) {
-        EXPECT_EQ(missing(stranger), "it is for the group dialout: sudo usermod -aG dialout $USER, and log in again");
-        EXPECT_EQ(missing(late), "you are in its group dialout since your last login: log in again");
+        EXPECT_EQ(missing(stranger), "it belongs to the group dialout: sudo usermod -aG dialout $USER, and log in again");
+        EXPECT_EQ(missing(late), "you were added to its group dialout after your last login: log in again");
         EXPECT_EQ(missing({999, "anogate", {999}}),
-                  "it is for the group dialout: sudo usermod -aG dialout anogate, and restart the service");
-        EXPECT_EQ(missing({998, "ann", {998}}), "its user ann is in the group dialout since the last start: restart the service");
+                  "it belongs to the group dialout: sudo usermod -aG dialout anogate, and restart the service");
+        EXPECT_EQ(missing({998, "ann", {998}}),
+                  "its user ann was added to the group dialout after the last start: restart the service");
     }
     fs::permissions(node, fs::perms{0600});
     if (::geteuid() == 0) {
-        EXPECT_EQ(missing(member),
-                  "only root may open it: a rule of udev gives it to a group (GROUP=\"dialout\", MODE=\"0660\")");
+        EXPECT_EQ(missing(member), "only root may open it: add a udev rule for a group (GROUP=\"dialout\", MODE=\"0660\")");
         ASSERT_EQ(::chown(node.c_str(), 54322, gid_t(-1)), 0);
-        EXPECT_EQ(missing(member), "it belongs to user 54322, whose mode keeps others out: sudo chmod a+rw /dev/ttyUSB0");
+        EXPECT_EQ(missing(member),
+                  "it belongs to user 54322, and its mode denies access to others: sudo chmod a+rw /dev/ttyUSB0");
         fs::permissions(node, fs::perms{0060});
-        EXPECT_EQ(missing({54322, "owner", {group}}), "it is yours, and its mode forbids it: chmod u+rw /dev/ttyUSB0");
+        EXPECT_EQ(missing({54322, "owner", {group}}), "you own it, but its mode denies access: chmod u+rw /dev/ttyUSB0");
         ASSERT_EQ(::chown(node.c_str(), 0, gid_t(-1)), 0);
     }
     fs::permissions(node, fs::perms{0666});
     EXPECT_EQ(missing(stranger), "");
     computer.file("etc/group", "tty:x:" + std::to_string(group) + ":");
     fs::permissions(node, fs::perms{0620});
-    EXPECT_EQ(missing(stranger), "a login sits on it: sudo systemctl disable --now serial-getty@ttyUSB0, and restart");
+    EXPECT_EQ(missing(stranger), "a login console uses it: sudo systemctl disable --now serial-getty@ttyUSB0, and restart");
     fs::rename(node, node.parent_path() / "ttyTHS1");
     EXPECT_EQ(missing_permission(computer.root(), "/dev/ttyTHS1", stranger),
-              "a login sits on it: sudo systemctl disable --now nvgetty, and restart");
+              "a login console uses it: sudo systemctl disable --now nvgetty, and restart");
 }
 
 TEST(Ports, for_people_fit_80_columns_and_no_name_is_cut) {

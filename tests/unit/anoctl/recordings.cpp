@@ -260,7 +260,7 @@ TEST(Info, finds_what_is_damaged_outside_of_chunks) {
     EXPECT_EQ(json::parse(anoctl({"info", "--all", "--json", file}).out)["mismatches"], json::array());
     const std::size_t in_data = whole.find("anogate.recording") + 1, in_summary = whole.rfind("anogate.summary") + 1;
     const std::size_t in_footer = whole.size() - 8 - 4 - 1;    // the place of its offsets, in front of CRC and magic
-    const std::pair<std::size_t, const char*> places[] = {{in_data, "in front of its DataEnd does not match the CRC there"},
+    const std::pair<std::size_t, const char*> places[] = {{in_data, "the data does not match the CRC in its DataEnd"},
                                                           {in_summary, "its summary does not match the CRC in its Footer"},
                                                           {in_footer, "its summary does not match the CRC in its Footer"}};
     for (const auto& [place, words] : places) {

@@ -96,7 +96,7 @@ TEST(Config, a_value_has_the_right_type) {
     EXPECT_EQ(fault(R"("name": ["x"])"), "/links/0/name: 'name' must be text of 1 to 64 bytes, not a list\n");
     EXPECT_EQ(fault(R"("name": "a\u0000b")"), "/links/0/name: 'name' must be printable text in UTF-8, not 'a\\u0000b'\n");
     EXPECT_EQ(fault(R"("name": "a\u009bb")"), "/links/0/name: 'name' must be printable text in UTF-8, not 'a\\u009bb'\n");
-    EXPECT_EQ(faults_in(std::string{"{\"links\": [\"sim:fc\"]}\n\0, broken", 31}), ": line 2: a byte 0, which no text has\n");
+    EXPECT_EQ(faults_in(std::string{"{\"links\": [\"sim:fc\"]}\n\0, broken", 31}), ": line 2: contains a NUL byte\n");
     EXPECT_EQ(fault(R"("parity": {})"), "/links/0/parity: 'parity' must be one of none, even, odd, not an object\n");
     EXPECT_EQ(fault(R"("id": true)"), "/links/0/id: 'id' must be an address from 1 to 20 (or in hex such as 0x05), not true\n");
     EXPECT_EQ(faults_in(R"({"gateway": {"forget_after": 30}})"),
@@ -147,10 +147,10 @@ TEST(Config, routes_lead_somewhere) {
     };
     EXPECT_EQ(fault(R"({"address": "0xDC", "link": "fc"}, {"address": "0xDC", "link": "app"})"), "");
     EXPECT_EQ(fault(R"({"address": 5, "link": "ap"})"),
-              "/routes/0/link: there is no link 'ap' (did you mean 'app'?); give one of fc, app\n");
+              "/routes/0/link: there is no link 'ap' (did you mean 'app'?); use one of fc, app\n");
     EXPECT_EQ(fault(R"({"address": 99, "link": "fc"})"), "/routes/0/address: 'address' 0x63: 0x63 is the gateway's own id\n");
     EXPECT_EQ(fault(R"({"address": "1-9", "link": "fc"})"),
-              "/routes/0/address: 'address' 1-9: 3 is the port id of 'fc' (/links/0: LINK 'sim:fc,id=3'), frames to it "
+              "/routes/0/address: 'address' 1-9: 3 is the port id of 'fc' (/links/0: LINK 'sim:fc,id=3'), and frames to it "
               "go there\n");
     for (const char* address : {"0", "255", "\"0x00\"", "\"0xFF\"", "\"200-255\"", "\"40-30\"", "\"host\"", "2.5"})
         EXPECT_NE(
@@ -162,9 +162,9 @@ TEST(Config, routes_lead_somewhere) {
 TEST(Config, unknown_names_a_link_that_is) {
     EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "app"}, "links": ["pty:/run/app"]})"), "");
     EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "flod"}, "links": ["pty:/run/app"]})"),
-              "/gateway/unknown: there is no link 'flod' (did you mean 'flood'?); give flood, drop, or one of app\n");
+              "/gateway/unknown: there is no link 'flod' (did you mean 'flood'?); use flood, drop, or one of app\n");
     EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "dorp"}})"),
-              "/gateway/unknown: there is no link 'dorp' (did you mean 'drop'?); give flood, drop, or a link\n");
+              "/gateway/unknown: there is no link 'dorp' (did you mean 'drop'?); use flood, drop, or a link\n");
 }
 
 TEST(Config, ids_are_of_one_thing_each) {
@@ -208,10 +208,9 @@ TEST(Config, a_long_text_is_cut_between_its_characters) {
 }
 
 TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {
-    EXPECT_EQ(
-        faults_in("{\"a\":\n  [1,}"),
-        ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal (is there a "
-        "comma too many before it?)\n");
+    EXPECT_EQ(faults_in("{\"a\":\n  [1,}"),
+              ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal (is there "
+              "an extra comma before it?)\n");
     for (const std::string& text :
          {std::string{}, std::string{"{"}, std::string{"\0\xFF\xAB", 3}, std::string{"{\"a\":\"\xFF\"}"}, std::string{"{} {}"}})
         EXPECT_EQ(faults_in(text).rfind(": line ", 0), 0u) << faults_in(text);
@@ -255,14 +254,14 @@ TEST(Config, the_control_link_may_be_named_and_is_there_then) {
         const std::string tunnel = name == "tunnel" ? R"("links": ["sim:fc"], "tunnel": {"links": ["fc"]}, )" : "";
         EXPECT_EQ(
             faults_in("{" + tunnel + R"("gpio": [{"chip": "gpiochip0", "line": 1, "use": "rs485", "link": ")" + name + "\"}]}"),
-            "/gpio/0/link: 'link' '" + name + "' is not a serial port: rs485 is for those\n");
+            "/gpio/0/link: 'link' '" + name + "' is not a serial port: rs485 needs one\n");
     }
 }
 
 TEST(Config, says_where_a_key_of_a_link_stands) {
     for (const std::string key : {"send", "limit", "baud", "age", "group"})
         EXPECT_EQ(faults_in(R"({"links": [], ")" + key + R"(": 1})"),
-                  "/" + key + ": '" + key + "' is a key of a link: it stands in an object of \"links\"\n");
+                  "/" + key + ": '" + key + "' is a key of a link: put it into an object in \"links\"\n");
     EXPECT_EQ(faults_in(R"({"links": [], "id": 1})"), "/id: unknown key 'id'\n");
 }
 
@@ -271,9 +270,9 @@ TEST(Config, what_is_dotted_in_a_link_text_is_nested_in_a_file) {
         return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");
     };
     EXPECT_EQ(fault(R"("send.deny": ["0xB0"])"),
-              "/links/0/send.deny: unknown key 'send.deny': in a file it is \"send\": {\"deny\": ...}\n");
+              "/links/0/send.deny: unknown key 'send.deny': in a file, write \"send\": {\"deny\": ...}\n");
     EXPECT_EQ(fault(R"("limit.0x01": 5)"),
-              "/links/0/limit.0x01: unknown key 'limit.0x01': in a file it is \"limit\": {\"0x01\": ...}\n");
+              "/links/0/limit.0x01: unknown key 'limit.0x01': in a file, write \"limit\": {\"0x01\": ...}\n");
     EXPECT_EQ(fault(R"("a.b": 5)"), "/links/0/a.b: unknown key 'a.b'\n");
 }
 

@@ -44,16 +44,16 @@ TEST(ConfigGpio, faults_name_their_place) {
     EXPECT_EQ(fault(R"({"line": "x", "use": "linkup", "link": "fc"})").substr(0, 17), "/gpio/0/use: 'use");
     EXPECT_NE(fault(R"({"line": "x", "use": "linkup", "link": "fc"})").find("did you mean 'link_up'?"), std::string::npos);
     EXPECT_EQ(fault(R"({"line": "x", "use": "link_up", "link": "fd"})"),
-              "/gpio/0/link: there is no link 'fd' (did you mean 'fc'?); give one of fc, ground, bus\n");
+              "/gpio/0/link: there is no link 'fd' (did you mean 'fc'?); use one of fc, ground, bus\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "inhibit", "links": ["fc", "groud"]})"),
-              "/gpio/0/links/1: there is no link 'groud' (did you mean 'ground'?); give one of fc, ground, bus\n");
+              "/gpio/0/links/1: there is no link 'groud' (did you mean 'ground'?); use one of fc, ground, bus\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "link_up", "link": "fc", "pulse": "1s"})"),
               "/gpio/0/pulse: 'pulse' is not a key of link_up, but of power, reset\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "link_up", "link": "fc", "kind": "serial"})"),
               "/gpio/0/kind: unknown key 'kind' (did you mean 'line'?)\n");
     EXPECT_EQ(fault(R"({"use": "power"})").substr(0, 27), "/gpio/0: 'line' is missing:");
     EXPECT_EQ(fault(R"({"line": "x"})").substr(0, 26), "/gpio/0: 'use' is missing,");
-    EXPECT_EQ(fault(R"({"line": 17, "use": "power"})"), "/gpio/0/line: 'line' 17 is a number: 'chip' must say of which chip\n");
+    EXPECT_EQ(fault(R"({"line": 17, "use": "power"})"), "/gpio/0/line: 'line' 17 is a number: 'chip' must name its chip\n");
     EXPECT_EQ(fault(R"({"line": -1, "use": "power", "chip": "c"})"),
               "/gpio/0/line: 'line' must be a line's number such as 17 or its name such as \"GPIO17\", not -1\n");
     EXPECT_EQ(fault("7"), "/gpio/0: must be an object {...}, not 7\n");
@@ -62,17 +62,17 @@ TEST(ConfigGpio, faults_name_their_place) {
 
 TEST(ConfigGpio, a_use_needs_what_it_works_on) {
     const auto fault = [](std::string_view line) { return faults_in(with_gpio(line)); };
-    EXPECT_EQ(fault(R"({"line": "x", "use": "activity"})"), "/gpio/0: 'link' is missing: the name of the link it is for\n");
-    EXPECT_EQ(fault(R"({"line": "x", "use": "rs485"})"), "/gpio/0: 'link' is missing: the name of the link it is for\n");
+    EXPECT_EQ(fault(R"({"line": "x", "use": "activity"})"), "/gpio/0: 'link' is missing: the name of the link\n");
+    EXPECT_EQ(fault(R"({"line": "x", "use": "rs485"})"), "/gpio/0: 'link' is missing: the name of the link\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "inhibit"})"),
-              "/gpio/0: 'links' is missing: the links whose control frames are kept off\n");
+              "/gpio/0: 'links' is missing: the links whose control frames to block\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "reset", "when": "silent 10s"})"),
-              "/gpio/0: 'link' is missing: the link whose silence is meant\n");
+              "/gpio/0: 'link' is missing: the link to monitor for silence\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "reset"})"), "");
     EXPECT_EQ(fault(R"({"line": "x", "use": "power"})"), "");
     EXPECT_EQ(fault(R"({"line": "x", "use": "inhibit", "link": "ground"})"), "");
     EXPECT_EQ(fault(R"({"line": "x", "use": "rs485", "link": "fc"})"),
-              "/gpio/0/link: 'link' 'fc' is not a serial port: rs485 is for those\n");
+              "/gpio/0/link: 'link' 'fc' is not a serial port: rs485 needs one\n");
 }
 
 TEST(ConfigGpio, when_is_a_silence) {
@@ -88,13 +88,13 @@ TEST(ConfigGpio, when_is_a_silence) {
 
 TEST(ConfigGpio, a_line_is_used_once) {
     EXPECT_EQ(faults_in(with_gpio(R"({"line": "x", "use": "power"}, {"line": "x", "use": "reset"})")),
-              "/gpio/1/line: 'line' 'x' is used by /gpio/0 already\n");
+              "/gpio/1/line: 'line' 'x' is already used by /gpio/0\n");
     EXPECT_EQ(faults_in(with_gpio(
                   R"({"chip": "gpiochip0", "line": "x", "use": "power"}, {"chip": "gpiochip1", "line": "x", "use": "reset"})")),
               "");
     EXPECT_EQ(
         faults_in(with_gpio(R"({"line": "x", "use": "rs485", "link": "bus"}, {"line": "y", "use": "rs485", "link": "bus"})")),
-        "/gpio/1/link: 'link' 'bus' has a line for rs485 by /gpio/0 already\n");
+        "/gpio/1/link: 'link' 'bus' already has a line for rs485 at /gpio/0\n");
     EXPECT_EQ(
         faults_in(
             R"({"links": ["serial:/dev/x,name=bus,flow=hardware"], "gpio": [{"line": "x", "use": "rs485", "link": "bus"}]})"),

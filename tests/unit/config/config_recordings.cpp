@@ -16,14 +16,14 @@ TEST(Config, without_a_section_for_it_records_nothing_by_itself) {
 
 TEST(Config, faults_of_what_is_to_be_recorded_name_their_place) {
     EXPECT_EQ(faults_in(R"({"record": {"direction": ["in", "ot"]}})"),
-              "/record/direction: 'direction' has 'ot', which is none of in, out and dropped (did you mean 'out'?)\n");
+              "/record/direction: 'direction' has 'ot', which is not in, out or dropped (did you mean 'out'?)\n");
     EXPECT_EQ(faults_in(R"({"record": {"direction": []}})"),
-              "/record/direction: 'direction' must name what is recorded: in, out, dropped\n");
+              "/record/direction: 'direction' must list what to record: in, out, dropped\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "record": {"link": ["fx"]}})"),
-              "/record/link/0: there is no link 'fx' (did you mean 'fc'?); give one of fc\n");
-    EXPECT_EQ(
-        faults_in(R"({"record": {"keep": {"free": "1MB"}}})"),
-        "/record/keep/free: 'keep.free' must be at least 'free', 500MB: nothing would be written before anything is deleted\n");
+              "/record/link/0: there is no link 'fx' (did you mean 'fc'?); use one of fc\n");
+    EXPECT_EQ(faults_in(R"({"record": {"keep": {"free": "1MB"}}})"),
+              "/record/keep/free: 'keep.free' must be at least 'free', 500MB: otherwise recording stops before old files are "
+              "deleted\n");
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"bytes": "1MB"}}})").substr(0, 19), "/record/keep/bytes:");
     EXPECT_EQ(faults_in(R"({"record": {"format": "csv"}})"), "/record/format: 'format' must be one of pcapng, mcap, not 'csv'\n");
     EXPECT_EQ(faults_in(R"({"record": {"message_encoding": "xml"}})"),
@@ -32,14 +32,14 @@ TEST(Config, faults_of_what_is_to_be_recorded_name_their_place) {
 
 TEST(Config, a_size_of_recordings_whose_unit_was_forgotten_is_refused) {
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": "20"}}})"),
-              "/record/keep/size: 'keep.size' must be 0 or at least 100kB, not 20 bytes: give it a unit, such as 20GB\n");
+              "/record/keep/size: 'keep.size' must be 0 or at least 100kB, not 20 bytes: add a unit, such as 20GB\n");
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": 99999}}})").substr(0, 18), "/record/keep/size:");
     EXPECT_EQ(faults_in(R"({"record": {"rotate": {"size": "9999"}}})"),
-              "/record/rotate/size: 'rotate.size' must be 0 or at least 10kB, not 9999 bytes: give it a unit, such as 20GB\n");
+              "/record/rotate/size: 'rotate.size' must be 0 or at least 10kB, not 9999 bytes: add a unit, such as 20GB\n");
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"free": 500}, "free": 0}})"),
-              "/record/keep/free: 'keep.free' must be 0 or at least 1MB, not 500 bytes: give it a unit, such as 20GB\n");
+              "/record/keep/free: 'keep.free' must be 0 or at least 1MB, not 500 bytes: add a unit, such as 20GB\n");
     EXPECT_EQ(faults_in(R"({"record": {"free": "999kB"}})"),
-              "/record/free: 'free' must be 0 or at least 1MB, not 999000 bytes: give it a unit, such as 20GB\n");
+              "/record/free: 'free' must be 0 or at least 1MB, not 999000 bytes: add a unit, such as 20GB\n");
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": "100kB", "free": "1MB"}, "rotate": {"size": 10000}, "free": 1000000}})"),
               "");
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": 0, "free": 0}, "rotate": {"size": "0"}, "free": 0}})"), "");
@@ -50,8 +50,8 @@ TEST(Config, an_encoding_of_messages_without_mcap_is_warned_of) {
         return lines(parse_config(R"({"links": ["sim:fc"], "record": )" + record + "}").warnings);
     };
     const std::string warned =
-        "anogated: /record/message_encoding: warning: 'message_encoding' has no effect on what is recorded as pcapng: "
-        "give 'format' \"mcap\", which alone has decoded messages\n";
+        "anogated: /record/message_encoding: warning: 'message_encoding' has no effect on the format pcapng: set 'format' to "
+        "\"mcap\", the only one with decoded messages\n";
     EXPECT_EQ(warnings_in(R"({"message_encoding": "json"})"), warned);
     EXPECT_EQ(warnings_in(R"({"message_encoding": "json", "format": "pcapng"})"), warned);
     EXPECT_EQ(warnings_in(R"({"message_encoding": "json", "format": "mcap"})"), "");

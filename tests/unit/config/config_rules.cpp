@@ -35,11 +35,11 @@ TEST(Config, faults_of_rules_name_their_place) {
     EXPECT_EQ(fault(R"("receive": {"allow": "0x01"})"),
               "/links/0/receive/allow: 'receive.allow' must be a list such as [\"0x01\"], not the text \"0x01\"\n");
     EXPECT_EQ(faults_in(R"({"links": [5]})"), "/links/0: must be a LINK text or an object {...}, not 5\n");
-    EXPECT_NE(fault(R"("limit": {"0x01": 0})").find("/links/0/limit/0x01: '0x01' must be a number of frames a second"),
+    EXPECT_NE(fault(R"("limit": {"0x01": 0})").find("/links/0/limit/0x01: '0x01' must be a number of frames per second"),
               std::string::npos);
     EXPECT_NE(fault(R"("limit": {"0x01": "many"})").find("/links/0/limit/0x01: "), std::string::npos);
     EXPECT_NE(fault(R"("limit": {"eulr": 5})").find("(did you mean 'euler'?)"), std::string::npos);
-    EXPECT_NE(fault(R"("limit": {"0x03": 5, "euler": 6})").find("0x03 has a limit already"), std::string::npos);
+    EXPECT_NE(fault(R"("limit": {"0x03": 5, "euler": 6})").find("0x03 already has a limit"), std::string::npos);
     EXPECT_NE(fault(R"("limit": 5)").find("/links/0/limit: must be an object"), std::string::npos);
     EXPECT_NE(fault(R"("age": {"control": "soon"})").find("/links/0/age/control: "), std::string::npos);
     EXPECT_NE(fault(R"("send.deny": ["0xB0"])").find("unknown key 'send.deny'"), std::string::npos);
@@ -53,18 +53,18 @@ TEST(Config, an_alias_is_one_id_of_one_device) {
     EXPECT_NE(fault(R"({"link": "fcc", "device": "0xDE", "as": 31})").find("/alias/0/link: there is no link 'fcc'"),
               std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": "0xDE"})").find("/alias/0: 'as' is missing"), std::string::npos);
-    EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 31})").find("the id that the device has already"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 31})").find("is already the id of the device"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 199})").find("the gateway's own id"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 5})").find("is the port id of 'fc'"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": "0xFE", "as": 31})").find("a host"), std::string::npos);
-    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "x", "device": 42, "as": 31})").find("is given at"),
+    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "x", "device": 42, "as": 31})").find("is also used at"),
               std::string::npos);
     EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 41, "as": 32})"),
               "/alias/1/device: 'device' 0x29 has the alias 0x1F already (/alias/0)\n");
     EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 31, "as": 32})"),
-              "/alias/1/device: 'device' 0x1F is the alias of 0x29 (/alias/0): give 'as' there\n");
+              "/alias/1/device: 'device' 0x1F is the alias of 0x29 (/alias/0): use 'as' there\n");
     EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 42, "as": 41})"),
-              "/alias/1/as: 'as' 0x29 is the id of a device on this link that has an alias itself (/alias/0)\n");
+              "/alias/1/as: 'as' 0x29 is the id of a device on this link that itself has an alias (/alias/0)\n");
 }
 
 TEST(Config, present_as_is_an_address_and_no_port_id) {
@@ -96,12 +96,12 @@ TEST(Config, a_class_is_of_one_id_that_is_no_command) {
     const auto fault = [](const std::string& classes) { return faults_in(R"({"classes": [)" + classes + "]}"); };
     EXPECT_NE(fault(R"({"id": "flexibel5", "class": "control"})").find("/classes/0/id: "), std::string::npos);
     EXPECT_NE(fault(R"({"id": "flexibel5", "class": "control"})").find("(did you mean 'flexible5'?)"), std::string::npos);
-    EXPECT_NE(fault(R"({"id": "0xF1-0xF5", "class": "control"})").find("which is several"), std::string::npos);
+    EXPECT_NE(fault(R"({"id": "0xF1-0xF5", "class": "control"})").find("which covers several"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xC0", "class": "bulk"})").find("'0xC0' can't have another class"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xF5"})").find("/classes/0: 'class' is missing"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xF5", "class": "fast"})").find("/classes/0/class: "), std::string::npos);
     EXPECT_EQ(fault(R"({"id": "0xF5", "class": "bulk"}, {"id": "flexible5", "class": "control"})"),
-              "/classes/1/id: 'id' 0xF5 has a class at /classes/0 already\n");
+              "/classes/1/id: 'id' 0xF5 already has a class at /classes/0\n");
 }
 
 }    // namespace

@@ -59,10 +59,9 @@ TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_sa
                          "]" + more + "}}");
     };
     const std::string open = "udp-listen:0.0.0.0:12333";
-    EXPECT_EQ(
-        faults(open, R"("10.0.0.0/8", "127.0.0.0/8")"),
-        "/tunnel/allow: 'allow' lists 127.0.0.0/8, which is this computer, and 'links' names 'g': its peers in the network would "
-        "reach local programs by tunnel frames; take one of them away, or say \"relay\": true if they shall\n");
+    EXPECT_EQ(faults(open, R"("10.0.0.0/8", "127.0.0.0/8")"),
+              "/tunnel/allow: 'allow' lists 127.0.0.0/8, which is this computer, and 'links' includes 'g': its network peers "
+              "could reach local programs through tunnel frames; remove one of them, or set \"relay\": true to allow it\n");
     for (const char* link : {"udp-listen:192.168.1.5:12333", "udp-listen:[::]:12333", "udp:192.168.1.20:6670"})
         EXPECT_NE(faults(link, R"("127.0.0.1/32")"), "") << link;
     EXPECT_EQ(faults(open, R"("127.0.0.0/8")", R"(, "relay": true)"), "");
@@ -105,12 +104,12 @@ TEST(Config, faults_of_a_tunnel_name_their_place) {
         "/tunnel/wrap/0/from: 'from' must be an IPv4 network such as 192.168.0.0/24, or a host name such as ground.local, not "
         "'192.168.0'\n"
         "/tunnel/wrap/1: must be an object {...} of from, link, as, source, to, not 5\n"
-        "/tunnel/links/0: there is no link 'fd' (did you mean 'fc'?); give one of fc, g\n"
-        "/tunnel/wrap/0/link: there is no link 'tunnel'; give one of fc, g\n"
-        "/tunnel/port: local port 12333 is used by 'g' (/links/1: LINK 'udp-listen:0.0.0.0:12333,name=g') already\n");
+        "/tunnel/links/0: there is no link 'fd' (did you mean 'fc'?); use one of fc, g\n"
+        "/tunnel/wrap/0/link: there is no link 'tunnel'; use one of fc, g\n"
+        "/tunnel/port: local port 12333 is already used by 'g' (/links/1: LINK 'udp-listen:0.0.0.0:12333,name=g')\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc,name=tunnel"], "tunnel": 5})"),
-              "/tunnel: must be an object {...}, not 5\n/links/0: LINK 'sim:fc,name=tunnel': 'name' can't be 'tunnel', the word "
-              "is taken\n");
+              "/tunnel: must be an object {...}, not 5\n/links/0: LINK 'sim:fc,name=tunnel': 'name' can't be 'tunnel', a "
+              "reserved word\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {}, "routes": [{"address": 5, "link": "tunnel"}]})"), "");
 }
 

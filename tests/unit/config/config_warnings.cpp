@@ -18,8 +18,8 @@ TEST(Config, warns_of_a_device_whose_address_is_a_port_id) {
     EXPECT_EQ(warnings("\"0xDC\", 4"), "");
     EXPECT_EQ(warnings("\"1-254\""), "") << "everybody";
     EXPECT_EQ(warnings("5"),
-              "anogated: /links/0/receive/allow_sources: warning: a device with the address 5 can't be reached: it is "
-              "the port id of 'x' (/links/1: LINK 'pty:/tmp/x,id=5'), frames to it go there; give one of them another\n");
+              "anogated: /links/0/receive/allow_sources: warning: a device with the address 5 can't be reached: it is also the "
+              "port id of 'x' (/links/1: LINK 'pty:/tmp/x,id=5'), and frames to it go there; change one of them\n");
     EXPECT_NE(warnings("\"1-20\""), "");
     EXPECT_EQ(
         lines(
@@ -36,23 +36,23 @@ TEST(Config, warns_of_frames_that_block_a_slow_line) {
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("takes 356 ms at 11520 bytes/s"), std::string::npos);
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("a frame of max_data_out 4096 takes"), std::string::npos);
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200,max_data_out=4096").find("max_data_out 1144 keeps"), std::string::npos);
-    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("max_data_out 1144 keeps it under 100 ms"), std::string::npos);
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("max_data_out 1144 keeps this below 100 ms"), std::string::npos);
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=5000").find("max_data_out 492"), std::string::npos);
     EXPECT_EQ(warnings("udp:127.0.0.1:5,rate=5000,max_data_out=492"), "") << "100 ms";
-    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=80").find("max_data_out 0 keeps it under 100 ms"), std::string::npos);
+    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=80").find("max_data_out 0 keeps this below 100 ms"), std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,profile=vendor"), "") << "what leaves is meant, not what comes in";
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,max_data_out=1140"), "");
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("a frame of max_data_out 198 takes 214 ms"),
               std::string::npos);
-    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("max_data_out 88 keeps it under 100 ms"),
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("max_data_out 88 keeps this below 100 ms"),
               std::string::npos);
-    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=79").find("even one without DATA takes more than 100 ms"), std::string::npos);
+    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=79").find("even a frame without DATA takes more than 100 ms"), std::string::npos);
 }
 
 TEST(Config, speaks_first_only_where_that_can_be_done) {
-    EXPECT_NE(faults_of({"udp-listen:0.0.0.0:12333,hello=on"})
-                  .find("'hello' is not possible on udp-listen: it knows nobody to speak to"),
-              std::string::npos);
+    EXPECT_NE(
+        faults_of({"udp-listen:0.0.0.0:12333,hello=on"}).find("'hello' is not possible on udp-listen, which learns its peers"),
+        std::string::npos);
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:12333,hello=off"}), "");
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:12333,profile=vendor"}), "");
     const Draft draft = parse_config(
@@ -71,24 +71,25 @@ TEST(Config, warns_of_peers_that_may_take_more_memory_than_a_small_computer_spar
     const auto warnings = [](const std::string& link) { return lines(parse_config("{\"links\": [\"" + link + "\"]}").warnings); };
     EXPECT_EQ(warnings("udp-listen:0.0.0.0:1"), "");
     EXPECT_EQ(warnings("udp-listen:0.0.0.0:1,queue=1000000,max_peers=64"), "");
-    EXPECT_NE(warnings("udp-listen:0.0.0.0:1,queue=1000001,max_peers=64").find("more than 64 MB: lower 'queue' or 'max_peers'"),
+    EXPECT_NE(warnings("udp-listen:0.0.0.0:1,queue=1000001,max_peers=64").find("more than 64 MB: reduce 'queue' or 'max_peers'"),
               std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/ttyS0,queue=60000000"), "");
 }
 
 TEST(Config, warns_of_what_is_as_good_as_not_said) {
     const auto warnings = [](const std::string& json) { return lines(parse_config(json).warnings); };
-    EXPECT_EQ(warnings("{}"), "anogated: warning: the configuration has no links: there is nothing to join\n");
+    EXPECT_EQ(warnings("{}"), "anogated: warning: the configuration has no links, so no frames will be forwarded\n");
     EXPECT_EQ(warnings(R"({"gateway": {"nme": "boat"}})"), "") << "what else was to be there is not known";
     EXPECT_EQ(warnings(R"({"links": ["sim:fc"], "gateway": {"id": 199}, "tunnel": {"links": ["fc"]}})"), "");
     EXPECT_EQ(warnings(R"({"links": ["sim:fc"], "gateway": {"id": "0xFE"}})"),
-              "anogated: warning: the gateway's own id 0xFE is the address of hosts: what is sent to them ends in the gateway; "
-              "give it another, such as 199\n");
+              "anogated: warning: the gateway's own id 0xFE is the address of hosts: the gateway would consume frames to hosts; "
+              "choose another id, such as 199\n");
     EXPECT_EQ(warnings(R"({"links": ["sim:fc,group=radio"]})"),
-              "anogated: /links/0: LINK 'sim:fc,group=radio': warning: 'fc' is alone in the group 'radio': it is as without\n");
+              "anogated: /links/0: LINK 'sim:fc,group=radio': warning: 'fc' is the only link in the group 'radio': the group has "
+              "no effect\n");
     EXPECT_EQ(warnings(R"({"links": ["sim:fc,group=a", "pty:/tmp/x,group=a"]})"), "");
     EXPECT_EQ(warnings(R"({"links": ["sim:fc"], "tunnel": {}})"),
-              "anogated: /tunnel/links: warning: no link's tunnel frames are carried: name the links of their devices\n");
+              "anogated: /tunnel/links: warning: no tunnel frames are carried: add the links of the devices\n");
 }
 
 }    // namespace

@@ -58,10 +58,10 @@ TEST_F(ReadFiles, a_key_given_in_two_files_names_both) {
           R"({"gateway": {"id": 8}, "log": {"level": "info"}, "tunnel": {"port": 5}, "control": {"socket": "none"}})");
     write("conf.d/20.json", R"({"control": {"socket": "none"}})");
     EXPECT_EQ(faults(),
-              "anogated: conf.d/10.json: /gateway/id: 'id' is given in a.json too\n"
-              "anogated: conf.d/10.json: /log/level: 'level' is given in a.json too\n"
-              "anogated: conf.d/10.json: /tunnel: 'tunnel' is given in a.json too\n"
-              "anogated: conf.d/20.json: /control/socket: 'socket' is given in conf.d/10.json too\n");
+              "anogated: conf.d/10.json: /gateway/id: 'id' is also set in a.json\n"
+              "anogated: conf.d/10.json: /log/level: 'level' is also set in a.json\n"
+              "anogated: conf.d/10.json: /tunnel: 'tunnel' is also set in a.json\n"
+              "anogated: conf.d/20.json: /control/socket: 'socket' is also set in conf.d/10.json\n");
 }
 
 TEST_F(ReadFiles, a_fault_names_its_file) {
@@ -73,7 +73,7 @@ TEST_F(ReadFiles, a_fault_names_its_file) {
     write("conf.d/20.json", R"({"flexible": [{"id": "0xF1", "fields": [{"name": "x", "type": "u8"}]}]})");
     write("conf.d/30.json", R"({"flexible": [{"id": "0xF1", "fields": [{"name": "y", "type": "u8"}]}]})");
     const std::string now = faults();
-    EXPECT_NE(now.find("conf.d/10.json: /links/0: LINK 'sim:fc,name=fc': 'name' 'fc' is the name of a.json: /links/0"),
+    EXPECT_NE(now.find("conf.d/10.json: /links/0: LINK 'sim:fc,name=fc': 'name' 'fc' is already the name of a.json: /links/0"),
               std::string::npos)
         << now;
     EXPECT_NE(now.find("conf.d/10.json: /routes/0/link: there is no link 'gone'"), std::string::npos) << now;

@@ -62,8 +62,8 @@ TEST(LinkText, a_port_that_can_be_none_is_told_with_what_was_meant) {
     for (const std::string device : {"/dev/ttyUSB*", "/dev/ttyUSB?", "/dev/ttyUSB[01]"})
         EXPECT_EQ(fault_of("serial:" + device),
                   "'device' '" + device +
-                      "' is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name");
-    EXPECT_EQ(fault_of("can:can*"), "'interface' 'can*' is a pattern, and a link is one interface, such as can0");
+                      "' is a pattern, but a link is one port: use its name in /dev/serial/by-id/, which does not change");
+    EXPECT_EQ(fault_of("can:can*"), "'interface' 'can*' is a pattern, but a link is one interface, such as can0");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial", "device": "ttyAMA0"}]})"),
               "/links/0/device: 'device' 'ttyAMA0' is not the path of a port (did you mean '/dev/ttyAMA0'?)\n");
     for (const std::string device : {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0",
@@ -78,14 +78,13 @@ TEST(LinkText, a_full_width_separator_is_named) {
 }
 
 TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
-    const std::string told =
-        " is not a key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
+    const std::string told = " is not a key of can: set the bit rate with sudo ip link set can0 up type can bitrate 500000";
     EXPECT_EQ(fault_of("can:can0,bitrate=500000"), "'bitrate'" + told);
     EXPECT_EQ(fault_of("can:can0,baud=500000"), "'baud'" + told);
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "can", "interface": "can0", "dbitrate": 2000000}]})"),
               "/links/0/dbitrate: 'dbitrate'" + told + "\n");
-    EXPECT_EQ(fault_of("can0,bitrate=500000"), "no kind (did you mean 'can:can0,bitrate=500000'?)");
-    EXPECT_EQ(fault_of("ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
+    EXPECT_EQ(fault_of("can0,bitrate=500000"), "the kind is missing (did you mean 'can:can0,bitrate=500000'?)");
+    EXPECT_EQ(fault_of("ttyUSB0"), "the kind is missing (did you mean 'serial:/dev/ttyUSB0'?)");
 }
 
 TEST(LinkText, serial) {
@@ -115,10 +114,10 @@ TEST(LinkText, traffic) {
 
 TEST(LinkText, faults_of_traffic) {
     EXPECT_NE(fault_of("sim:fc,limit=5").find("write limit.0x01=50"), std::string::npos);
-    EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not of 'telemetry', which is several"), std::string::npos);
-    EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not of '0x01-0x0F', which is several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not of 'telemetry', which covers several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not of '0x01-0x0F', which covers several"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.elur=5").find("not of 'elur' (did you mean 'euler'?)"), std::string::npos);
-    EXPECT_NE(fault_of("sim:fc,limit.0x01=50,limit.0x01=20").find("0x01 has a limit already"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.0x01=50,limit.0x01=20").find("0x01 already has a limit"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,receive.denny=0x01").find("(did you mean 'receive.deny'?)"), std::string::npos);
     EXPECT_NE(fault_of("serial:/dev/x,pack=no").find("'pack' is not a key of serial, but of udp, udp-listen"), std::string::npos);
 }
@@ -260,7 +259,7 @@ TEST(LinkText, a_mistyped_key_is_named_with_the_nearest) {
     EXPECT_EQ(fault_of("serial:/dev/x,baud=9,baud=9"), "'baud' is given twice");
     EXPECT_EQ(fault_of("serial:/dev/x,device=/dev/y"), "'device' is given twice");
     EXPECT_EQ(fault_of("serial:/dev/x,kind=udp"), "unknown key 'kind'");
-    EXPECT_EQ(fault_of("serial:/dev/x,"), "a comma with no key behind it");
+    EXPECT_EQ(fault_of("serial:/dev/x,"), "a comma without a key after it");
     EXPECT_EQ(fault_of("serial:/dev/x,baud"), "'baud' needs a value: baud=NUMBER");
 }
 
@@ -276,7 +275,7 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
     EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/33"),
               "'allow' must be any, or networks such as 192.168.0.0/24, not '10.0.0.0/33'");
     EXPECT_EQ(fault_of("sim:fc,name="), "'name' must be text of 1 to 64 bytes, not ''");
-    EXPECT_EQ(fault_of("sim:fc,name=flood"), "'name' can't be 'flood', the word is taken");
+    EXPECT_EQ(fault_of("sim:fc,name=flood"), "'name' can't be 'flood', a reserved word");
     EXPECT_EQ(fault_of("sim:plane"), "'device' must be one of fc, imu, flow, radio, car, not 'plane'");
 }
 
@@ -319,22 +318,22 @@ TEST(LinkText, a_number_with_a_unit_is_known) {
 
 TEST(LinkText, a_key_that_stands_apart_is_known) {
     EXPECT_EQ(fault_of("baud=500000"),
-              "'baud' is a key: write it behind the LINK that it is for, with a comma and no space: KIND:ADDRESS,baud=500000");
+              "'baud' is a key: append it to its LINK with a comma and no space: KIND:ADDRESS,baud=500000");
     EXPECT_EQ(fault_of("bind=0.0.0.0:6669").substr(0, 15), "'bind' is a key");
     EXPECT_EQ(fault_of("limit.0x01=5").substr(0, 21), "'limit.0x01' is a key");
 }
 
 TEST(LinkText, several_values_behind_commas_are_known) {
     EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/8,192.168.0.0/16"),
-              "unknown key '192.168.0.0/16': several values of 'allow' are joined by +: allow=10.0.0.0/8+192.168.0.0/16");
+              "unknown key '192.168.0.0/16': join several values of 'allow' with +: allow=10.0.0.0/8+192.168.0.0/16");
     EXPECT_EQ(fault_of("sim:fc,send.deny=0xB0,0xB1"),
-              "unknown key '0xB1': several values of 'send.deny' are joined by +: send.deny=0xB0+0xB1");
+              "unknown key '0xB1': join several values of 'send.deny' with +: send.deny=0xB0+0xB1");
     EXPECT_NE(faults_of({"sim:fc,send.deny=0xB0,0xB1,0xB2"}).find("send.deny=0xB0+0xB1+0xB2"), std::string::npos);
     EXPECT_EQ(fault_of("sim:fc,send.deny=firmware,floood"), "unknown key 'floood' (did you mean 'flood'?)");
 }
 
 TEST(LinkText, a_limit_of_nothing_is_a_filter) {
-    EXPECT_TRUE(fault_of("sim:fc,limit.euler=0").ends_with("not '0'; to let none pass: send.deny=euler"))
+    EXPECT_TRUE(fault_of("sim:fc,limit.euler=0").ends_with("not '0'; to block them all: send.deny=euler"))
         << fault_of("sim:fc,limit.euler=0");
 }
 
@@ -359,23 +358,24 @@ TEST(LinkText, a_port_alone_lacks_its_address) {
 
 TEST(LinkText, the_addresses_of_this_computer_are_not_host_names) {
     EXPECT_EQ(fault_of("udp-listen:localhost:1"),
-              "'localhost:1': host names are not looked up, give an IP address such as 127.0.0.1:1");
+              "'localhost:1': host names are not supported here; give an IP address such as 127.0.0.1:1");
     EXPECT_EQ(fault_of("tcp-listen:gw.example.org"),
-              "'gw.example.org': host names are not looked up, give an IP address such as 127.0.0.1:PORT");
+              "'gw.example.org': host names are not supported here; give an IP address such as 127.0.0.1:PORT");
 }
 
 TEST(LinkText, a_udp_peer_is_a_host_and_a_port) {
     EXPECT_EQ(faults_of({"udp:fc.local:6670,bind=[::]:5"}), "");
     EXPECT_EQ(fault_of("udp:gw.example.org"), "'gw.example.org' has no port: write gw.example.org:PORT");
-    EXPECT_EQ(fault_of("udp:fc.local:0"), "'fc.local:0' has port 0: a fixed peer needs its port, 1 to 65535");
+    EXPECT_EQ(fault_of("udp:fc.local:0"), "'fc.local:0' has port 0: give the port of the peer, 1 to 65535");
     EXPECT_EQ(fault_of("udp:1.2.3.4"), "'1.2.3.4' has no port: write 1.2.3.4:PORT");
     EXPECT_EQ(fault_of("udp:::1"), "'::1' has no port: write [::1]:PORT");
     EXPECT_EQ(fault_of("udp:1.2.3.4:70000"),
               "'address' must be a host name or IP address, and a port, such as 192.168.4.1:8888 or flow.local:8888, not "
               "'1.2.3.4:70000': a port is at most 65535");
-    EXPECT_EQ(fault_of("udp:1.2.3.4:0"), "'1.2.3.4:0' has port 0: a fixed peer needs its port, 1 to 65535");
-    EXPECT_EQ(fault_of("udp:0.0.0.0:5"), "'0.0.0.0:5' is nobody's address; to wait for peers there, use udp-listen:0.0.0.0:5");
-    EXPECT_EQ(fault_of("udp:1.2.3.4:5,bind=[::]:5"), "'bind' [::]:5 and the peer 1.2.3.4:5 are not both IPv4 or both IPv6");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:0"), "'1.2.3.4:0' has port 0: give the port of the peer, 1 to 65535");
+    EXPECT_EQ(fault_of("udp:0.0.0.0:5"),
+              "'0.0.0.0:5' is not the address of a peer; to accept peers there, use udp-listen:0.0.0.0:5");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:5,bind=[::]:5"), "'bind' [::]:5 and the peer 1.2.3.4:5 must both be IPv4 or both IPv6");
 }
 
 TEST(LinkText, a_tcp_peer_is_a_host_and_a_port) {
@@ -385,20 +385,21 @@ TEST(LinkText, a_tcp_peer_is_a_host_and_a_port) {
     EXPECT_EQ(fault_of("tcp:192.168.4.1"), "'192.168.4.1' has no port: write 192.168.4.1:PORT");
     EXPECT_EQ(fault_of("tcp:8888"), "'8888' has no host name or IP address: write HOST:8888");
     EXPECT_EQ(fault_of("tcp:fe80::1"), "'fe80::1' has no port: write [fe80::1]:PORT");
-    EXPECT_EQ(fault_of("tcp:host:0"), "'host:0' has port 0: a peer needs its port, 1 to 65535");
+    EXPECT_EQ(fault_of("tcp:host:0"), "'host:0' has port 0: give the port of the peer, 1 to 65535");
     EXPECT_EQ(fault_of("tcp:0.0.0.0:5"),
-              "'0.0.0.0:5' is nobody's address; to wait for connections there, use tcp-listen:0.0.0.0:5");
+              "'0.0.0.0:5' is not the address of a peer; to accept connections there, use tcp-listen:0.0.0.0:5");
     for (const char* many : {"224.0.0.1:5", "255.255.255.255:5"})
         EXPECT_EQ(fault_of(std::string{"tcp:"} + many),
-                  "'" + std::string{many} + "' stands for many hosts: a TCP connection has one peer; use udp:" + many);
-    EXPECT_EQ(fault_of("tcp:[fe80::1]:5"), "'[fe80::1]:5' is the same on every interface; say which: [fe80::1%eth0]:5");
+                  "'" + std::string{many} +
+                      "' is a multicast or broadcast address: TCP needs the address of one host; use udp:" + many);
+    EXPECT_EQ(fault_of("tcp:[fe80::1]:5"), "'[fe80::1]:5' is a link-local address: add the interface, [fe80::1%eth0]:5");
 }
 
 TEST(LinkText, a_tcp_port_is_no_udp_port_and_no_link_connects_to_its_own_gateway) {
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5", "tcp-listen:0.0.0.0:5"}), "");
     EXPECT_NE(faults_of({"tcp-listen:0.0.0.0:5", "tcp-listen:10.0.0.1:5,name=b"}), "");
     EXPECT_NE(faults_of({"tcp-listen:0.0.0.0:5", "tls-listen:10.0.0.1:5,name=b,verify=none,certificate=/c,key=/k"})
-                  .find("local port 5 is used by"),
+                  .find("local port 5 is already used by"),
               std::string::npos);
     EXPECT_EQ(faults_of({"tcp-listen:0.0.0.0:5,name=port", "tcp:localhost:5,name=loop"}),
               "LINK 'tcp:localhost:5,name=loop': 'localhost:5' is this gateway itself: 'port' (LINK "
@@ -416,8 +417,8 @@ TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
     EXPECT_EQ(faults_of({"udp:[fe80::1%wlan9]:5"}), "") << "it may come yet";
     EXPECT_EQ(faults_of({"udp-listen:[fe80::1%wlan8]:5", "udp-listen:[fe80::1%wlan9]:5"}), "");
     EXPECT_EQ(fault_of("udp:[2001:db8::7%lo]:5"),
-              "'[2001:db8::7%lo]:5': only a link-local address (fe80::...) takes an interface");
-    EXPECT_EQ(fault_of("udp:[fe80::1]:5"), "'[fe80::1]:5' is the same on every interface; say which: [fe80::1%eth0]:5");
+              "'[2001:db8::7%lo]:5': only a link-local address (fe80::...) can have an interface");
+    EXPECT_EQ(fault_of("udp:[fe80::1]:5"), "'[fe80::1]:5' is a link-local address: add the interface, [fe80::1%eth0]:5");
     EXPECT_EQ(faults_of({"udp:[fe80::1%lo]:5", "udp:[fe80::2]:5,bind=[fe80::1%lo]:0"}), "");
 }
 
@@ -429,13 +430,13 @@ TEST(LinkText, an_interface_is_of_udp_and_not_another_than_that_of_an_address) {
         faults_of({"udp:[fe80::1]:5,interface=wg0", "udp:[fe80::1%wg0]:5,interface=wg0", "udp:[fe80::1%3]:5,interface=wg0"}), "");
     for (const char* link : {"udp:[fe80::1%wg1]:5,interface=wg0", "udp:[fe80::2]:5,bind=[fe80::1%wg1]:5,interface=wg0",
                              "udp-listen:[fe80::1%wg1]:5,interface=wg0"})
-        EXPECT_EQ(fault_of(link), "'interface' 'wg0' is not that of [fe80::1%wg1]:5: take one of them away");
+        EXPECT_EQ(fault_of(link), "'interface' 'wg0' contradicts [fe80::1%wg1]:5: remove one of them");
 }
 
 TEST(LinkText, one_port_is_had_by_one_link_of_each_interface) {
     const auto collide = [](const std::string& a, const std::string& b) {
         const std::string faults = faults_of({a.c_str(), b.c_str()});
-        EXPECT_TRUE(faults.empty() || faults.find("local port 5 is used by") != std::string::npos) << faults;
+        EXPECT_TRUE(faults.empty() || faults.find("local port 5 is already used by") != std::string::npos) << faults;
         return !faults.empty();
     };
     for (const char* other : {"udp-listen:0.0.0.0:5", "udp-listen:10.0.0.1:5", "udp:10.0.0.2:6,bind=0.0.0.0:5"}) {
@@ -451,29 +452,29 @@ TEST(LinkText, one_port_is_had_by_one_link_of_each_interface) {
 }
 
 TEST(LinkText, what_is_no_link_says_what_a_link_is) {
-    EXPECT_EQ(fault_of("/dev/ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
-    EXPECT_EQ(fault_of("1.2.3.4:5"), "no kind (did you mean 'udp:1.2.3.4:5' or 'udp-listen:...'?)");
+    EXPECT_EQ(fault_of("/dev/ttyUSB0"), "the kind is missing (did you mean 'serial:/dev/ttyUSB0'?)");
+    EXPECT_EQ(fault_of("1.2.3.4:5"), "the kind is missing (did you mean 'udp:1.2.3.4:5' or 'udp-listen:...'?)");
     EXPECT_EQ(fault_of("help"), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
     EXPECT_EQ(fault_of(""), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
-    EXPECT_EQ(fault_of("sim"), "no address, for example sim:fc");
-    EXPECT_EQ(fault_of("udp-listen,name=x"), "no address, for example udp-listen:0.0.0.0:12333");
+    EXPECT_EQ(fault_of("sim"), "the address is missing, for example sim:fc");
+    EXPECT_EQ(fault_of("udp-listen,name=x"), "the address is missing, for example udp-listen:0.0.0.0:12333");
     EXPECT_EQ(fault_of("serail:/dev/x"),
               "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, tcp, tcp-listen, tls, "
               "tls-listen, can, pty, sim, replay");
     EXPECT_EQ(fault_of("serial:"), "the address is missing, for example serial:/dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:,baud=9"), "the address is missing, for example serial:/dev/ttyUSB0");
-    EXPECT_EQ(fault_of("serial:/dev/\xFF"), "not text in UTF-8");
+    EXPECT_EQ(fault_of("serial:/dev/\xFF"), "not UTF-8 text");
 }
 
 TEST(LinkText, two_links_cannot_be_the_same) {
     EXPECT_EQ(faults_of({"serial:/dev/x", "serial:/dev/x,name=y"}),
-              "LINK 'serial:/dev/x,name=y': 'device' '/dev/x' is used by 'x' (LINK 'serial:/dev/x') already\n");
+              "LINK 'serial:/dev/x,name=y': 'device' '/dev/x' is already used by 'x' (LINK 'serial:/dev/x')\n");
     EXPECT_EQ(faults_of({"pty:/tmp/a", "pty:/tmp/a"}),
-              "LINK 'pty:/tmp/a': 'path' '/tmp/a' is made by 'a' (LINK 'pty:/tmp/a') already\n");
+              "LINK 'pty:/tmp/a': 'path' '/tmp/a' is already created by 'a' (LINK 'pty:/tmp/a')\n");
     EXPECT_EQ(faults_of({"sim:fc,name=a", "sim:fc,name=a"}),
-              "LINK 'sim:fc,name=a': 'name' 'a' is the name of LINK 'sim:fc,name=a' too\n");
+              "LINK 'sim:fc,name=a': 'name' 'a' is already the name of LINK 'sim:fc,name=a'\n");
     EXPECT_EQ(faults_of({"sim:fc,id=3", "pty:/x,id=3"}),
-              "LINK 'pty:/x,id=3': 'id' 3 is the port id of 'fc' (LINK 'sim:fc,id=3') too\n");
+              "LINK 'pty:/x,id=3': 'id' 3 is already the port id of 'fc' (LINK 'sim:fc,id=3')\n");
 }
 
 TEST(LinkText, two_links_cannot_have_the_same_local_port) {
@@ -496,13 +497,13 @@ TEST(LinkText, at_most_64_links) {
     EXPECT_EQ(draft.settings.links.back().name, "fc-64");
     read_link("sim:fc", "", draft);
     validate(draft);
-    EXPECT_EQ(lines(draft.errors), "anogated: LINK 'sim:fc': 65 links, at most 64 are possible\n");
+    EXPECT_EQ(lines(draft.errors), "anogated: LINK 'sim:fc': 65 links; at most 64 are supported\n");
 
     Draft with_tunnel{link_kinds()};
     read_config(R"({"tunnel": {"links": ["fc"]}})", "", with_tunnel);
     for (int i = 0; i < 64; ++i) read_link("sim:fc", "", with_tunnel);
     validate(with_tunnel);
-    EXPECT_EQ(lines(with_tunnel.errors), "anogated: LINK 'sim:fc': 64 links, at most 63 are possible\n");
+    EXPECT_EQ(lines(with_tunnel.errors), "anogated: LINK 'sim:fc': 64 links; at most 63 are supported\n");
 }
 
 TEST(RouteText, with_one_fault_brings_no_other) {
@@ -529,11 +530,11 @@ TEST(LinkText, of_a_recording) {
 }
 
 TEST(LinkText, of_a_recording_has_faults_that_are_told) {
-    const std::string rate = "'rate' must be a number from 0 to 1000 such as 2 or 0.5, in thousandths at the finest, not ";
+    const std::string rate = "'rate' must be a number from 0 to 1000 such as 2 or 0.5, with at most three decimals, not ";
     EXPECT_EQ(fault_of("replay:a,rate=0.0001"), rate + "'0.0001'");
     EXPECT_EQ(fault_of("replay:a,rate=1000.5"), rate + "'1000.5'");
     EXPECT_EQ(fault_of("replay:a,rate=-1"), rate + "'-1'");
-    EXPECT_EQ(fault_of("replay:a,from=2m,to=30s"), "'to' must be later than 'from': nothing is between them");
+    EXPECT_EQ(fault_of("replay:a,from=2m,to=30s"), "'to' must be later than 'from'");
     EXPECT_NE(fault_of("replay:a,broadcast=no").find("'broadcast' is not a key of replay, but of serial"), std::string::npos);
 }
 

@@ -85,15 +85,14 @@ TEST(CommandLine, the_last_of_an_option_counts) { EXPECT_EQ(settings_of({"sim:fc
 
 TEST(CommandLine, two_files_are_a_fault) {
     EXPECT_EQ(error_of({"--config", "/proc/nonexistent", "-c", "/proc/neither"}),
-              "anogated: --config: is given 2 times, and a gateway has one file\n"
+              "anogated: --config: was given 2 times; only one file is allowed\n"
               "anogated: /proc/nonexistent: No such file or directory\n");
 }
 
 TEST(CommandLine, a_control_socket_that_cannot_be_is_a_fault) {
-    EXPECT_EQ(
-        error_of({"sim:fc", "--control", "/proc/nonexistent/c.sock"}),
-        "anogated: --control: /proc/nonexistent/c.sock: there is no folder /proc/nonexistent (give another path by --control, or "
-        "--control none)\n");
+    EXPECT_EQ(error_of({"sim:fc", "--control", "/proc/nonexistent/c.sock"}),
+              "anogated: --control: /proc/nonexistent/c.sock: there is no folder /proc/nonexistent (use --control with another "
+              "path, or --control none)\n");
     const support::TempDir folder;
     const std::string file = folder.write("a.json", R"({"control": {"socket": "/proc/nonexistent/c.sock"}})");
     EXPECT_EQ(error_of({"--check", "--config", file.c_str()})
@@ -108,7 +107,7 @@ TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) 
     const std::string file = folder.write("anogate.json", R"({"links": ["pty:/tmp/app"]})");
     const auto checked = parse({"--check"}, file);
     ASSERT_TRUE(std::holds_alternative<Exit>(checked));
-    EXPECT_NE(std::get<Exit>(checked).text.find("'path' '/tmp/app': the service may not write there"), std::string::npos);
+    EXPECT_NE(std::get<Exit>(checked).text.find("'path' '/tmp/app': the service has no write access there"), std::string::npos);
     EXPECT_EQ(line_of({}, file).settings.links.size(), 1u) << "the other links are not to suffer";
     EXPECT_TRUE(line_of({"--check", "--config", file.c_str()}).check)
         << "not the service's: that has its own in /proc/nonexistent";
@@ -120,16 +119,16 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
     const auto warnings = [](const std::string& link) { return line_of({"--check", link.c_str()}).warnings; };
     EXPECT_EQ(warnings("pty:" + there + "/none/app"), "anogated: LINK 'pty:" + there + "/none/app': warning: 'path' '" + there +
                                                           "/none/app': there is no folder " + there +
-                                                          "/none: it is waited for, not made\n");
+                                                          "/none: anogated waits for it and does not create it\n");
     EXPECT_NE(warnings("pty:" + file + "/app").find(file + " is not a folder"), std::string::npos);
-    EXPECT_NE(warnings("pty:" + file).find("something else is there"), std::string::npos);
+    EXPECT_NE(warnings("pty:" + file).find("another file exists there"), std::string::npos);
     EXPECT_EQ(warnings("pty:" + there + "/app"), "");
     EXPECT_EQ(warnings("pty:/run/anogate/app"), "") << "that one is made";
-    EXPECT_NE(warnings("serial:" + there + ",baud=500000").find("': is a folder: name the port in it"), std::string::npos);
-    EXPECT_NE(warnings("serial:" + file + ",baud=500000").find("': is an ordinary file, no serial port"), std::string::npos);
+    EXPECT_NE(warnings("serial:" + there + ",baud=500000").find("': is a folder; give the path of the port"), std::string::npos);
+    EXPECT_NE(warnings("serial:" + file + ",baud=500000").find("': is a regular file, not a serial port"), std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/null,baud=500000"), "");
     EXPECT_NE(warnings("serial:/dev/serial/by-id/usb-1a86_USB_Serial-if00-port0,baud=500000")
-                  .find("': its adapter has no serial number of its own, so this name leads to another one of its kind"),
+                  .find("': its adapter has no serial number, so after replugging this name may belong to another adapter"),
               std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/nonexistent,baud=500000"), "") << "it is waited for";
     const auto of_log = [&](const std::string& path) {
@@ -138,7 +137,7 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
     };
     EXPECT_NE(of_log(there + "/none/a.log").find("/log/file: warning: 'file' '" + there + "/none/a.log': there is no folder"),
               std::string::npos);
-    EXPECT_NE(of_log(there).find("is a folder: the log goes to standard error"), std::string::npos);
+    EXPECT_NE(of_log(there).find("is a folder: logging to standard error"), std::string::npos);
     EXPECT_EQ(of_log(there + "/a.log"), "");
     EXPECT_EQ(line_of({("pty:" + file).c_str()}).warnings, "") << "the link itself says so when it starts";
 }
@@ -160,7 +159,7 @@ TEST(CommandLine, a_check_warns_of_what_shuts_the_network_door) {
     };
     EXPECT_EQ(warnings(certificate, key, tokens), "");
     EXPECT_FALSE(std::filesystem::exists(folder / "state")) << "nothing is made";
-    const std::string none = folder / "none.pem", shut = "warning: control.http stays shut: ";
+    const std::string none = folder / "none.pem", shut = "warning: control.http stays off: ";
     EXPECT_EQ(warnings(none, key, tokens), "tls: " + shut + none + ": No such file or directory\n");
     EXPECT_EQ(warnings(certificate, none, tokens), "tls: " + shut + none + ": No such file or directory\n");
     EXPECT_EQ(warnings(certificate, folder.path().string(), tokens),
@@ -170,7 +169,7 @@ TEST(CommandLine, a_check_warns_of_what_shuts_the_network_door) {
     const std::string words = folder.write("words", "admin 0123456789abcdef");
     std::filesystem::permissions(words, std::filesystem::perms{0600});
     EXPECT_EQ(warnings(certificate, key, words),
-              "token_file: " + shut + words + ": line 1: a line is 'view TOKEN' or 'control TOKEN'\n");
+              "token_file: " + shut + words + ": line 1: a line must be 'view TOKEN' or 'control TOKEN'\n");
     EXPECT_EQ(warnings(certificate, key, words + "/token"), "token_file: " + shut + words + "/token: Not a directory\n");
     const std::string closed = folder.write("closed.json",
                                             R"({"links": ["sim:fc"], "control": {"token_file": ")" + words + "\"}}");
@@ -202,19 +201,17 @@ TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {
         return line.warnings;
     };
     EXPECT_EQ(said({"sim:fc", "udp-listen:0.0.0.0:5,name=ground", "udp-listen:[::]:6,name=tablet,allow=any"}),
-              "anogated: LINK 'udp-listen:0.0.0.0:5,name=ground': note: 'ground', 'tablet': who is in a network of this computer "
-              "may send "
-              "commands here, and sender addresses can be forged; in a network with strangers, bind one address, name who may in "
-              "'allow', "
-              "and take WireGuard (config/README.md: On a shared Wi-Fi)\n");
+              "anogated: LINK 'udp-listen:0.0.0.0:5,name=ground': note: 'ground', 'tablet': any host on the local networks can "
+              "send commands to this port, and source addresses can be spoofed; on untrusted networks bind a single address, "
+              "restrict 'allow', and use WireGuard (config/README.md: On a shared Wi-Fi)\n");
     for (const char* link :
          {"udp-listen:127.0.0.1:5", "udp-listen:192.168.1.5:5", "udp-listen:0.0.0.0:5,allow=10.77.0.0/24",
           "udp-listen:0.0.0.0:5,interface=wg0", "udp:192.168.1.5:5", "tcp-listen:0.0.0.0:5,allow=10.77.0.0/24"})
         EXPECT_EQ(said({link}), "") << link;
     EXPECT_EQ(line_of({"udp-listen:0.0.0.0:5"}).warnings, "") << "only a check says it";
     EXPECT_EQ(said({"tcp-listen:0.0.0.0:5,name=bridge"}),
-              "anogated: LINK 'tcp-listen:0.0.0.0:5,name=bridge': note: 'bridge': who is in a network of this computer may send "
-              "commands here; in a network with strangers, bind one address, name who may in 'allow', and take tls-listen or "
+              "anogated: LINK 'tcp-listen:0.0.0.0:5,name=bridge': note: 'bridge': any host on the local networks can send "
+              "commands to this port; on untrusted networks bind a single address, restrict 'allow', and use tls-listen or "
               "WireGuard\n");
 }
 
@@ -252,7 +249,7 @@ TEST(CommandLine, the_default_file_is_read_when_neither_file_nor_link_is_named) 
 
 TEST(CommandLine, without_a_default_file_it_says_how_to_go_on) {
     EXPECT_EQ(error_of({}),
-              "anogated: /proc/nonexistent/anogate.json: No such file or directory; write it, or name links, for example: "
+              "anogated: /proc/nonexistent/anogate.json: No such file or directory; create it, or give links, for example: "
               "anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333\n");
 }
 
@@ -260,7 +257,7 @@ TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
     const support::TempDir folder;
     EXPECT_EQ(error_of({"-c", "/proc/nonexistent"}), "anogated: /proc/nonexistent: No such file or directory\n");
     EXPECT_EQ(error_of({"-c", folder.path().c_str()}), "anogated: " + folder.path().string() + ": Is a directory\n");
-    EXPECT_EQ(error_of({"-c", "/dev/zero"}), "anogated: /dev/zero: is no ordinary file, but a pipe, socket or device\n");
+    EXPECT_EQ(error_of({"-c", "/dev/zero"}), "anogated: /dev/zero: is not a regular file but a pipe, socket or device\n");
     const std::string file = folder.write("a.json", "{\n,");
     EXPECT_EQ(error_of({"-c", file.c_str(), "--route", "5=x"}),
               "anogated: " + file +
@@ -282,8 +279,8 @@ TEST(CommandLine, every_fault_is_a_line) {
 
 TEST(CommandLine, routes_and_unknown_name_links) {
     EXPECT_EQ(error_of({"sim:fc", "--route", "5=fd", "--unknown", "app"}),
-              "anogated: --unknown: there is no link 'app'; give flood, drop, or one of fc\n"
-              "anogated: --route '5=fd': there is no link 'fd' (did you mean 'fc'?); give one of fc\n");
+              "anogated: --unknown: there is no link 'app'; use flood, drop, or one of fc\n"
+              "anogated: --route '5=fd': there is no link 'fd' (did you mean 'fc'?); use one of fc\n");
 }
 
 TEST(CommandLine, an_address_without_0x_is_known) {
@@ -298,7 +295,7 @@ TEST(CommandLine, an_address_without_0x_is_known) {
 
 TEST(CommandLine, several_routes_in_one_are_told) {
     EXPECT_EQ(error_of({"sim:fc", "--route", "0xDC=fc,0xDD=fc"}),
-              "anogated: --route '0xDC=fc,0xDD=fc': is one ADDR=LINK; for the next, give --route again\n");
+              "anogated: --route '0xDC=fc,0xDD=fc': must be one ADDR=LINK; repeat --route for more\n");
 }
 
 TEST(CommandLine, an_option_without_its_value_is_a_fault) {
@@ -310,13 +307,13 @@ TEST(CommandLine, an_option_without_its_value_is_a_fault) {
 TEST(CommandLine, an_option_does_not_take_the_next_one_for_its_value) {
     for (const char* option : {"--config", "--log-level", "--route", "--id", "--unknown", "--control"})
         EXPECT_EQ(error_of({"sim:fc", option, "--check"}),
-                  "anogated: " + std::string{option} + ": its value is missing before '--check'\n");
+                  "anogated: " + std::string{option} + ": the value is missing before '--check'\n");
 }
 
 TEST(CommandLine, a_key_of_a_link_is_no_option) {
     EXPECT_EQ(error_of({"sim:fc", "--baud=9600"}),
-              "anogated: unknown option '--baud': it is a key of a LINK, written KIND:ADDRESS,baud=NUMBER\n");
-    EXPECT_EQ(error_of({"sim:fc", "-v"}), "anogated: unknown option '-v'; --help all has them all\n");
+              "anogated: unknown option '--baud': it is a key of a LINK: write KIND:ADDRESS,baud=NUMBER\n");
+    EXPECT_EQ(error_of({"sim:fc", "-v"}), "anogated: unknown option '-v'; --help all lists all options\n");
 }
 
 TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {

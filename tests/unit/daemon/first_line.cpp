@@ -39,14 +39,14 @@ TEST(FirstLine, says_what_to_type_into_a_ground_station) {
               "my.json, 1 link; ground, for ground stations: UDP 192.168.1.20:9 or 10.0.0.2:9 or [2001:db8::5]:9");
     EXPECT_EQ(said({"udp-listen:10.0.0.2:7,name=a", "udp-listen:127.0.0.1:8,name=b"}, own),
               "my.json, 2 links; a, for ground stations: UDP 10.0.0.2:7; b, for ground stations: UDP 127.0.0.1:8 (from this "
-              "machine only)");
+              "computer only)");
 }
 
 TEST(FirstLine, says_so_when_there_is_no_address_yet) {
     EXPECT_EQ(said({"udp-listen:0.0.0.0:12333,name=g"}, networks({"127.0.0.1/8"})),
-              "my.json, 1 link; g, for ground stations: UDP port 12333 of this machine, which has no address in a network yet");
+              "my.json, 1 link; g, for ground stations: UDP port 12333 of this computer, which has no network address yet");
     EXPECT_EQ(said({"udp-listen:0.0.0.0:0,name=g"}),
-              "my.json, 1 link; g, for ground stations: UDP a port that the system chooses, shown in the status");
+              "my.json, 1 link; g, for ground stations: UDP a port chosen by the system (see the status)");
 }
 
 TEST(FirstLine, is_no_page_where_there_are_many_networks) {

@@ -19,7 +19,7 @@ std::string faults(std::string_view json, const std::string& config_file = {}) {
 
 std::string or_elsewhere(std::string_view fault) {
     std::string text{fault};
-    return text.append(" (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)\n");
+    return text.append(" (to allow another folder: systemctl edit anogated, ReadWritePaths=FOLDER)\n");
 }
 
 TEST(Service, writes_to_its_own_folders) {
@@ -32,16 +32,16 @@ TEST(Service, writes_to_its_own_folders) {
 
 TEST(Service, writes_nowhere_else) {
     EXPECT_EQ(faults(R"({"links": ["sim:fc", "pty:/tmp/app"]})"),
-              std::string{"a.json: /links/1: LINK 'pty:/tmp/app': 'path' '/tmp/app': the service may not write there, "
-                          "and nobody else would see its /tmp; /run/anogate/app works\n"});
-    EXPECT_EQ(
-        faults(R"({"links": [{"kind": "pty", "path": "/home/pi/fc"}]})"),
-        or_elsewhere("a.json: /links/0/path: 'path' '/home/pi/fc': the service may not write there; /run/anogate/fc works"));
+              std::string{"a.json: /links/1: LINK 'pty:/tmp/app': 'path' '/tmp/app': the service has no write access there, and "
+                          "its /tmp is private; /run/anogate/app works\n"});
+    EXPECT_EQ(faults(R"({"links": [{"kind": "pty", "path": "/home/pi/fc"}]})"),
+              or_elsewhere(
+                  "a.json: /links/0/path: 'path' '/home/pi/fc': the service has no write access there; /run/anogate/fc works"));
     EXPECT_EQ(faults(R"({"log": {"file": "/var/log/anogate.log"}})"),
-              or_elsewhere("a.json: /log/file: 'file' '/var/log/anogate.log': the service may not write there; "
+              or_elsewhere("a.json: /log/file: 'file' '/var/log/anogate.log': the service has no write access there; "
                            "/var/log/anogate/anogate.log works"));
     EXPECT_EQ(faults(R"({"control": {"socket": "/tmp/c"}})"),
-              "a.json: /control/socket: 'socket' '/tmp/c': the service may not write there, and nobody else would see its /tmp; "
+              "a.json: /control/socket: 'socket' '/tmp/c': the service has no write access there, and its /tmp is private; "
               "/run/anogate/c works\n");
 }
 
@@ -50,14 +50,16 @@ TEST(Service, records_in_its_state_folder) {
     EXPECT_EQ(faults(R"({"record": {"folder": "/var/lib/anogate/flights"}})"), "");
     EXPECT_EQ(
         faults(R"({"record": {"folder": "/mnt/usb"}})"),
-        or_elsewhere("a.json: /record/folder: 'folder' '/mnt/usb': the service may not write there; /var/lib/anogate/usb works"));
+        or_elsewhere(
+            "a.json: /record/folder: 'folder' '/mnt/usb': the service has no write access there; /var/lib/anogate/usb works"));
 }
 
 TEST(Service, makes_tokens_in_its_own_folder_alone) {
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/var/lib/anogate/token"}})"), "");
-    EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/proc/nonexistent"}})"),
-              or_elsewhere("a.json: /control/token_file: 'token_file' '/proc/nonexistent': the service may not write there; "
-                           "/var/lib/anogate/nonexistent works"));
+    EXPECT_EQ(
+        faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/proc/nonexistent"}})"),
+        or_elsewhere("a.json: /control/token_file: 'token_file' '/proc/nonexistent': the service has no write access there; "
+                     "/var/lib/anogate/nonexistent works"));
     EXPECT_EQ(faults(R"({"control": {"token_file": "/proc/nonexistent"}})"), "") << "there is no door";
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/etc/passwd"}})"), "") << "it is only read";
 }
@@ -72,10 +74,9 @@ TEST(Service, of_an_instance_has_a_runtime_folder_of_its_own) {
 
 TEST(Service, has_a_tmp_of_its_own_where_it_sees_no_port) {
     const std::string fault = faults(R"({"links": [{"kind": "serial", "device": "/tmp/sitl"}, "serial:/run/sitl,baud=9600"]})");
-    EXPECT_EQ(
-        fault,
-        "a.json: /links/0/device: 'device' '/tmp/sitl': the service sees nothing in /tmp, it has one of its own; make the port "
-        "in another folder, such as /run (or: systemctl edit anogated, PrivateTmp=no)\n");
+    EXPECT_EQ(fault,
+              "a.json: /links/0/device: 'device' '/tmp/sitl': the service has its own private /tmp; create the port in another "
+              "folder, such as /run (or: systemctl edit anogated, PrivateTmp=no)\n");
     EXPECT_NE(faults(R"({"links": ["serial:/var/tmp/sitl"]})"), "");
 }
 

@@ -50,11 +50,11 @@ TEST(AlarmLimits, of_a_field_that_does_not_exist_are_refused_with_the_nearest_na
         return std::to_string(answer.status) + " " + (answer.status == 200 ? "" : answer.json.at("error").get<std::string>());
     };
     EXPECT_EQ(put("power.voltage"), "200 ");
-    EXPECT_EQ(put("nope.x"), "422 no message has the number 'nope.x'; GET /messages lists the messages and their fields");
+    EXPECT_EQ(put("nope.x"), "422 no message has the numeric field 'nope.x'; GET /messages lists the messages and their fields");
     const std::string meant =
-        "422 no message has the number 'power.voltag' (did you mean 'power.voltage'?); there are power.voltage, ";
+        "422 no message has the numeric field 'power.voltag' (did you mean 'power.voltage'?); there are power.voltage, ";
     EXPECT_EQ(put("power.voltag").substr(0, meant.size()), meant);
-    const std::string listed = "422 no message has the number 'power.x'; there are power.voltage, power.current, ";
+    const std::string listed = "422 no message has the numeric field 'power.x'; there are power.voltage, power.current, ";
     EXPECT_EQ(put("power.x").substr(0, listed.size()), listed);
     EXPECT_NE(put("powr.voltage").find("(did you mean 'power.voltage'?)"), std::string::npos) << put("powr.voltage");
     EXPECT_EQ(put("log.str").substr(0, 3), "422") << "a text";
@@ -76,7 +76,7 @@ TEST(AlarmLimits, flexible_fields_exist_where_a_layout_has_them) {
     };
     EXPECT_EQ(fault("flexible1.percent", 0xDC), "");
     EXPECT_NE(fault("flexible1.percent", 0xDD), "");
-    EXPECT_EQ(fault("flexible1.many", 0xDC), "no message has the number 'flexible1.many'; there are flexible1.percent");
+    EXPECT_EQ(fault("flexible1.many", 0xDC), "no message has the numeric field 'flexible1.many'; there are flexible1.percent");
 }
 
 TEST(AlarmLimits, are_kept_in_a_file_of_the_device) {

@@ -445,7 +445,7 @@ TEST_F(CommandRoutes, called_by_their_bytes_need_types_unless_they_were_read) {
     const std::string call = R"({"cid": [1, 0, 1], "values": [300]})";
     const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/by-cid", call);
     EXPECT_EQ(status, 422u);
-    EXPECT_EQ(error.at("error"), "each value needs a type, as in {\"u16\": 150}: the command is not known");
+    EXPECT_EQ(error.at("error"), "each value needs a type, as in {\"u16\": 150}: the command is unknown");
     EXPECT_TRUE(net.sent.empty());
     net.ask("GET", "/devices/0xDC/commands");
     net.sent.clear();
@@ -517,7 +517,7 @@ TEST_F(OpenTypes, are_refused_until_the_user_states_their_meaning) {
     EXPECT_EQ(listed(), "u64");
     const auto other = call(R"(, "type7": "f32")");
     EXPECT_EQ(other.status, 200u);
-    EXPECT_EQ(other.json.value("note", ""), "value type 7 of this device is f32 from now on, it was kept as u64");
+    EXPECT_EQ(other.json.value("note", ""), "value type 7 of this device is f32 from now on; it was stored as u64");
     EXPECT_EQ(values_sent(), as_f32);
     EXPECT_FALSE(call(R"(, "type7": "f32")").json.contains("note"));
 }
@@ -569,7 +569,7 @@ TEST_F(OpenTypes, mean_what_the_link_states) {
     EXPECT_EQ(values_sent(), as_f32);
     const auto [status, error] = call(R"(, "type7": "u64")");
     EXPECT_EQ(status, 422u);
-    EXPECT_EQ(error.at("error"), "value type 7 is f32 for this link (value_type_7, or profile): change it there");
+    EXPECT_EQ(error.at("error"), "value type 7 is f32 on this link (value_type_7 or profile): change it there");
     EXPECT_EQ(calls(), 1u);
 }
 
@@ -582,8 +582,7 @@ TEST_F(OpenTypes, mean_what_the_device_shows) {
     const std::size_t before = calls();
     const auto [status, error] = call(R"(, "type7": "f32")");
     EXPECT_EQ(status, 422u) << "it is not taken silently";
-    EXPECT_NE(error.at("error").get<std::string>().find("is u64, as its descriptions show, and not f32"), std::string::npos)
-        << error;
+    EXPECT_NE(error.at("error").get<std::string>().find("is u64, as its descriptions show, not f32"), std::string::npos) << error;
     EXPECT_EQ(calls(), before);
 }
 
@@ -687,8 +686,8 @@ TEST_F(CommandRoutes, defaults_are_not_restored_in_the_air) {
     const auto which = net.ask("POST", "/devices/0xDC/actions?force", restore);
     EXPECT_EQ(which.status, 409u);
     EXPECT_EQ(which.json.at("error"),
-              "several devices have the address 0xDC (heard by fc and radio): which of them is meant is not known; when only one "
-              "is left, anoctl routes --forget 0xDC");
+              "several devices have the address 0xDC (heard by fc and radio): it is unclear which one is meant; when only one is "
+              "left, run anoctl routes --forget 0xDC");
     net.where[0xDC] = {.is_known = true, .on_several_channels = true};
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions?force", restore).status, 409u);
 }

@@ -290,12 +290,12 @@ TEST_F(Jobs, of_a_port_and_of_the_device_behind_it_are_of_one_device) {
 }
 
 TEST_F(Jobs, end_at_once_when_the_rules_let_nothing_pass) {
-    net.refuses[0xE1] = "the rules 'control.receive' do not let this pass";
+    net.refuses[0xE1] = "refused by the rules 'control.receive'";
     const ano::TimePoint begin = net.time;
     const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
     EXPECT_EQ(status, 403u);
     EXPECT_EQ(error.at("what"), "refused");
-    EXPECT_EQ(error.at("error"), "the rules 'control.receive' do not let this pass");
+    EXPECT_EQ(error.at("error"), "refused by the rules 'control.receive'");
     EXPECT_LT(net.time - begin, 2s);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u) << "what the rules let pass";
 }
@@ -351,7 +351,7 @@ TEST_F(Jobs, are_not_begun_for_who_is_not_there) {
     const TimePoint begin = net.time;
     const auto [status, absent] = net.ask("GET", "/devices/0xDD/parameters");
     EXPECT_EQ(status, 404u);
-    EXPECT_EQ(absent.at("error"), "0xDD was not heard, and does not answer");
+    EXPECT_EQ(absent.at("error"), "0xDD was not seen and does not answer");
     EXPECT_EQ(net.time - begin, 2s);
     EXPECT_EQ(net.sent, std::vector<Bytes>(4, frame(0xFE, 0xDD, 0xE0, {0, 0, 0}))) << "it was asked whether it is there";
     net.sent.clear();
@@ -464,7 +464,7 @@ TEST_F(Jobs, that_the_gateway_ends_say_what_is_half_done) {
     EXPECT_EQ(lines->next(text), anogate::http::Producer::Next::end) << "its last line is there at once";
     const json last = json::parse(text);
     EXPECT_EQ(last.at("state"), "cancelled");
-    EXPECT_EQ(last.at("error"), "the gateway ends: PAR_0 may have been written");
+    EXPECT_EQ(last.at("error"), "the gateway is stopping: PAR_0 may have been written");
 }
 
 TEST_F(Jobs, that_had_done_their_work_as_the_gateway_ends_are_done) {
@@ -472,7 +472,7 @@ TEST_F(Jobs, that_had_done_their_work_as_the_gateway_ends_are_done) {
     net.service.stop(net.time);
     std::string text;
     lines->next(text);
-    EXPECT_EQ(json::parse(text).at("error"), "the gateway ends: nothing was begun");
+    EXPECT_EQ(json::parse(text).at("error"), "the gateway is stopping: nothing was started");
 }
 
 /// Takes messages, as slowly as a test wants.

@@ -110,7 +110,7 @@ TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) 
     std::string text;
     lines->next(text);
     EXPECT_EQ(json::parse(text).at("state"), "cancelled");
-    EXPECT_EQ(json::parse(text).at("error"), "the gateway ends: cancelled; it is left in its loader, begin again");
+    EXPECT_EQ(json::parse(text).at("error"), "the gateway is stopping: cancelled; it is left in its boot loader; start again");
 
     SimulatedNet again;
     again.add();
@@ -217,7 +217,7 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
     const auto next = net.ask("POST", "/jobs/1/next");
     EXPECT_EQ(next.status, 200u);
     EXPECT_EQ(next.json.at("state"), "running");
-    EXPECT_EQ(next.json.at("message"), "the device is told to forget them");
+    EXPECT_EQ(next.json.at("message"), "clearing the calibration of the device");
     EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 409u) << "it goes on already";
     fall();
     lie(0);
@@ -244,7 +244,7 @@ TEST_F(Calibrates, and_puts_the_old_values_back_when_it_is_cancelled) {
     EXPECT_EQ(fake.parameters[0].value, cleared) << "it has forgotten";
     const json over = net.ask("DELETE", "/jobs/1").json;
     EXPECT_EQ(over.at("state"), "cancelled");
-    EXPECT_EQ(over.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(over.at("error"), "cancelled; the old values are restored");
     EXPECT_EQ(fake.parameters[0].value, before);
     EXPECT_TRUE(net.kept.empty());
 }
@@ -294,9 +294,10 @@ TEST_F(Calibrates, whose_device_dies_is_over_within_five_seconds_and_the_old_val
     const auto died = net.time;
     const json over = until_over(1);
     EXPECT_LE(net.time - died, 5s);
-    EXPECT_EQ(over.at("error"),
-              "0xDC fell silent: nothing came for 4.5 s; the old values could not be written back; they are kept as " +
-                  net.kept.begin()->first + " and are written back when it is heard on the ground");
+    EXPECT_EQ(
+        over.at("error"),
+        "0xDC stopped sending: nothing was received for 4.5 s; the old values could not be written back; they are saved as " +
+            net.kept.begin()->first + " and are written back when it is heard on the ground");
     net.where[0xDC] = {};
     net.pass(10min);
     EXPECT_EQ(net.kept.size(), 1u);
@@ -319,7 +320,7 @@ TEST_F(Calibrates, nothing_when_the_old_values_can_not_be_kept) {
 TEST_F(Calibrates, nothing_when_nobody_says_go_on) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     const json over = until_over(1);
-    EXPECT_EQ(over.at("error"), "nobody said go on within 10 minutes; nothing was changed");
+    EXPECT_EQ(over.at("error"), "not continued within 10 minutes; nothing was changed");
     EXPECT_EQ(over.at("status"), 504);
     EXPECT_TRUE(net.kept.empty());
 }
@@ -333,7 +334,8 @@ TEST_F(Calibrates, and_does_not_write_to_who_took_off_meanwhile) {
     lie(5);
     const json over = until_over(1);
     EXPECT_EQ(over.at("error"),
-              "the new values were not written: 0xDC is unlocked or flies: this is for the ground; the old values are back");
+              "the new values were not written: 0xDC is unlocked or flying: this is only allowed on the ground; the old values "
+              "are restored");
     EXPECT_EQ(fake.parameters[0].value, before);
 }
 
@@ -364,7 +366,7 @@ struct CutOff : Calibrates {
 
 TEST_F(CutOff, its_last_line_says_where_the_old_values_are) {
     EXPECT_EQ(last.at("state"), "cancelled");
-    EXPECT_EQ(last.at("error"), "the gateway ends: the old values are kept as " + net.kept.begin()->first +
+    EXPECT_EQ(last.at("error"), "the gateway is stopping: the old values are saved as " + net.kept.begin()->first +
                                     " and are written back at the next start");
     EXPECT_EQ(net.kept.size(), 1u);
 }
@@ -379,11 +381,10 @@ TEST_F(CutOff, the_old_values_are_written_back_by_the_next_run) {
     ASSERT_EQ(jobs.size(), 1u);
     EXPECT_EQ(jobs[0].at("state"), "done");
     EXPECT_EQ(jobs[0].at("client"), "the gateway");
-    EXPECT_EQ(again.reports,
-              std::vector<std::string>{
-                  "wrote back the old calibration values, because their calibration never ended: accelerometer of fake "
-                  "(0xDC), link 'fc', kept 2026-11-26 12:00:00 UTC; read back and equal, so " +
-                  net.kept.begin()->first + " is removed"});
+    EXPECT_EQ(again.reports, std::vector<std::string>{
+                                 "restored the old calibration values, because the calibration was not finished: accelerometer "
+                                 "of fake (0xDC), link 'fc', saved 2026-11-26 12:00:00 UTC; read back and equal, so " +
+                                 net.kept.begin()->first + " is removed"});
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("kept"));
     again.pass(3min);
     EXPECT_FALSE(again.listens) << "nothing is left to do";
@@ -444,16 +445,16 @@ TEST_F(CutOff, the_old_values_are_written_to_no_other_unit_with_this_address) {
         EXPECT_NE(again.reports[0].find(name), std::string::npos) << again.reports[0];
     };
     again.unit.gateway = "/run/other.sock";
-    left_alone("is left alone: it is of the gateway /run/test.sock");
+    left_alone("is not used: it is of the gateway /run/test.sock");
     again.unit = net.unit;
     again.unit.link = "radio";
-    left_alone("is left alone: it is of the link 'fc'");
+    left_alone("is not used: it is of the link 'fc'");
     again.unit = net.unit;
     again.unit.wire = "serial:/dev/other";
-    left_alone("is left alone: it is of the link 'fc' (serial:/dev/fake)");
+    left_alone("is not used: it is of the link 'fc' (serial:/dev/fake)");
     again.unit = net.unit;
     again.fakes[0]->version = 101;
-    left_alone("is left alone: it is of another device, fake (dev_id ");
+    left_alone("is not used: it is of another device, fake (dev_id ");
     again.fakes[0]->version = fake.version;
     again.pass(2min);
     EXPECT_EQ(value(), before) << "it is the one again";
@@ -471,7 +472,7 @@ TEST_F(CutOff, a_calibration_of_another_unit_with_this_address_keeps_its_own_val
     EXPECT_EQ(again.kept.at(net.kept.begin()->first), net.kept.begin()->second);
     again.ask("POST", job + "/next");
     again.pass(1s);
-    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are restored");
     EXPECT_EQ(value(), Bytes(4)) << "its own ones";
     EXPECT_EQ(again.kept, net.kept) << "the other's stays";
 }
@@ -485,8 +486,7 @@ TEST_F(CutOff, a_note_that_does_not_say_of_which_gateway_it_is_is_left_alone) {
     EXPECT_EQ(value(), Bytes(4));
     EXPECT_EQ(again.kept.size(), 1u);
     EXPECT_EQ(again.reports.at(0),
-              "calibration-0xDC-accelerometer.json is left alone: it is of an older version, and does not say of "
-              "which gateway and link");
+              "calibration-0xDC-accelerometer.json is not used: it is of an older version without the gateway and link");
 }
 
 TEST_F(CutOff, the_note_stays_until_the_device_has_read_as_written) {
@@ -537,7 +537,7 @@ TEST_F(CutOff, a_calibration_before_that_puts_back_what_was_before_the_first) {
     EXPECT_EQ(again.kept, net.kept) << "what the first left in the device is not kept over it";
     again.ask("POST", job + "/next");
     again.pass(1s);
-    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are restored");
     EXPECT_EQ(value(), before);
     EXPECT_TRUE(again.kept.empty());
 }
@@ -557,9 +557,9 @@ TEST_F(CutOff, a_device_with_other_values_by_now_keeps_them) {
     EXPECT_TRUE(std::none_of(again.sent.begin() + static_cast<std::ptrdiff_t>(sent_before), again.sent.end(), writes));
     again.pass(5s);
     ASSERT_EQ(again.reports.size(), 1u);
-    EXPECT_EQ(again.reports[0].find(name + " is not written back: the device has other calibration values than its unfinished "
-                                           "calibration left, so they stay, and the file is removed: accelerometer of fake "
-                                           "(0xDC), link 'fc', kept 2026-11-26 12:00:00 UTC, {\"CAL_AOFF_X\":0.625,"),
+    EXPECT_EQ(again.reports[0].find(name + " is not written back: the calibration values of the device are not those of the "
+                                           "unfinished calibration, so they stay, and the file is removed: accelerometer of fake "
+                                           "(0xDC), link 'fc', saved 2026-11-26 12:00:00 UTC, {\"CAL_AOFF_X\":0.625,"),
               0u)
         << again.reports[0];
     const json device = again.ask("GET", "/devices").json.at("devices")[0];
@@ -583,7 +583,7 @@ TEST_F(CutOff, a_calibration_of_a_device_with_other_values_by_now_keeps_those) {
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("dropped"));
     again.ask("POST", job + "/next");
     again.pass(1s);
-    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are restored");
     EXPECT_EQ(again.fakes[0]->parameters[2].value, own);
     EXPECT_EQ(value(), cleared);
 }
@@ -666,12 +666,10 @@ TEST_F(CutOffOfTwoSensors, are_not_written_where_the_other_sensor_was_never_cali
         ASSERT_EQ(again.kept.size(), 1u);
         const std::string name = again.kept.begin()->first;
         if (!has_cleared) {    // it is said once
-            EXPECT_EQ(
-                again.reports.at(0),
-                name +
-                    " is not written back: nothing tells this unit from others of its type that were never calibrated; if it is "
-                    "the one of which they are: anoctl param import " +
-                    name + ", then anoctl param save; otherwise remove the file");
+            EXPECT_EQ(again.reports.at(0), name +
+                                               " is not written back: this unit can't be distinguished from others of its type "
+                                               "that were never calibrated; if the values belong to it: anoctl param import " +
+                                               name + ", then anoctl param save; otherwise remove the file");
         }
     }
 }
@@ -697,7 +695,7 @@ TEST_F(CutOffOfTwoSensors, are_not_those_to_which_a_calibration_of_such_a_unit_g
     EXPECT_NE(again.reports[0].find("\"CAL_AOFF_X\":0.625"), std::string::npos) << again.reports[0];
     again.ask("POST", job + "/next");
     again.pass(1s);
-    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are restored");
     EXPECT_EQ(value(), Bytes(4));
 }
 
@@ -711,8 +709,10 @@ TEST_F(Calibrates, whose_device_is_told_from_no_other_says_how_to_write_its_valu
     const std::string name = net.kept.begin()->first;
     EXPECT_EQ(
         over.at("error"),
-        "0xDC fell silent: nothing came for 4.5 s; the old values could not be written back; they are kept as " + name +
-            "; nothing tells this unit from others of its type that were never calibrated, so write them back by hand: anoctl "
+        "0xDC stopped sending: nothing was received for 4.5 s; the old values could not be written back; they are saved as " +
+            name +
+            "; this unit can't be distinguished from others of its type that were never calibrated, so write them back by hand: "
+            "anoctl "
             "param import " +
             name + ", then anoctl param save");
     fake.deaf = false;
@@ -754,7 +754,7 @@ TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {
     net.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));
     const auto [status, error] = net.ask("POST", "/jobs/1/next");
     EXPECT_EQ(status, 409u);
-    EXPECT_EQ(error.at("error"), "0xDC is unlocked or flies: this is for the ground");
+    EXPECT_EQ(error.at("error"), "0xDC is unlocked or flying: this is only allowed on the ground");
     EXPECT_EQ(state(), "waiting");
     EXPECT_EQ(fake.parameters[0].value, before);
     net.passes(frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0}));
@@ -794,8 +794,8 @@ TEST(Notes, that_are_damaged_say_what_it_means_and_are_not_used) {
         for (const std::string& text : {std::string{}, std::string{"{"}, std::string{"{}"}, std::string{"[]"}, whole + "x",
                                         std::string(200, '['), std::string{R"({"device": {"address": "0xDD"}})"},
                                         std::string{R"({"device": {"address": "0xDC", "address": "0xDC"}})"}})
-            EXPECT_TRUE(
-                anogate::damage_of_note(name, text).starts_with("is damaged and ignored: the device 0xDC may be in its loader"))
+            EXPECT_TRUE(anogate::damage_of_note(name, text)
+                            .starts_with("is damaged and ignored: the device 0xDC may be in its boot loader"))
                 << text;
     }
     EXPECT_EQ(anogate::damage_of_note("type7-0xDC.json", whole), "");

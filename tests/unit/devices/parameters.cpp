@@ -48,7 +48,7 @@ TEST_F(ParameterRoutes, one_of_a_device_that_has_fewer_meanwhile_is_told_as_gone
     };
     const auto [status, answer] = net.ask("GET", "/devices/0xDC/parameters/I16");
     EXPECT_EQ(status, 404u);
-    EXPECT_EQ(answer.at("error"), "no parameter is called 'I16'");
+    EXPECT_EQ(answer.at("error"), "unknown parameter 'I16'");
 }
 
 TEST_F(ParameterRoutes, without_values_only_descriptions_are_read) {
@@ -72,7 +72,7 @@ TEST_F(ParameterRoutes, what_did_not_come_is_told_as_missing) {
     };
     const auto [status, all] = net.ask("GET", "/devices/0xDC/parameters");
     EXPECT_EQ(status, 200u);
-    EXPECT_EQ(all.at("incomplete"), "parameter 3 did not come whole");
+    EXPECT_EQ(all.at("incomplete"), "parameter 3 was not received completely");
     EXPECT_EQ(all.at("parameters")[3], json::parse(R"({"id": 3, "name": "BIG", "type": "u64", "missing": true})"));
 }
 
@@ -96,7 +96,7 @@ TEST_F(ParameterRoutes, one_is_read_by_name_or_number) {
 TEST_F(ParameterRoutes, a_name_that_several_have_is_ambiguous_and_their_numbers_are_told) {
     fake.parameters.push_back({0, "U8", "another", {9}});
     const json wrong = json::parse(
-        R"({"error": "several parameters are called 'U8': say which by its number, 0, 5", "what": "ambiguous"})");
+        R"({"error": "several parameters have the name 'U8': use the number, 0, 5", "what": "ambiguous"})");
     for (const auto& [status, told] :
          {net.ask("GET", "/devices/0xDC/parameters/U8"), net.ask("PUT", "/devices/0xDC/parameters/U8", R"({"value": 1})"),
           net.ask("POST", "/devices/0xDC/apply", R"({"U8": 1})")}) {
@@ -117,7 +117,7 @@ TEST_F(ParameterRoutes, of_thousands_of_names_that_it_lacks_the_first_are_told_a
         const auto told = net.ask("POST", "/devices/0xDC/apply", json{{flag, true}, {"parameters", values}}.dump());
         EXPECT_EQ(told.status, 422u);
         const std::string error = told.json.at("error");
-        EXPECT_TRUE(error.starts_with("nothing was written: no parameters are called 'k")) << error;
+        EXPECT_TRUE(error.starts_with("nothing was written: unknown parameters  'k")) << error;
         EXPECT_TRUE(error.ends_with(" and 4995 more")) << error;
         EXPECT_LT(told.json.dump().size(), 1000u);
     }

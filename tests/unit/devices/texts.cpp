@@ -100,7 +100,7 @@ TEST_F(TextRoutes, names_find_parameters_commands_and_devices) {
     EXPECT_EQ(called.json.at("name"), "起飞");
     EXPECT_EQ(fake.heard.back()[3], 0xC0);
     EXPECT_EQ(net.ask("GET", "/devices/%E9%A3%9E%E6%8E%A7/parameters/ASCII").status, 200u);
-    EXPECT_EQ(net.ask("GET", path("parameters", "俯仰P")).json.at("error"), "no parameter is called '俯仰P'");
+    EXPECT_EQ(net.ask("GET", path("parameters", "俯仰P")).json.at("error"), "unknown parameter '俯仰P'");
     fake.parameters[0].store = [](const Bytes&) { return Bytes{3}; };
     EXPECT_EQ(net.ask("PUT", path("parameters", "横滚P"), R"({"value": 9})").json.at("error"), "0xDC keeps 横滚P at 3");
 }

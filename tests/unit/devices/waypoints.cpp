@@ -89,7 +89,7 @@ TEST_F(WaypointRoutes, are_refused_with_what_is_wrong_and_where) {
     EXPECT_EQ(plain(R"({"waypoints": [{"lng": 1, "lat": 2}]})"),
               "waypoint 0 (counted from 0): 'alt' is missing, its height in cm");
     EXPECT_EQ(plain(R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 1, "num": 1}, {"lng": 1, "lat": 2, "alt": 1}]})"),
-              "waypoint 1 (counted from 0): there is another with the number 1");
+              "waypoint 1 (counted from 0): duplicate number 1");
     EXPECT_EQ(plain(R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 1, "spd": 70000}]})"),
               "waypoint 0 (counted from 0): 'spd' is out of range, 0 to 65535");
     std::string many = R"({"lng": 1, "lat": 2, "alt": 1})";
@@ -100,7 +100,7 @@ TEST_F(WaypointRoutes, are_refused_with_what_is_wrong_and_where) {
     const std::string point = R"({"features": [{"geometry": {"type": "Point", "coordinates": [1, 2)";
     EXPECT_EQ(
         map((point + "]}}]}").c_str()),
-        "feature 0 (counted from 0) has no height: metres as the third of 'coordinates', or 'alt' in cm among its properties");
+        "feature 0 (counted from 0) has no height: add metres as the third of 'coordinates', or 'alt' in cm to its properties");
     EXPECT_EQ(map((point + R"(]}, "properties": {"alt": 5, "name": "x", "marker-color": "#f00"}}]})").c_str()),
               "nothing is wrong");
     EXPECT_EQ(map((point + R"(, 3]}, "properties": {"speed": 5}}]})").c_str()),
@@ -111,11 +111,11 @@ TEST_F(WaypointRoutes, are_refused_with_what_is_wrong_and_where) {
                                             .c_str());
     };
     EXPECT_EQ(plan("22"),
-              "item 0 (counted from 0) is a takeoff (22), and waypoints (16) and changes of speed (178) are all that "
-              "devices have: delete it from the plan, and tell the device by a command of its own");
+              "item 0 (counted from 0) is a takeoff (22), but devices support only waypoints (16) and speed changes (178): "
+              "delete it from the plan, and use a device command instead");
     EXPECT_EQ(plan("99"),
-              "item 0 (counted from 0) is something else, and waypoints (16) and changes of speed (178) are all that "
-              "devices have: delete it from the plan");
+              "item 0 (counted from 0) is something else, but devices support only waypoints (16) and speed changes (178): "
+              "delete it from the plan");
 }
 
 TEST_F(WaypointRoutes, a_scan_asks_everybody_three_times) {

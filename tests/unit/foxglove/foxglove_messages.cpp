@@ -38,29 +38,28 @@ TEST(FoxgloveMessages, what_a_client_says_is_read) {
 
 TEST(FoxgloveMessages, what_is_no_message_is_said_in_words) {
     for (const std::string text : {"", "{", "\xff", "[1,2"})
-        EXPECT_TRUE(wrong(text).starts_with("the message is no JSON: ")) << text;
+        EXPECT_TRUE(wrong(text).starts_with("the message is not JSON: ")) << text;
     EXPECT_TRUE(wrong(std::string(65000, '[')).ends_with("nested deeper than 32 levels"));
     for (const std::string text : {"[]", "3", "{}", R"({"op":3})", "null"})
-        EXPECT_EQ(wrong(text), "a message is an object with an 'op'") << text;
-    EXPECT_EQ(wrong(R"({"op":"fly"})"), "there is no 'op' 'fly' here");
+        EXPECT_EQ(wrong(text), "a message must be an object with 'op'") << text;
+    EXPECT_EQ(wrong(R"({"op":"fly"})"), "unknown 'op' 'fly'");
     EXPECT_LT(wrong(R"({"op":")" + std::string(60000, 'x') + R"("})").size(), 400u);
     EXPECT_EQ(wrong(R"({"op":"subscribe"})"), "'subscribe' needs a list 'subscriptions'");
-    const std::string bad = "a subscription has 'id' and 'channelId', whole numbers of at most 32 bits";
+    const std::string bad = "a subscription needs 'id' and 'channelId', integers of at most 32 bits";
     for (const std::string one : {"3", "{}", R"({"id":1})", R"({"id":-1,"channelId":1})", R"({"id":1.5,"channelId":1})",
                                   R"({"id":4294967296,"channelId":1})", R"({"id":"1","channelId":1})"})
         EXPECT_EQ(wrong(R"({"op":"subscribe","subscriptions":[)" + one + "]}"), bad) << one;
-    EXPECT_EQ(wrong(R"({"op":"unsubscribe","subscriptionIds":[null]})"),
-              "'subscriptionIds' are whole numbers of at most 32 bits");
-    EXPECT_EQ(wrong(R"({"op":"getParameters","parameterNames":[1]})"), "'parameterNames' is a list of texts");
-    EXPECT_EQ(wrong(R"({"op":"getParameters","id":7})"), "the 'id' of a question is a text of at most 256 bytes");
+    EXPECT_EQ(wrong(R"({"op":"unsubscribe","subscriptionIds":[null]})"), "'subscriptionIds' must be integers of at most 32 bits");
+    EXPECT_EQ(wrong(R"({"op":"getParameters","parameterNames":[1]})"), "'parameterNames' must be a list of texts");
+    EXPECT_EQ(wrong(R"({"op":"getParameters","id":7})"), "the 'id' of a request must be text of at most 256 bytes");
     EXPECT_EQ(wrong(R"({"op":"getParameters","id":")" + std::string(257, 'x') + R"("})"),
-              "the 'id' of a question is a text of at most 256 bytes");
+              "the 'id' of a request must be text of at most 256 bytes");
 }
 
 TEST(FoxgloveMessages, nothing_is_written) {
     for (const std::string op : {"setParameters", "advertise", "unadvertise"})
         EXPECT_EQ(wrong(R"({"op":")" + op + R"(","parameters":[{"name":"fc/220/A","value":1}]})"),
-                  "'" + op + "' is refused: this interface shows, and writes nothing");
+                  "'" + op + "' is not supported: this interface is read-only");
     const json info = json::parse(server_info({"anogate", "17"}));
     EXPECT_EQ(info.at("op"), "serverInfo");
     EXPECT_EQ(info.at("capabilities"), (json{"parameters", "parametersSubscribe"}));

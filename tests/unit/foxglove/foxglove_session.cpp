@@ -193,7 +193,8 @@ TEST_F(FoxgloveSessionTest, channels_of_a_link_that_is_gone_are_taken_back_and_c
     session.show(recorded(wind, "ground"));
     EXPECT_EQ(all().data.size(), 1u);
     subscribe(3, of_fc);
-    EXPECT_EQ(statuses(), (std::vector<std::string>{"channel " + std::to_string(of_fc) + " is gone, with its link"}));
+    EXPECT_EQ(statuses(),
+              (std::vector<std::string>{"channel " + std::to_string(of_fc) + " no longer exists because its link was removed"}));
     session.hear(R"({"op":"unsubscribe","subscriptionIds":[1]})");
     EXPECT_TRUE(statuses().empty()) << "he may end what he began";
 
@@ -300,11 +301,10 @@ TEST_F(FoxgloveSessionTest, subscriptions_that_can_not_be_are_errors_and_change_
     subscribe(9, 4000000000);
     subscribe(9, 0);
     session.hear(R"({"op":"unsubscribe","subscriptionIds":[8]})");
-    EXPECT_EQ(statuses(),
-              (std::vector<std::string>{"the subscription 7 is there already: take another id",
-                                        "channel " + std::to_string(one) + " is subscribed already, by 7",
-                                        "there is no channel 4000000000: it was not advertised",
-                                        "there is no channel 0: it was not advertised", "there is no subscription 8"}));
+    EXPECT_EQ(statuses(), (std::vector<std::string>{"the subscription id 7 is already in use",
+                                                    "channel " + std::to_string(one) + " is already subscribed with id 7",
+                                                    "there is no channel 4000000000: it was not advertised",
+                                                    "unknown channel 0: it was not advertised", "unknown subscription 8"}));
     session.show(recorded(wind));
     EXPECT_TRUE(all().data.empty());
     session.show(recorded(euler));
@@ -318,7 +318,7 @@ TEST_F(FoxgloveSessionTest, a_thousand_faults_are_told_by_some_and_a_number) {
     session.hear(json{{"op", "subscribe"}, {"subscriptions", many}}.dump());
     const auto words = statuses();
     ASSERT_EQ(words.size(), FoxgloveSession::max_statuses + 1);
-    EXPECT_EQ(words.back(), std::to_string(1000 - FoxgloveSession::max_statuses) + " more faults are not told one by one");
+    EXPECT_EQ(words.back(), std::to_string(1000 - FoxgloveSession::max_statuses) + " more errors are not reported individually");
 }
 
 TEST_F(FoxgloveSessionTest, what_was_not_shown_is_told_by_message) {
@@ -333,7 +333,7 @@ TEST_F(FoxgloveSessionTest, what_was_not_shown_is_told_by_message) {
     ASSERT_EQ(texts.size(), 1u);
     EXPECT_EQ(texts[0].at("level"), 1);
     EXPECT_EQ(texts[0].at("message"),
-              "123 frames of the last 500 ms are not shown, for this client takes too little: euler 120, wind 3");
+              "123 frames of the last 500 ms were dropped: the client reads too slowly: euler 120, wind 3");
 }
 
 TEST_F(FoxgloveSessionTest, bytes_and_nonsense_are_answered_by_errors) {

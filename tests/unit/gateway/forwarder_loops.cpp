@@ -70,7 +70,7 @@ TEST_F(Loops, without_one_nothing_is_dropped_or_delayed_however_often_it_is_repe
     EXPECT_EQ(reached[command(1)], frames + (frames + 6) / 7);
     EXPECT_EQ(reached[state(fc, 1)], 2 * frames);
     EXPECT_EQ(looped(), 0u);
-    EXPECT_FALSE(forwarder.due()) << "nothing waits";
+    EXPECT_FALSE(forwarder.due()) << "no configuration is waiting";
 }
 
 class LoopsOf : public Loops, public testing::WithParamInterface<Duration> {};

@@ -26,7 +26,7 @@ TEST(Hint, what_was_stale_when_it_came_makes_no_link_slow) {
     link.sent.stale = link.came_stale = 50;
     EXPECT_EQ(hint(link), "");
     link.sent.stale += 11;
-    EXPECT_EQ(hint(link), "frames are dropped: the link is slower than what is sent to it");
+    EXPECT_EQ(hint(link), "frames are dropped: more is sent to this link than it can carry");
 }
 
 TEST(Hint, frames_that_are_too_long_are_named_among_good_ones) {
@@ -46,9 +46,9 @@ TEST(Hint, a_link_too_slow_for_what_is_sent_is_named_whatever_the_cause_of_the_d
         link.sent.*cause = 10;
         EXPECT_EQ(hint(link), "") << "one in ten is no news";
         link.sent.*cause = 11;
-        EXPECT_EQ(hint(link), "frames are dropped: the link is slower than what is sent to it");
+        EXPECT_EQ(hint(link), "frames are dropped: more is sent to this link than it can carry");
         link.sent.frames_out = 0;
-        EXPECT_EQ(hint(link), "frames are dropped: the link is slower than what is sent to it");
+        EXPECT_EQ(hint(link), "frames are dropped: more is sent to this link than it can carry");
     }
 }
 
@@ -56,7 +56,8 @@ TEST(Hint, devices_that_act_for_others_or_have_no_address_are_named) {
     LinkFigures link = line_that_sent(100);
     link.nobody = std::uint8_t{0};
     EXPECT_EQ(hint(link),
-              "a device sends from 0x00, which is no address, and receives only broadcasts: set its id, or give it an `alias`");
+              "a device sends from 0x00, which is not a device address, and receives only broadcasts: set its id, or configure "
+              "an `alias`");
     link.not_sent = std::uint8_t{0x44};
     EXPECT_EQ(find_hint(link).id, "unknown_device");
     EXPECT_EQ(find_hint(link).text, unknown_device(0x44).text);
@@ -88,9 +89,9 @@ TEST(Hint, damage_and_frames_of_the_previous_version_are_named_when_they_are_mor
     link.v7_frames = 100;
     EXPECT_EQ(hint(link), "");
     ++link.received.expired;
-    EXPECT_EQ(hint(link), "many damaged frames: check cable, ground and baud rate");
+    EXPECT_EQ(hint(link), "many corrupted frames: check cable, ground and baud rate");
     ++link.v7_frames;
-    EXPECT_EQ(hint(link), "older V7 frames (0xAA) seen: switch the device to protocol V8");
+    EXPECT_EQ(hint(link), "older V7 frames (0xAA) received: switch the device to protocol V8");
 }
 
 TEST(Hint, what_filters_and_limits_keep_back_is_meant_so) {
@@ -103,21 +104,19 @@ TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
     LinkFigures link = line_that_sent(1000);
     link.received.bad_check = 500;
     link.shared = SharedSource::one_device;
-    EXPECT_EQ(hint(link),
-              "the same frames by two links: one device? give the links one `group`; two devices? give one of them another id")
+    EXPECT_EQ(
+        hint(link),
+        "the same frames arrive on two links: if it is one device, put both links in one `group`; if two, change the id of one")
         << "it matters more than damage";
     link.shared = SharedSource::two_peers;
     EXPECT_EQ(hint(link),
-              "two peers speak as one device: `conflicts` in the status says who; two devices? give one of them another id");
+              "two peers send as the same device: see `conflicts` in the status; if these are two devices, change the id of one");
     link.shared = SharedSource::two_devices;
-    EXPECT_EQ(hint(link),
-              "different frames of one id by two links: two devices? give one of them "
-              "another id");
+    EXPECT_EQ(hint(link), "different frames with one id arrive on two links: if these are two devices, change the id of one");
     link.shared = SharedSource::claims_pinned;
     EXPECT_EQ(hint(link),
-              "a pinned address is claimed by another link: frames from there are not taken for its own; one device? give the "
-              "links one "
-              "`group`; two devices? give the other one another id");
+              "frames from a pinned address arrive on another link: its route does not change; if it is one device, put both "
+              "links in one `group`; if two, change the id of the other one");
 }
 
 // What is said at the links of one conflict, which share its meaning and ring, whatever else each of them has.
@@ -157,15 +156,14 @@ TEST(Hint, of_a_source_on_two_links_names_its_address) {
     link.shared = SharedSource::two_devices;
     link.shared_address = 0xDC;
     EXPECT_EQ(hint(link),
-              "different frames of one id by two links: two devices? give one of them "
-              "another id (0xDC)");
+              "different frames with one id arrive on two links: if these are two devices, change the id of one (0xDC)");
     EXPECT_EQ(find_hint(link).args.at(0), (std::pair<std::string_view, Hint::Value>{"device", std::string{"0xDC"}}));
 }
 
 TEST(Hint, a_device_behind_the_wrong_port_id_is_named) {
     LinkFigures link = line_that_sent(1000);
     link.hidden = 5;
-    EXPECT_EQ(hint(link), "device 0x05 can't be reached: its address is the port id of a link, change one of them");
+    EXPECT_EQ(hint(link), "device 0x05 can't be reached: its address is also the port id of a link; change one of them");
 }
 
 TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {
@@ -173,9 +171,9 @@ TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {
     link.untaken_for = std::chrono::milliseconds{2999};
     EXPECT_EQ(hint(link), "");
     link.untaken_for = std::chrono::seconds{3};
-    EXPECT_EQ(
-        hint(link),
-        "no host takes what comes here (anoctl needs none): it must send something first, or say where it is: --route 0xFE=LINK");
+    EXPECT_EQ(hint(link),
+              "no ground station is registered for this telemetry yet (anoctl and the page see it anyway); have it send a frame, "
+              "or add --route 0xFE=LINK");
 }
 
 TEST(Hint, the_dead_link_where_hosts_were_heard_is_named) {
@@ -184,8 +182,7 @@ TEST(Hint, the_dead_link_where_hosts_were_heard_is_named) {
     EXPECT_EQ(hint(link), "") << "it has a taker";
     link.untaken_for = std::chrono::seconds{3};
     const Hint found = find_hint(link);
-    EXPECT_EQ(found.text,
-              "hosts were last heard on radio, which is down: mend it, or say where else they are: --route 0xFE=LINK");
+    EXPECT_EQ(found.text, "ground stations were last seen on radio, which is down: restore that link, or add --route 0xFE=LINK");
     EXPECT_EQ(found.id, "hosts_link_down");
     ASSERT_EQ(found.args.size(), 1u);
     EXPECT_EQ(found.args[0], (std::pair<std::string_view, Hint::Value>{"link", "radio"}));
@@ -195,9 +192,9 @@ TEST(Hint, a_ring_is_told_by_its_links) {
     LinkFigures link = line_that_sent(100);
     link.ring_out = "ground";
     link.ring_back = "radio";
-    EXPECT_EQ(hint(link), "a ring: what goes out by ground comes back by radio");
+    EXPECT_EQ(hint(link), "loop: frames sent to ground come back from radio");
     link.ring_out = "radio";
-    EXPECT_EQ(hint(link), "a ring: what goes out comes back by radio");
+    EXPECT_EQ(hint(link), "loop: frames sent to radio come back");
     link.up = false;
     EXPECT_EQ(hint(link), "");
 }
@@ -207,14 +204,14 @@ TEST(Hint, a_recording_at_its_end_is_not_silent_but_over) {
     link.silent_for = std::chrono::seconds{12};
     link.is_over = true;
     EXPECT_EQ(find_hint(link).id, "recording_ended");
-    EXPECT_EQ(hint_of_trouble(link), "the recording is at its end") << "it is written to the log";
+    EXPECT_EQ(hint_of_trouble(link), "the recording has ended") << "it is written to the log";
     link.no_place = 1;
     EXPECT_EQ(find_hint(link).id, "no_place");
 }
 
 TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
     using namespace std::chrono_literals;
-    const std::string advice = " (some speak only when spoken to: try hello=on)";
+    const std::string advice = " (some devices send only after they receive a frame: try hello=on)";
     const auto ends_with_it = [&](const LinkFigures& link) { return hint(link).ends_with(advice); };
     for (const char* kind : {"serial", "udp", "can"}) {
         LinkFigures link{};
@@ -252,16 +249,16 @@ TEST(Hint, bytes_without_frames_after_good_ones_are_no_silence) {
     link.silent_for = 12s;
     link.bytes_ago = 20ms;
     link.skipped_since = 64;
-    EXPECT_EQ(hint(link), "bytes but no frames for 12 s: was the baud rate changed, or the firmware?");
-    EXPECT_EQ(hint_of_trouble(link), "bytes but no frames any more: was the baud rate changed, or the firmware?")
+    EXPECT_EQ(hint(link), "data but no valid frames for 12 s: check baud rate and firmware");
+    EXPECT_EQ(hint_of_trouble(link), "data but no valid frames any more: check baud rate and firmware")
         << "told once, so without the time";
     link.words = anogate::find_link_kind("udp")->hints;
-    EXPECT_EQ(hint(link), "bytes but no frames for 12 s: is the sender still speaking V8?");
+    EXPECT_EQ(hint(link), "data but no valid frames for 12 s: does the sender still use ANO V8?");
     link.silent_for = 2s;
     EXPECT_EQ(hint(link), "") << "a noisy moment";
     link.silent_for.reset();
     link.up_for = 12s;
-    EXPECT_EQ(hint(link), "bytes but no frames for 12 s: is the sender still speaking V8?")
+    EXPECT_EQ(hint(link), "data but no valid frames for 12 s: does the sender still use ANO V8?")
         << "there were some before it was plugged again";
 }
 

@@ -411,7 +411,7 @@ TEST(Outbox, newer_replaces_older_only_while_congested) {
     outbox.sent(outbox.waiting_bytes());
     EXPECT_FALSE(outbox.congested()) << "until nothing waits";
     outbox.set_congested();
-    EXPECT_FALSE(outbox.congested()) << "nothing waits";
+    EXPECT_FALSE(outbox.congested()) << "no configuration is waiting";
     expect_balanced(outbox);
 }
 

@@ -69,7 +69,7 @@ TEST_F(Tardy, an_upgrade_that_is_given_up_leaves_the_device_in_its_loader) {
     const Duration took = simulation.run(upgrade, 24h);
     ASSERT_TRUE(upgrade.end());
     EXPECT_EQ(upgrade.end()->ending, Ending::timeout);
-    EXPECT_EQ(upgrade.end()->what, "0xDC answers too slowly: given up after 6600 s; it is left in its loader, begin again");
+    EXPECT_EQ(upgrade.end()->what, "0xDC answers too slowly: given up after 6600 s; it is left in its boot loader; start again");
     EXPECT_LE(took, upgrade.max_duration() + 1min);
 }
 

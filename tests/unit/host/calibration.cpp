@@ -214,7 +214,7 @@ TEST_F(Calibrates, a_compass_again_when_its_samples_were_corrected_already) {
     }
     simulation.run(task);
     EXPECT_EQ(task.step(), Calibration::Step::turn);
-    EXPECT_EQ(task.last_restart(), "its samples were corrected already");
+    EXPECT_EQ(task.last_restart(), "its samples were already corrected");
     EXPECT_FALSE(task.residuals());
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x30}));
 }
@@ -343,7 +343,7 @@ TEST_F(Calibrates, and_writes_no_values_that_could_not_be_kept) {
     simulation.run(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->what,
-              "the new values were not written, because they could not be kept: the disk is full; the old values are back");
+              "the new values were not written, because they could not be saved: the disk is full; the old values are restored");
     EXPECT_EQ(stored(), old);
 }
 
@@ -355,7 +355,7 @@ TEST_F(Calibrates, a_rejected_one_writes_the_old_values_back) {
     simulation.run(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::failed);
-    EXPECT_NE(task.end()->what.find("; the old values are back"), std::string::npos) << task.end()->what;
+    EXPECT_NE(task.end()->what.find("; the old values are restored"), std::string::npos) << task.end()->what;
     EXPECT_EQ(stored(), old);
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x20, 0x21}));
 }
@@ -388,7 +388,7 @@ TEST_F(Calibrates, old_values_that_are_no_numbers_are_put_back_bit_by_bit) {
     task.cancel(simulation.now);
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->what, "cancelled; the old values are back");
+    EXPECT_EQ(task.end()->what, "cancelled; the old values are restored");
     EXPECT_TRUE(task.has_old_values());
     EXPECT_EQ(stored(), old);
 }
@@ -411,7 +411,7 @@ TEST_F(Calibrates, a_device_that_clamps_the_new_values_has_its_old_ones_back) {
     turn(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::refused);
-    EXPECT_EQ(task.end()->what, "CAL_AOFF_X is 20: the device clamped it; the old values are back");
+    EXPECT_EQ(task.end()->what, "CAL_AOFF_X is 20: the device limited it; the old values are restored");
     EXPECT_EQ(stored(), old);
 }
 
@@ -423,7 +423,7 @@ TEST_F(Calibrates, a_device_that_does_not_keep_the_new_values_has_its_old_ones_b
     turn(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::refused);
-    EXPECT_EQ(task.end()->what, "0xDC does not keep CAL_AOFF_Y; the old values are back");
+    EXPECT_EQ(task.end()->what, "0xDC does not keep CAL_AOFF_Y; the old values are restored");
     EXPECT_EQ(stored(), old);
 }
 

@@ -61,7 +61,8 @@ TEST(CalibrationRestarts, an_older_device_with_a_coarse_scale_keeps_its_old_valu
     const auto old = bench.flash;
     bench.run();
     ASSERT_TRUE(bench.task.end());
-    EXPECT_EQ(bench.task.end()->what, "rejected: the device can store the new values too coarsely only; the old values are back");
+    EXPECT_EQ(bench.task.end()->what,
+              "rejected: the device can't store the new values precisely enough; the old values are restored");
     EXPECT_GT(bench.task.residuals()->second, 5);
     EXPECT_LT(bench.task.residuals()->second, SixFaces::max_residual) << "it may be below that";
     EXPECT_EQ(bench.flash, old);
@@ -188,7 +189,7 @@ TEST(CalibrationRestarts, one_that_only_the_samples_show_is_found_in_the_fit) {
     };
     is_calibrated(bench);
     EXPECT_EQ(bench.task.restarts(), 1u);
-    EXPECT_EQ(bench.task.last_restart(), "its samples were corrected already");
+    EXPECT_EQ(bench.task.last_restart(), "its samples were already corrected");
     EXPECT_EQ(clears(bench), 2);
 }
 
@@ -257,7 +258,7 @@ TEST(CalibrationRestarts, again_and_again_ends_it) {
     bench.run();
     ASSERT_TRUE(bench.task.end());
     EXPECT_EQ(bench.task.end()->ending, Ending::failed);
-    EXPECT_EQ(bench.task.end()->what, "0xDC restarted 6 times (no samples for 0.6 s); the old values are back");
+    EXPECT_EQ(bench.task.end()->what, "0xDC restarted 6 times (no samples for 0.6 s); the old values are restored");
 }
 
 // It erases flash, for instance. Whether it restarted can't be seen.
@@ -275,10 +276,9 @@ TEST(CalibrationRestarts, silence_after_each_clear_is_named_and_ends_it) {
         const TimePoint begin = bench.now;
         bench.run();
         ASSERT_TRUE(bench.task.end());
-        EXPECT_EQ(
-            bench.task.end()->what,
-            std::string{"0xDC was silent for "} + words +
-                " after each of 3 clears, which can't be told from a restart with its old calibration; the old values are back");
+        EXPECT_EQ(bench.task.end()->what, std::string{"0xDC was silent for "} + words +
+                                              " after each of 3 clears, which can't be distinguished from a restart with its old "
+                                              "calibration; the old values are restored");
         EXPECT_EQ(clears(bench), 3);
         EXPECT_LT(bench.now - begin, 3 * silence + 3s);
         EXPECT_EQ(bench.flash, old);
@@ -296,7 +296,7 @@ TEST(CalibrationRestarts, what_no_sign_shows_is_found_in_what_the_device_sends_a
     ASSERT_TRUE(bench.task.end());
     EXPECT_EQ(bench.task.end()->ending, Ending::failed) << bench.worst_face();
     EXPECT_NE(bench.task.end()->what.find("not verified: "), std::string::npos) << bench.task.end()->what;
-    EXPECT_NE(bench.task.end()->what.find("; the old values are back"), std::string::npos) << bench.task.end()->what;
+    EXPECT_NE(bench.task.end()->what.find("; the old values are restored"), std::string::npos) << bench.task.end()->what;
     EXPECT_EQ(bench.flash, old);
 }
 
@@ -350,8 +350,9 @@ TEST(CalibrationRestarts, who_takes_it_away_before_it_is_verified_has_the_old_va
     bench.holds_still = false;
     bench.run();
     ASSERT_TRUE(bench.task.end());
-    EXPECT_EQ(bench.task.end()->what,
-              "the new values could not be verified: it did not lie still on -z when they were stored; the old values are back");
+    EXPECT_EQ(
+        bench.task.end()->what,
+        "the new values could not be verified: it did not lie still on -z when they were stored; the old values are restored");
     EXPECT_EQ(bench.flash, old);
 }
 
@@ -386,7 +387,7 @@ TEST(CalibrationRestarts, a_device_without_samples_is_named) {
     }
     ASSERT_TRUE(bench.task.end());
     EXPECT_LE(bench.now - last_heard, 6s);
-    EXPECT_EQ(bench.task.end()->what, "0xDC is heard, but sends no samples: inertial (0x01); the old values are back");
+    EXPECT_EQ(bench.task.end()->what, "0xDC is online, but sends no samples: inertial (0x01); the old values are restored");
 }
 
 // Whenever it restarts, for however long: what is stored at the end is right, or is what was there before.

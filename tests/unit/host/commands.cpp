@@ -83,7 +83,7 @@ TEST_F(CommandsOf, a_device_that_does_not_show_what_seven_is_are_not_called_with
         const End end = call(commands[0], {0.5});
         EXPECT_EQ(end.ending, Ending::invalid);
         EXPECT_EQ(end.what,
-                  "seven takes a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
+                  "seven has a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
                   "descriptions do "
                   "not show which: state it once (type7)");
         EXPECT_TRUE(fake.heard.empty());

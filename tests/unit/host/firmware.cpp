@@ -185,7 +185,7 @@ TEST_F(Upgrade, an_erase_has_a_minute_before_it_is_sent_again) {
     loader.erases_silently = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC fell silent: erasing; it is left in its loader, begin again");
+    EXPECT_EQ(task->end()->what, "0xDC stopped answering: erasing; it is left in its boot loader; start again");
     EXPECT_EQ(loader.erases, 4u);
     EXPECT_GE(took, 240s);
     EXPECT_LT(took, 250s);
@@ -195,7 +195,7 @@ TEST_F(Upgrade, an_erase_that_failed_has_its_own_word) {
     loader.cannot_erase = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
-    EXPECT_EQ(task->end()->what, "the device could not erase; it is left in its loader, begin again");
+    EXPECT_EQ(task->end()->what, "the device could not erase; it is left in its boot loader; start again");
 }
 
 TEST_F(Upgrade, a_frame_that_failed_is_sent_again_and_counted) {
@@ -217,7 +217,7 @@ TEST_F(Upgrade, a_frame_that_always_fails_ends_it) {
     loader.fails_frame_7 = 100;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
-    EXPECT_EQ(task->end()->what, "the device could not write frame 7; it is left in its loader, begin again");
+    EXPECT_EQ(task->end()->what, "the device could not write frame 7; it is left in its boot loader; start again");
     EXPECT_TRUE(task->is_left_in_loader());
 }
 
@@ -225,7 +225,7 @@ TEST_F(Upgrade, silence_in_the_middle_ends_it_within_its_bound) {
     loader.dies_at = 9;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC fell silent: sending; it is left in its loader, begin again");
+    EXPECT_EQ(task->end()->what, "0xDC stopped answering: sending; it is left in its boot loader; start again");
     EXPECT_GE(took, 2 * Firmware::patience_unheard);
     EXPECT_LT(took, 2 * Firmware::patience_unheard + 10s);
     EXPECT_EQ(loader.infos, 2u) << "it may have lost the upgrade: begun again once";
@@ -289,8 +289,7 @@ TEST_F(Upgrade, of_a_device_that_answers_everything_but_an_info_ends_within_five
         };
         const auto task = run(options);
         EXPECT_EQ(task->end()->ending, Ending::unsupported);
-        EXPECT_EQ(task->end()->what,
-                  "0xDC answers other questions, but not the description of the image: it has no firmware loader");
+        EXPECT_EQ(task->end()->what, "0xDC answers other requests, but not the description of the image: it has no boot loader");
         EXPECT_FALSE(task->is_left_in_loader());
         EXPECT_GE(took, 3s) << "a restart into the loader may take 2.5 s";
         EXPECT_LE(took, 5s);
@@ -304,7 +303,7 @@ TEST_F(Upgrade, an_info_without_an_answer_of_a_silent_device_ends_it_after_half_
     };
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC fell silent: description of the image");
+    EXPECT_EQ(task->end()->what, "0xDC stopped answering: description of the image");
     EXPECT_FALSE(task->is_left_in_loader());
     EXPECT_GE(took, Firmware::patience);
     EXPECT_LT(took, Firmware::patience + 5s);
@@ -330,7 +329,7 @@ TEST_F(Upgrade, an_image_that_noise_has_damaged_is_sent_again_in_the_shortest_fr
         };
         const auto task = run();
         if (damaged == 99) {
-            EXPECT_EQ(task->end()->what, "the image did not pass the device's check; it is left in its loader, begin again");
+            EXPECT_EQ(task->end()->what, "the image did not pass the device's check; it is left in its boot loader; start again");
             EXPECT_EQ(loader.checks, 3u);
             continue;
         }
@@ -458,7 +457,7 @@ TEST_F(Upgrade, cancelled_it_says_what_is_half_done) {
     task.start(simulation.now);
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->what, "cancelled; it is left in its loader, begin again");
+    EXPECT_EQ(task.end()->what, "cancelled; it is left in its boot loader; start again");
     Firmware early{device, image};
     early.start(simulation.now);
     early.cancel(simulation.now);
@@ -469,7 +468,7 @@ TEST_F(Upgrade, a_file_that_can_no_longer_be_read_leaves_the_device_in_its_loade
     image.bytes = {3000, [](std::size_t at, std::span<std::uint8_t>) { return at < 1000; }};
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
-    EXPECT_EQ(task->end()->what, "the file can no longer be read; it is left in its loader, begin again");
+    EXPECT_EQ(task->end()->what, "the file can no longer be read; it is left in its boot loader; start again");
     EXPECT_TRUE(task->is_left_in_loader());
 }
 
@@ -498,7 +497,7 @@ TEST_F(Upgrade, failures_are_understood_in_both_orders) {
         loader = {};
         loader.reads_codes = reads;
         loader.cannot_erase = true;
-        EXPECT_EQ(run()->end()->what, "the device could not erase; it is left in its loader, begin again");
+        EXPECT_EQ(run()->end()->what, "the device could not erase; it is left in its boot loader; start again");
         loader = {};
         loader.reads_codes = reads;
         loader.refuses = true;
@@ -506,7 +505,7 @@ TEST_F(Upgrade, failures_are_understood_in_both_orders) {
         loader = {};
         loader.reads_codes = reads;
         ++image.crc;
-        EXPECT_EQ(run()->end()->what, "the image did not pass the device's check; it is left in its loader, begin again");
+        EXPECT_EQ(run()->end()->what, "the image did not pass the device's check; it is left in its boot loader; start again");
         --image.crc;
     }
 }
@@ -515,7 +514,7 @@ TEST_F(Upgrade, an_answer_that_is_none_is_shown_as_it_came) {
     loader.says_instead = 0x0307;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC sent 0xF0 with 00 07 03, which is no answer: description of the image");
+    EXPECT_EQ(task->end()->what, "0xDC sent 0xF0 with 00 07 03, which is not a valid answer: description of the image");
     EXPECT_EQ(loader.erases, 0u);
 }
 
@@ -530,7 +529,7 @@ TEST_F(Upgrade, an_odd_reply_to_the_erase_is_told_while_it_waits) {
     simulation.run(task, 1s);
     EXPECT_FALSE(task.end());
     EXPECT_EQ(task.step(), "erasing");
-    EXPECT_EQ(task.odd_reply(), "0xDC sent 0xF0 with 00 77 12, which is no answer");
+    EXPECT_EQ(task.odd_reply(), "0xDC sent 0xF0 with 00 77 12, which is not a valid answer");
 }
 
 // One byte in a hundred is wrong: seven in eight frames of 195 bytes are lost, one in five orders.
@@ -625,7 +624,7 @@ TEST_F(LostConnection, a_loader_that_lost_the_upgrade_gets_it_from_the_beginning
 TEST_F(LostConnection, for_ever_ends_it) {
     const auto task = run_cut_for(1h);
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC fell silent: sending; it is left in its loader, begin again");
+    EXPECT_EQ(task->end()->what, "0xDC stopped answering: sending; it is left in its boot loader; start again");
     EXPECT_LT(took, Firmware::patience_unheard + Firmware::patience + 5s) << "the info that begins it again has its time as well";
 }
 

@@ -120,7 +120,7 @@ TEST_F(Writes, a_clamped_value_is_a_success_that_says_so) {
     EXPECT_EQ(task->end()->ending, Ending::done);
     EXPECT_TRUE(task->is_clamped());
     EXPECT_EQ(task->stored(), AnyValue{std::int64_t{100}});
-    EXPECT_EQ(task->end()->what, "U8 is 100: the device clamped it");
+    EXPECT_EQ(task->end()->what, "U8 is 100: the device limited it");
 }
 
 TEST_F(Writes, a_device_that_acknowledges_and_stores_nothing_refuses) {
@@ -232,7 +232,7 @@ TEST_F(Writes, nothing_is_written_to_a_device_that_became_another_one) {
     const std::size_t until_now = writes();
     const auto task = write(as_before, std::int64_t{2});
     EXPECT_EQ(task->end()->ending, Ending::failed);
-    EXPECT_EQ(task->end()->what, "0xDC became another device meanwhile");
+    EXPECT_EQ(task->end()->what, "0xDC became another device in the meantime");
     EXPECT_FALSE(task->was_sent());
     EXPECT_EQ(writes(), until_now);
 }
@@ -443,7 +443,7 @@ TEST_F(Restarts, what_is_lost_without_any_sign_is_written_again) {
         const auto task = apply_all({.rollback = rollback, .goes_on = !rollback});
         EXPECT_EQ(restarts, 1u);
         EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
-        EXPECT_EQ(task->end()->what, "the device has probably restarted meanwhile: 4 values were lost and written again");
+        EXPECT_EQ(task->end()->what, "the device has probably restarted in the meantime: 4 values were lost and written again");
         EXPECT_EQ(states(*task), std::vector<State>(8, State::written));
         EXPECT_EQ(new_values(), 8);
     }
@@ -474,10 +474,10 @@ TEST_F(Restarts, without_one_the_last_pass_costs_a_question_a_value) {
 }
 
 TEST_F(Applies, nothing_is_written_when_one_is_wrong) {
-    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"NONE", 1.0}})->end()->what, "no parameter is called NONE");
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"NONE", 1.0}})->end()->what, "unknown parameter NONE");
     EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{-1}}})->end()->what, "U8: -1 is out of range, u8 is 0 to 255");
     fake.parameters.push_back({0, "U8", "", {1}});
-    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{1}}})->end()->what, "several parameters are called U8");
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{1}}})->end()->what, "several parameters have the name U8");
     EXPECT_EQ(writes(), 0u);
 }
 
@@ -492,7 +492,7 @@ TEST_F(Applies, every_one_that_is_wrong_is_told_before_the_first_write) {
     EXPECT_EQ(states(*task), (std::vector{State::failed, State::waiting, State::failed, State::failed, State::failed}));
     EXPECT_EQ(task->rows()[0].what,
               "TEXT: \"1234567\" is longer than the 6 bytes that the device has: a longer one must be allowed (longer)");
-    EXPECT_EQ(task->rows()[2].what, "no parameter is called NONE");
+    EXPECT_EQ(task->rows()[2].what, "unknown parameter NONE");
     EXPECT_EQ(task->rows()[3].what, "U8: 256 is out of range, u8 is 0 to 255");
     EXPECT_EQ(task->rows()[4].what, "F32: \"x\" is not a number, f32 is -3.4e38 to 3.4e38");
     EXPECT_EQ(writes(), 0u);
@@ -616,7 +616,7 @@ TEST_F(BecomesAnother, and_is_left_alone) {
                 const auto task = apply_all(at, rollback, says_it);
                 EXPECT_NE(task->end()->ending, Ending::done);
                 EXPECT_TRUE(task->is_of_another()) << at << ' ' << task->end()->what;
-                EXPECT_EQ(task->end()->what.find("0xDC became another device meanwhile"), 0u) << task->end()->what;
+                EXPECT_EQ(task->end()->what.find("0xDC became another device in the meantime"), 0u) << task->end()->what;
                 ASSERT_EQ(is_another.size(), fake.parameters.size());
                 for (std::size_t i = 0; i < is_another.size(); ++i)
                     EXPECT_EQ(fake.parameters[i].value, is_another[i].value) << at;

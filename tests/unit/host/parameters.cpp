@@ -162,7 +162,7 @@ TEST_F(Reads, the_values_of_some_alone) {
     Parameters some{device, &cache};
     some.read_named({"PAR_30", "PAR_7"}, simulation.now);
     simulation.run(some);
-    EXPECT_EQ(some.end()->what, "parameter 7 did not come whole");
+    EXPECT_EQ(some.end()->what, "parameter 7 was not received completely");
 }
 
 TEST_F(Reads, who_says_otherwise_or_was_away_is_read_again) {
@@ -235,7 +235,7 @@ TEST_F(Reads, one_without_an_answer_is_told_and_the_others_are_there) {
         return std::nullopt;
     };
     EXPECT_EQ(read(), Ending::incomplete);
-    EXPECT_EQ(parameters.end()->what, "parameter 17 did not come whole");
+    EXPECT_EQ(parameters.end()->what, "parameter 17 was not received completely");
     EXPECT_FALSE(parameters.value(17));
     EXPECT_TRUE(parameters.value(29));
 }

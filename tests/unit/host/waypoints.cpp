@@ -50,9 +50,9 @@ TEST_F(WaypointsOf, a_device_that_is_heard_but_keeps_none_is_not_said_to_be_sile
     simulation.run(get);
     EXPECT_EQ(
         get.end()->what,
-        "0xDC is heard, but did not answer the question for its number of waypoints, sent 30 times; it probably keeps none");
+        "0xDC is online, but did not answer the request for its number of waypoints, sent 30 times; it probably stores none");
     EXPECT_EQ(put(route).what,
-              "0xDC is heard, but did not acknowledge: write of waypoint 0, sent 6 times; it probably keeps no more, or none");
+              "0xDC is online, but did not acknowledge: write of waypoint 0, sent 6 times; it probably stores no more, or none");
     fake.deaf = true;
     simulation.pass(std::chrono::seconds{1});
     EXPECT_EQ(put(route).what, "0xDC does not answer: write of waypoint 0, sent 6 times");
@@ -76,7 +76,7 @@ TEST_F(WaypointsOf, what_is_stored_otherwise_and_what_remains_is_told) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::done);
-    EXPECT_EQ(end.what, "1 of them were stored otherwise than written (1), and 0xDC has 5, the last 3 are its old ones");
+    EXPECT_EQ(end.what, "1 of them were stored differently (1), and 0xDC has 5, the last 3 are its old ones");
 }
 
 TEST_F(WaypointsOf, a_device_that_acknowledges_all_and_stores_none_has_failed) {
@@ -88,7 +88,7 @@ TEST_F(WaypointsOf, a_device_that_acknowledges_all_and_stores_none_has_failed) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::failed);
-    EXPECT_EQ(end.what, "0xDC acknowledged all waypoints, and has none of them as written: 0, 1");
+    EXPECT_EQ(end.what, "0xDC acknowledged all waypoints but stored none of them as written: 0, 1");
 }
 
 TEST_F(WaypointsOf, what_is_not_on_earth_is_never_sent) {
@@ -106,7 +106,7 @@ TEST_F(WaypointsOf, one_that_is_not_given_back_is_refused) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::refused);
-    EXPECT_EQ(end.what, "0xDC acknowledged waypoint 0 and does not give it back");
+    EXPECT_EQ(end.what, "0xDC acknowledged waypoint 0 but does not return it");
 }
 
 // It writes flash for each waypoint, and hears nothing meanwhile.
@@ -136,7 +136,7 @@ TEST_F(WaypointsOf, one_that_is_not_acknowledged_is_read_back) {
     const TimePoint begin = simulation.now;
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::done) << end.what;
-    EXPECT_EQ(end.what, "2 of them were never acknowledged, and are stored");
+    EXPECT_EQ(end.what, "2 of them were not acknowledged but are stored");
     EXPECT_LT(simulation.now - begin, std::chrono::seconds{5});
     EXPECT_EQ(fake.waypoints.size(), 2u);
 }
@@ -149,7 +149,7 @@ TEST_F(WaypointsOf, one_that_is_neither_acknowledged_nor_stored_ends_it) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::timeout);
-    EXPECT_EQ(end.what.substr(0, 60), "0xDC is heard, but did not acknowledge: write of waypoint 0,") << end.what;
+    EXPECT_EQ(end.what.substr(0, 60), "0xDC is online, but did not acknowledge: write of waypoint 0,") << end.what;
 }
 
 TEST_F(WaypointsOf, what_a_device_lost_by_a_restart_is_named) {
@@ -163,7 +163,7 @@ TEST_F(WaypointsOf, what_a_device_lost_by_a_restart_is_named) {
     };
     const End end = put(long_route);
     EXPECT_EQ(end.ending, Ending::failed);
-    EXPECT_EQ(end.what, "0xDC has not kept these waypoints (it has probably restarted): 0, 1, 2");
+    EXPECT_EQ(end.what, "0xDC did not keep these waypoints (it has probably restarted): 0, 1, 2");
 }
 
 // It restarts so fast that nothing shows it, between a write and its read-back: that is answered from its old list.
@@ -185,7 +185,7 @@ TEST_F(WaypointsOf, all_that_a_short_restart_has_cost_are_named) {
         simulation.run(task);
         ASSERT_TRUE(task.end());
         EXPECT_EQ(task.end()->ending, Ending::failed);
-        EXPECT_EQ(task.end()->what, std::string{"0xDC has not kept these waypoints (it has probably restarted): "} +
+        EXPECT_EQ(task.end()->what, std::string{"0xDC did not keep these waypoints (it has probably restarted): "} +
                                         (at == 3 ? "0, 1, 2" : "0, 1, 2, 3, 4"));
         EXPECT_EQ(task.progress().done, at == 3 ? 3u : 1u) << "the one that was read back otherwise is written again";
     }
@@ -242,7 +242,7 @@ TEST_F(WaypointsOf, one_that_is_lost_behind_its_read_back_is_named) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::failed);
-    EXPECT_EQ(end.what, "0xDC has not kept these waypoints (it has probably restarted): 0");
+    EXPECT_EQ(end.what, "0xDC did not keep these waypoints (it has probably restarted): 0");
 }
 
 TEST_F(WaypointsOf, a_lossy_line_is_no_restart) {

@@ -81,7 +81,7 @@ TEST_F(Keeps, elsewhere_where_there_is_no_state_folder) {
     ::setenv("TMPDIR", "/proc/nothing", 1);
     FileKeeper none{io};
     const std::string fault = put(none, "x");
-    EXPECT_TRUE(fault.starts_with("so large a body has no place: /proc/nothing: ")) << fault;
+    EXPECT_TRUE(fault.starts_with("no space for such a large body: /proc/nothing: ")) << fault;
     EXPECT_NE(fault.find("STATE_DIRECTORY"), std::string::npos);
 }
 

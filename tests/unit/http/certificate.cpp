@@ -43,7 +43,7 @@ TEST(Certificate, is_known_by_its_fingerprint) {
     EXPECT_EQ(known->size(), 32u * 3 - 1);
     EXPECT_EQ(known->find_first_not_of("0123456789ABCDEF:"), std::string::npos) << *known;
     EXPECT_EQ(fingerprint(dir / "none").error(), (dir / "none") + ": No such file or directory");
-    EXPECT_EQ(fingerprint(dir / "key").error(), (dir / "key") + ": is no certificate in PEM");
+    EXPECT_EQ(fingerprint(dir / "key").error(), (dir / "key") + ": not a PEM certificate");
 }
 
 }    // namespace

@@ -25,19 +25,19 @@ SocketFile of_the_service() {
 
 TEST(ConnectFault, without_a_gateway_says_so) {
     EXPECT_EQ(connect_fault(path, ENOENT, {}),
-              "no gateway is running at /run/anogate/control.sock: there is no such socket (another one: --control PATH)");
+              "no gateway is running at /run/anogate/control.sock: socket not found (another one: --control PATH)");
     SocketFile sought;
     sought.no_runtime_dir = true;
     EXPECT_EQ(connect_fault(path, ENOENT, sought),
-              "no gateway is running at /run/anogate/control.sock: there is no such socket; where a gateway of this user is "
-              "would be said by XDG_RUNTIME_DIR, which is not set (another one: --control PATH)");
+              "no gateway is running at /run/anogate/control.sock: socket not found; XDG_RUNTIME_DIR is not set, so a gateway of "
+              "this user can't be found (another one: --control PATH)");
     sought = {};
     sought.nor = path;
     EXPECT_EQ(connect_fault("/run/user/1000/anogate.sock", ENOENT, sought),
-              "no gateway is running at /run/user/1000/anogate.sock: there is no such socket, nor /run/anogate/control.sock "
+              "no gateway is running at /run/user/1000/anogate.sock: socket not found, nor /run/anogate/control.sock "
               "(another one: --control PATH)");
     EXPECT_EQ(connect_fault(path, ECONNREFUSED, of_the_service()),
-              "no gateway is running at /run/anogate/control.sock: one that ended left its socket");
+              "no gateway is running at /run/anogate/control.sock: the socket is left from a stopped one");
 }
 
 TEST(ConnectFault, without_permission_says_how_to_get_it) {
@@ -47,23 +47,23 @@ TEST(ConnectFault, without_permission_says_how_to_get_it) {
               "sudo usermod -aG anogate $USER, then log in again");
     file.lists_us = true;
     EXPECT_EQ(connect_fault(path, EACCES, file),
-              "no permission for /run/anogate/control.sock: it belongs to group anogate, and "
-              "you are in it from your next login on: log in again");
+              "no permission for /run/anogate/control.sock: it belongs to group anogate, which you join at your next login: log "
+              "in again");
     file.group = "root";
     EXPECT_EQ(connect_fault(path, EACCES, file),
-              "no permission for /run/anogate/control.sock: it is for group root: sudo anoctl ...");
+              "no permission for /run/anogate/control.sock: it belongs to group root: sudo anoctl ...");
     file.is_for_group = false;
     file.owner = "li";
     EXPECT_EQ(connect_fault(path, EACCES, file),
-              "no permission for /run/anogate/control.sock: it is for user li alone: be that user (sudo -u li anoctl ...)");
+              "no permission for /run/anogate/control.sock: only user li has access: run sudo -u li anoctl ...");
     file.can_be_seen = false;
     EXPECT_EQ(connect_fault(path, EACCES, file),
-              "no permission for /run/anogate/control.sock: the folder that it is in lets this user not in: sudo anoctl ...");
+              "no permission for /run/anogate/control.sock: this user has no access to its folder: sudo anoctl ...");
 }
 
 TEST(ConnectFault, of_what_is_no_gateway_says_so) {
     SocketFile file = of_the_service();
-    EXPECT_EQ(connect_fault(path, EPROTOTYPE, file), "what listens at /run/anogate/control.sock is not a gateway");
+    EXPECT_EQ(connect_fault(path, EPROTOTYPE, file), "the program at /run/anogate/control.sock is not a gateway");
     file.is_socket = false;
     EXPECT_EQ(connect_fault(path, ECONNREFUSED, file), "/run/anogate/control.sock is not a socket");
 }

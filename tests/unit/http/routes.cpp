@@ -70,7 +70,7 @@ TEST_F(RoutesTest, a_bad_encoding_is_refused_in_words) {
         EXPECT_NE(said("GET", target).find("the path has a %"), std::string::npos) << target;
     }
     EXPECT_EQ(ask("GET", "/links/a%00b").status, 400u);
-    EXPECT_NE(said("GET", "/links/a%00b").find("the path has %00, which no name can hold"), std::string::npos);
+    EXPECT_NE(said("GET", "/links/a%00b").find("the path has %00, which is not allowed in names"), std::string::npos);
     EXPECT_EQ(ask("GET", "/status?a=%").status, 400u);
     EXPECT_NE(said("GET", "/status?a=%").find("the query has a %"), std::string::npos);
 }
@@ -79,7 +79,7 @@ TEST_F(RoutesTest, another_method_is_told_which_ones_there_are) {
     const Response posted = ask("POST", "/status");
     EXPECT_EQ(posted.status, 405u);
     EXPECT_EQ(posted.headers, (std::vector<Field>{{"Allow", "GET, HEAD"}}));
-    EXPECT_EQ(posted.body, "{\"error\": \"this path answers GET, HEAD only\", \"what\": \"unsupported\"}\n");
+    EXPECT_EQ(posted.body, "{\"error\": \"this path supports only GET, HEAD\", \"what\": \"unsupported\"}\n");
     EXPECT_EQ(ask("PUT", "/links/fc").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}}));
     add("GET", "/links/last");
     EXPECT_EQ(ask("PUT", "/links/last").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}})) << "each once";
@@ -88,7 +88,7 @@ TEST_F(RoutesTest, another_method_is_told_which_ones_there_are) {
 }
 
 TEST_F(RoutesTest, a_path_that_is_not_there_is_told_the_nearest) {
-    const std::string nothing = "{\"error\": \"there is nothing at this path";
+    const std::string nothing = "{\"error\": \"this path does not exist";
     EXPECT_EQ(not_there("/statsu"), nothing + " (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
     EXPECT_EQ(not_there("/status/"), nothing + " (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
     EXPECT_EQ(not_there("/link/a-long-name"), nothing + " (did you mean '/links/{name}'?)\", \"what\": \"unknown\"}\n");
@@ -105,7 +105,7 @@ TEST_F(RoutesTest, what_only_looks_like_a_path_is_not_there) {
 }
 
 TEST_F(Table, without_rows_has_nothing) {
-    EXPECT_EQ(not_there("/status"), "{\"error\": \"there is nothing at this path\", \"what\": \"unknown\"}\n");
+    EXPECT_EQ(not_there("/status"), "{\"error\": \"this path does not exist\", \"what\": \"unknown\"}\n");
 }
 
 }    // namespace

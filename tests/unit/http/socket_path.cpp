@@ -53,7 +53,7 @@ TEST(SocketPath, a_path_where_none_can_be_is_told) {
     const support::TempDir folder;
     const std::string here = folder.path().string();
     const Runner runner{true, here + "/xdg"};
-    const std::string instead = " (give another path by --control, or --control none)";
+    const std::string instead = " (use --control with another path, or --control none)";
     EXPECT_EQ(fault_of_socket(here + "/c.sock", runner), "");
     EXPECT_EQ(fault_of_socket(here + "/absent/c.sock", runner),
               here + "/absent/c.sock: there is no folder " + here + "/absent" + instead);

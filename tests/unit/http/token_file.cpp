@@ -27,14 +27,15 @@ TEST(TokenFile, has_a_right_and_a_token_a_line) {
 }
 
 TEST(TokenFile, with_a_fault_names_the_line_and_never_what_stands_there) {
-    EXPECT_EQ(fault_of("view " + long_enough + "\nadmin " + long_enough), "line 2: a line is 'view TOKEN' or 'control TOKEN'");
+    EXPECT_EQ(fault_of("view " + long_enough + "\nadmin " + long_enough),
+              "line 2: a line must be 'view TOKEN' or 'control TOKEN'");
     for (const std::string bad :
          {"view short", "view", "control 0123456789abcde\"", "control 0123456789 abcdef", "view \xC3\xA9"})
         EXPECT_EQ(fault_of(bad), "line 1: a token has 16 to 256 letters, digits or characters of -._~+/=") << bad;
     EXPECT_EQ(fault_of("view " + std::string(256, 'x')), "");
     EXPECT_NE(fault_of("view " + std::string(257, 'x')), "");
     for (const std::string none : {"", "\n# nothing\n"})
-        EXPECT_NE(fault_of(none).find("there is no token in it"), std::string::npos);
+        EXPECT_NE(fault_of(none).find("it contains no token"), std::string::npos);
 }
 
 TEST(TokenFile, that_is_missing_is_made_for_us_alone) {
@@ -67,7 +68,7 @@ TEST(TokenFile, is_judged_without_being_made) {
     EXPECT_EQ(fault(path), "");
     EXPECT_EQ(fault(path + "/token"), path + "/token: Not a directory");
     std::filesystem::permissions(path, std::filesystem::perms{0644});
-    EXPECT_EQ(fault(path), path + ": everybody on this computer may read it; chmod o= " + path);
+    EXPECT_EQ(fault(path), path + ": every user of this computer can read it; run chmod o= " + path);
     EXPECT_EQ(fault(dir.path()), dir.path().string() + ": is not a file");
     if (::geteuid() != 0) {
         EXPECT_EQ(fault("/proc/token"), "/proc/token: Permission denied");
@@ -81,7 +82,7 @@ TEST(TokenFile, that_everybody_may_read_is_refused) {
     ::chmod(path.c_str(), 0644);
     const auto open = read_or_make_tokens(path);
     ASSERT_FALSE(open);
-    EXPECT_EQ(open.error(), path + ": everybody on this computer may read it; chmod o= " + path);
+    EXPECT_EQ(open.error(), path + ": every user of this computer can read it; run chmod o= " + path);
     ::chmod(path.c_str(), 0640);
     EXPECT_TRUE(read_or_make_tokens(path));
 }

@@ -128,7 +128,7 @@ TEST(FlexibleJson, arrays_byte_order_and_the_first_field) {
 
 TEST(FlexibleJson, faults_name_their_place) {
     EXPECT_EQ(faults_of(R"([{"id": 241, "endian": "middle", "fields": [{"name": "a", "type": "u8"}]}])"),
-              Lines{"/flexible/0/endian: this is to be \"little\" or \"big\""});
+              Lines{"/flexible/0/endian: must be \"little\" or \"big\""});
     EXPECT_EQ(faults_of(R"([{"id": 241, "when": 300, "fields": [{"name": "a", "type": "u8"}]}])"),
               Lines{"/flexible/0/when: 'when' is a value of the first field, which is one u8, u16 or u32 without a scale"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "when": -1, "fields": [{"name": "a", "type": "u8"}]}])"),
@@ -137,11 +137,11 @@ TEST(FlexibleJson, faults_name_their_place) {
               Lines{"/flexible/0/fields/0: a count is a number from 1 to 65535"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": [{"name": "a", "type": "u8", "count": "many"}]}])"),
               Lines{"/flexible/0/fields/0/count: a count is a number from 1 to 65535"});
-    EXPECT_EQ(faults_of("5"), Lines{"/flexible: this is to be an array of layouts"});
-    EXPECT_EQ(faults_of("[5]"), Lines{"/flexible/0: this is to be an object"});
+    EXPECT_EQ(faults_of("5"), Lines{"/flexible: must be an array of layouts"});
+    EXPECT_EQ(faults_of("[5]"), Lines{"/flexible/0: must be an object"});
     EXPECT_EQ(faults_of(R"([{}])"), (Lines{"/flexible/0: key 'id' is missing", "/flexible/0: key 'fields' is missing"}));
     EXPECT_EQ(faults_of(R"([{"id": 3, "fields": []}])"), Lines{"/flexible/0/id: a flexible message has an id from 0xF1 to 0xFA"});
-    EXPECT_EQ(faults_of(R"([{"id": 241, "fields": []}])"), Lines{"/flexible/0: a layout has at least one field"});
+    EXPECT_EQ(faults_of(R"([{"id": 241, "fields": []}])"), Lines{"/flexible/0: a layout needs at least one field"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "feilds": [], "fields": [{"name": "a", "type": "u8"}]}])"),
               Lines{"/flexible/0/feilds: unknown key 'feilds' (did you mean 'fields'?)"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": [{"name": "a", "type": "u8"}, {"name": "b", "type": "i61"}]}])"),
@@ -150,7 +150,7 @@ TEST(FlexibleJson, faults_name_their_place) {
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": [{"name": "a", "type": "text"}]}])"),
               Lines{"/flexible/0/fields/0: a field is one of u8 i8 u16 i16 u32 i32 f32"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": [{"name": "a", "type": "u8", "scale": "1"}]}])"),
-              Lines{"/flexible/0/fields/0/scale: this is to be a number"});
+              Lines{"/flexible/0/fields/0/scale: must be a number"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "source": 256, "fields": [{"name": "a", "type": "u8"}]}])"),
               Lines{"/flexible/0/source: an address is 0 to 255"});
     for (const char* source : {"0", "255", "\"0xFF\""})    // some boards send from there
@@ -161,7 +161,7 @@ TEST(FlexibleJson, faults_name_their_place) {
     EXPECT_EQ(
         faults_of(
             R"([{"id": 241, "fields": [{"name": "a", "type": "u8"}]}, {"id": "0xF1", "fields": [{"name": "b", "type": "u8"}]}])"),
-        Lines{"/flexible/1: this id has a layout for this source and value of 'when' already"});
+        Lines{"/flexible/1: this id already has a layout for this source and value of 'when'"});
 }
 
 }    // namespace

@@ -37,14 +37,14 @@ TEST(SyntaxFault, knows_a_comma_that_is_missing) {
 
 TEST(SyntaxFault, knows_a_comma_too_many) {
     for (const char* text : {"[1,]", "{\"a\": 1,\n}", "[1, }"})
-        EXPECT_EQ(slip_in(text), "is there a comma too many before it?)") << fault_of(text);
+        EXPECT_EQ(slip_in(text), "is there an extra comma before it?)") << fault_of(text);
     EXPECT_EQ(slip_in("{\"a\": }"), "");
 }
 
 TEST(SyntaxFault, knows_what_needs_quotes) {
     for (const char* text : {"{a: 1}", "{'a': 1}", "[fc]", "{\"a\": yesterday}"})
-        EXPECT_EQ(slip_in(text), "names and texts stand in double quotes: \"fc\")") << fault_of(text);
-    EXPECT_EQ(slip_in("{\"id\": 0xC7}"), "a number in hex stands in double quotes: \"0xDC\")") << fault_of("{\"id\": 0xC7}");
+        EXPECT_EQ(slip_in(text), "put names and texts in double quotes: \"fc\")") << fault_of(text);
+    EXPECT_EQ(slip_in("{\"id\": 0xC7}"), "put hex numbers in double quotes: \"0xDC\")") << fault_of("{\"id\": 0xC7}");
 }
 
 TEST(SyntaxFault, knows_an_end_that_came_too_soon_and_a_comment_of_another_language) {
@@ -54,8 +54,8 @@ TEST(SyntaxFault, knows_an_end_that_came_too_soon_and_a_comment_of_another_langu
 
 TEST(SyntaxFault, knows_true_and_false_of_other_languages_and_an_empty_file) {
     for (const char* text : {"{\"a\": True}", "{\"a\": FALSE, \"b\": 1}", "[yes]", "{\"a\": no}", "{\"a\": on\n}", "{\"a\": off"})
-        EXPECT_EQ(slip_in(text), "it is written true or false)") << fault_of(text);
-    for (const char* text : {"", " \n\n"}) EXPECT_EQ(slip_in(text), "there is nothing in it)") << fault_of(text);
+        EXPECT_EQ(slip_in(text), "write true or false)") << fault_of(text);
+    for (const char* text : {"", " \n\n"}) EXPECT_EQ(slip_in(text), "it is empty)") << fault_of(text);
 }
 
 TEST(SyntaxFault, takes_any_text) {

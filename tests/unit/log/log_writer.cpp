@@ -84,7 +84,7 @@ TEST(LogWriter, tells_what_was_lost_where_it_is_missing) {
     const std::vector<std::string> lines = log.gate->lines();
     ASSERT_EQ(lines.size(), 5u);
     EXPECT_EQ(lines[1], "second");
-    EXPECT_EQ(lines[3], "2 lines were lost: the log could not take them");
+    EXPECT_EQ(lines[3], "2 log lines were dropped: the log destination did not accept them");
     EXPECT_EQ(lines[4], "last");
 }
 

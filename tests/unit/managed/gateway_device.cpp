@@ -117,7 +117,7 @@ TEST_F(GatewayAsDevice, tells_count_descriptions_and_values_of_its_parameters) {
     EXPECT_EQ(answer(ask(0xE0, {2, 0, 0})), says(0xE1, {0, 0, 2}));
     EXPECT_EQ(answer(ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 0x30, 0x75, 0, 0}));
     Bytes described{3, 0, 0};
-    for (const Bytes& part : {text("EN_fc", 20), text("the link fc: 1 open, 0 not")})
+    for (const Bytes& part : {text("EN_fc", 20), text("the link fc: 1 enabled, 0 disabled")})
         described.insert(described.end(), part.begin(), part.end());
     EXPECT_EQ(answer(ask(0xE0, {3, 3, 0})), says(0xE2, described));
     EXPECT_TRUE(answer(ask(0xE0, {2, 7, 0})).empty()) << "there are seven";
@@ -151,12 +151,13 @@ TEST_F(GatewayAsDevice, answers_questions_by_every_link_and_acts_by_those_that_m
 TEST_F(GatewayAsDevice, tells_a_host_why_it_refuses_but_not_each_time) {
     const auto first = answers(ask(0xC0, {1, 0, 1}), stranger);
     ASSERT_EQ(first.size(), 1u);
-    EXPECT_EQ(first[0], says(0xA0, [] {
-                  Bytes data{1};
-                  const Bytes words = text("refused: what 0xFE asks of the gateway: it came by ground, which has no manage=yes");
-                  data.insert(data.end(), words.begin(), words.end());
-                  return data;
-              }()));
+    EXPECT_EQ(
+        first[0], says(0xA0, [] {
+            Bytes data{1};
+            const Bytes words = text("refused a request of 0xFE to the gateway: received on ground, which has no manage=yes");
+            data.insert(data.end(), words.begin(), words.end());
+            return data;
+        }()));
     EXPECT_TRUE(answers(ask(0xC0, {1, 0, 1}), stranger, start + 4s).empty());
     EXPECT_EQ(deeds.warnings.size(), 1u);
     EXPECT_EQ(answers(ask(0xC0, {1, 0, 1}), stranger, start + 5s).size(), 1u);
@@ -238,7 +239,7 @@ TEST_F(GatewayAsDevice, acknowledges_a_save_when_it_is_on_the_disk) {
 TEST_F(GatewayAsDevice, describes_its_commands_and_does_them) {
     EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 6, 0}));
     Bytes described{2, 0, 1, 0, 3, 1, 0, 0, 0, 0, 0, 0, 0};
-    for (const Bytes& part : {text("RESTART_LINK", 20), text("the link, by its number: 0 fc 1 ground")})
+    for (const Bytes& part : {text("RESTART_LINK", 20), text("the number of the link: 0 fc 1 ground")})
         described.insert(described.end(), part.begin(), part.end());
     EXPECT_EQ(answer(ask(0xC1, {1, 2, 0})), says(0xC2, described));
     for (const Bytes& command :

@@ -29,7 +29,7 @@ Settings settings() {
 ManagedParameter row(const Settings& of_file, const std::string& name) {
     for (const ManagedParameter& one : managed_parameters(of_file))
         if (one.name == name) return one;
-    ADD_FAILURE() << "no parameter is called " << name;
+    ADD_FAILURE() << "unknown parameter " << name;
     return {};
 }
 

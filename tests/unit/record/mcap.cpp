@@ -251,15 +251,15 @@ TEST(Mcap, counts_messages_that_are_no_whole_frame_and_goes_on) {
 }
 
 TEST(Mcap, says_what_it_does_not_read) {
-    EXPECT_EQ(read_recording("\x89PNG\r\n\x1A\n").fault, "it is no MCAP file");
-    EXPECT_EQ(read_recording("\x89MCAP1\r\n").fault, "it is of another version of MCAP");
+    EXPECT_EQ(read_recording("\x89PNG\r\n\x1A\n").fault, "it is not an MCAP file");
+    EXPECT_EQ(read_recording("\x89MCAP1\r\n").fault, "it uses an unsupported version of MCAP");
     const std::string file = write_mcap(a_bit_of_everything());
-    EXPECT_EQ(read_recording(file + "x").fault, "something stands behind its end");
+    EXPECT_EQ(read_recording(file + "x").fault, "there is data after its end");
     std::string other_end = file;
     other_end.back() = '\r';
-    EXPECT_EQ(read_recording(other_end).fault, "it does not end as an MCAP file does");
+    EXPECT_EQ(read_recording(other_end).fault, "it does not end like an MCAP file");
     EXPECT_EQ(read_recording(write_mcap({came(euler)}, false) + std::string(100, '\0')).fault,
-              "it has a record of a kind that there is not");    // zeros: power was lost
+              "it has a record of an unknown type");    // zeros: power was lost
 }
 
 std::string file_of(const std::string& records) { return std::string{mcap::magic} + records; }
@@ -287,20 +287,20 @@ TEST(Mcap, a_chunk_is_what_it_tells_of_itself_or_it_is_not_read) {
     };
     std::string packed;
     ZstdPacker{}.pack(std::string(1000, '\1'), packed);
-    EXPECT_EQ(skipped(chunk_record("zstd", packed, 999)), "it can't be unpacked");
-    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1001)), "it can't be unpacked");
-    EXPECT_EQ(skipped(chunk_record("zstd", packed.substr(0, packed.size() - 1), 1000)), "it can't be unpacked");
-    EXPECT_EQ(skipped(chunk_record("zstd", packed + "x", 1000)), "it can't be unpacked");
-    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1000, 1)), "it does not have the checksum that it tells");
-    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1000)), "a record in it reaches over its end");
-    EXPECT_EQ(skipped(chunk_record("", "abc", 4)), "it does not have the length that it tells");
-    EXPECT_EQ(skipped(chunk_record("", "abc", 3)), "a record in it reaches over its end");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed, 999)), "it can't be decompressed");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1001)), "it can't be decompressed");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed.substr(0, packed.size() - 1), 1000)), "it can't be decompressed");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed + "x", 1000)), "it can't be decompressed");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1000, 1)), "its checksum is wrong");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1000)), "a record in it extends beyond its end");
+    EXPECT_EQ(skipped(chunk_record("", "abc", 4)), "its length is not the length in its header");
+    EXPECT_EQ(skipped(chunk_record("", "abc", 3)), "a record in it extends beyond its end");
     EXPECT_EQ(skipped(chunk_record("zstd", "", mcap::max_chunk + 1)), "it is longer than 64 MiB");
     std::string no_chunk;
     mcap::end_record(no_chunk, mcap::begin_record(no_chunk, mcap::Opcode::chunk));
-    EXPECT_EQ(skipped(no_chunk), "it is shorter than what it tells of itself");
+    EXPECT_EQ(skipped(no_chunk), "it is shorter than its header states");
     EXPECT_NE(fault_of(chunk_record("lz4", "abc", 3)).find("mcap compress --compression zstd"), std::string::npos);
-    EXPECT_EQ(fault_of(chunk_record("br", "abc", 3)), "its chunks are packed by something that is not known here");
+    EXPECT_EQ(fault_of(chunk_record("br", "abc", 3)), "its chunks use an unknown compression");
     std::string endless;
     mcap::put(endless, std::uint8_t{6});
     mcap::put(endless, ~std::uint64_t{0});

@@ -156,10 +156,10 @@ TEST(Pcapng, stops_at_a_block_that_is_none_and_says_why) {
         EXPECT_EQ(read.position, good.size());
         return read.fault;
     };
-    EXPECT_EQ(fault_behind(0, 0, 0), "a block has a length that no block has");    // zeros: power was lost
-    EXPECT_EQ(fault_behind(6, 13, 0), "a block has a length that no block has");
+    EXPECT_EQ(fault_behind(0, 0, 0), "a block has an invalid length");    // zeros: power was lost
+    EXPECT_EQ(fault_behind(6, 13, 0), "a block has an invalid length");
     EXPECT_EQ(fault_behind(6, PcapngReader::max_block + 4, 0), "a block is longer than 16 MiB");
-    EXPECT_EQ(fault_behind(0x0BAD, 16, 20), "both lengths of a block differ");
+    EXPECT_EQ(fault_behind(0x0BAD, 16, 20), "the two lengths of a block differ");
     EXPECT_EQ(read_pcapng("not a capture at all").fault, "it is neither pcapng nor MCAP");
 }
 
@@ -175,7 +175,7 @@ TEST(Pcapng, a_packet_says_nothing_that_is_outside_of_its_block) {
     };
     EXPECT_EQ(why_skipped(too_long), "a packet is longer than its block");
     put(stranger, packet + 8, std::uint32_t{1});
-    EXPECT_EQ(why_skipped(stranger), "a packet is of an interface that is not described");
+    EXPECT_EQ(why_skipped(stranger), "a packet belongs to an interface without a description");
     std::string name = good;
     put(name, name.find("fc") - 2, std::uint16_t{0xFF});    // the length of if_name
     EXPECT_EQ(read_pcapng(name).items.at(0).link, "");

@@ -135,16 +135,16 @@ TEST(ReplayPlan, that_says_nothing_tells_why) {
                                             recorded(euler, 20s)};
     EXPECT_EQ(why({}, flight), "");
     EXPECT_EQ(why({.from = 20s}, flight), "");
-    EXPECT_EQ(why({}, {}), "there is no frame in it");
-    EXPECT_EQ(why({.links = {"radio"}}, flight), "there is no link radio in it; there is fc and imu");
-    EXPECT_EQ(why({.from = 30s, .links = {"radio", "gps"}}, flight), "there is no link radio or gps in it; there is fc and imu");
+    EXPECT_EQ(why({}, {}), "it contains no frames");
+    EXPECT_EQ(why({.links = {"radio"}}, flight), "there is no link radio in it; it has fc and imu");
+    EXPECT_EQ(why({.from = 30s, .links = {"radio", "gps"}}, flight), "there is no link radio or gps in it; it has fc and imu");
     EXPECT_EQ(why({.links = {"radio", "fc"}}, flight), "");
-    EXPECT_EQ(why({.links = {"imu"}}, flight), "none of its frames that are asked for came in");
-    EXPECT_EQ(why({.from = 30s}, flight), "it is 20 s long, and was to be said from 30 s on");
+    EXPECT_EQ(why({.links = {"imu"}}, flight), "none of the requested frames was received");
+    EXPECT_EQ(why({.from = 30s}, flight), "it is 20 s long, so there is nothing to replay from 30 s on");
     EXPECT_EQ(why({.from = 20001ms}, {recorded(euler, 0s), recorded(euler, 1440ms)}),
-              "it is 1.4 s long, and was to be said from 20 s on");
-    EXPECT_EQ(why({.from = 1s, .to = 5s}, flight), "none of its frames that are asked for came in");
-    EXPECT_NE(why({}, {recorded(command, 0s)}).find("is kept back: commands=true"), std::string::npos);
+              "it is 1.4 s long, so there is nothing to replay from 20 s on");
+    EXPECT_EQ(why({.from = 1s, .to = 5s}, flight), "none of the requested frames was received");
+    EXPECT_NE(why({}, {recorded(command, 0s)}).find("so none is replayed; set commands=true"), std::string::npos);
     EXPECT_EQ(why({}, {recorded(command, 0s), recorded(euler, 1s)}), "");
 }
 

@@ -137,7 +137,7 @@ TEST_F(DiskWriters, nothing_that_is_there_is_written_over) {
 TEST_F(DiskWriters, a_name_stays_in_its_folder) {
     settings.name = "../flight";
     turn();
-    EXPECT_NE(disk().error().find("is no name of a file"), std::string::npos) << disk().error();
+    EXPECT_NE(disk().error().find("is not a valid file name"), std::string::npos) << disk().error();
     EXPECT_FALSE(fs::exists(dir / "a/flight.pcapng"));
 }
 
@@ -450,7 +450,7 @@ TEST_F(DiskWriters, where_no_file_can_be_made_it_is_tried_again) {
 TEST_F(DiskWriters, bytes_that_are_to_stay_free_are_not_written) {
     settings.keep_free = std::uint64_t{1} << 60;
     turn();
-    EXPECT_NE(disk().error().find("of the disk are free, and 1152921504612.1 MB must be to write more"), std::string::npos)
+    EXPECT_NE(disk().error().find("of disk space is free, and recording needs 1152921504612.1 MB"), std::string::npos)
         << disk().error();
     EXPECT_FALSE(fs::exists(settings.folder));
     settings.keep_free = 1000;

@@ -77,7 +77,7 @@ TEST_F(RecordingsFolder, says_of_a_name_that_is_not_there_what_may_be_meant) {
     EXPECT_EQ(words("fligth.pcapng"), "404 there is no recording fligth.pcapng (did you mean 'flight.pcapng'?)");
     EXPECT_EQ(words("fligt"), "404 there is no recording fligt (did you mean 'flight.pcapng'?)");
     EXPECT_EQ(words("entirely-else"), "404 there is no recording entirely-else");
-    EXPECT_EQ(words("notes"), "403 notes was not written by the gateway, and is left alone");
+    EXPECT_EQ(words("notes"), "403 notes was not written by the gateway and is left alone");
     EXPECT_EQ(std::get<Refusal>(open_recording(folder, "flight")).status, 404u);
     dir.write("FLIGHT.pcapng", recording(1));
     EXPECT_EQ(words("fligth.pcapng"), "404 there is no recording fligth.pcapng (did you mean 'flight.pcapng'?)");
@@ -376,7 +376,7 @@ TEST_F(RecordingsFolder, saves_nothing_where_too_little_is_free) {
     EXPECT_EQ(std::get<Refusal>(saved).status, 507u);
     const auto other = save_frames(folder, "other", RecordingFormat::pcapng, 0, kept_frames(10));
     const std::uint64_t needed = (std::uint64_t{1} << 60) + std::get<SavedFrames>(other).bytes;
-    EXPECT_NE(std::get<Refusal>(saved).words.find(" bytes of the disk are free, and " + std::to_string(needed) + " must be"),
+    EXPECT_NE(std::get<Refusal>(saved).words.find(" bytes of disk space are free, and " + std::to_string(needed) + " are needed"),
               std::string::npos)
         << std::get<Refusal>(saved).words;
     EXPECT_FALSE(is_there("last.pcapng"));

@@ -48,19 +48,19 @@ TEST(KeptConfig, that_is_damaged_is_none) {
     for (const char* bytes : {"", "nonsense", "{}", "\xA1\x61\x61\x01"}) {
         dir.write("kept", bytes);
         EXPECT_FALSE(Kept{path}.config) << bytes;
-        EXPECT_EQ(Kept{path}.fault, path + ": is damaged; remove it") << bytes;
+        EXPECT_EQ(Kept{path}.fault, path + ": damaged; remove it") << bytes;
     }
     for (const char nested :
          {'\x81', '\x9F', '\xA1', '\xBF', '\x5F', '\x7F', '\xC1'}) {    // arrays, maps, strings, tags in each other
         dir.write("kept", std::string(10'000'000, nested));
         EXPECT_FALSE(Kept{path}.config);
-        EXPECT_EQ(Kept{path}.fault, path + ": is damaged; remove it");
+        EXPECT_EQ(Kept{path}.fault, path + ": damaged; remove it");
     }
     for (const std::string& bytes : {"\xA1\x7F" + std::string(300'000, '\x7F'), "\xA2\x6B" + std::string{"unconf"},
                                      std::string{"\x9B\x7F\xFF\xFF\xFF\xFF\xFF\xFF\xFF"}}) {
         dir.write("kept", bytes);
         EXPECT_FALSE(Kept{path}.config);
-        EXPECT_EQ(Kept{path}.fault, path + ": is damaged; remove it");
+        EXPECT_EQ(Kept{path}.fault, path + ": damaged; remove it");
     }
     ASSERT_EQ(keep_config(path, sample), "");
     std::filesystem::resize_file(path, std::filesystem::file_size(path) - 3);

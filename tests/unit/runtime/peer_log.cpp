@@ -38,7 +38,7 @@ TEST_F(Peers, come_and_go_in_thirty_two_lines_in_five_seconds_and_one_for_the_re
         EXPECT_EQ(said[0], "ground: peer p");
         EXPECT_EQ(said[1], "ground: peer p is gone: it closed the connection");
         until_the_alarm();
-        EXPECT_EQ(lines.take(), Lines{"peers came or went " + std::to_string(more) + " times more"})
+        EXPECT_EQ(lines.take(), Lines{std::to_string(more) + " more peers came or went"})
             << "and the next five seconds have lines of their own";
         now += 5s;
     }
@@ -47,7 +47,7 @@ TEST_F(Peers, come_and_go_in_thirty_two_lines_in_five_seconds_and_one_for_the_re
 TEST_F(Peers, that_came_before_the_end_are_told_at_the_end) {
     after(33, ano::Clock::now());
     peers.finish();
-    EXPECT_EQ(lines.take(), Lines{"peers came or went 1 times more"});
+    EXPECT_EQ(lines.take(), Lines{"1 more peers came or went"});
     until_the_alarm();
     EXPECT_EQ(lines.take(), Lines{});
 }

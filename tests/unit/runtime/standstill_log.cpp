@@ -21,19 +21,19 @@ protected:
     support::LogLines lines;
     StandstillLog log;
     const Lines line{
-        "stood still for at least 1.5 s (stopped, or the machine was too busy): what came meanwhile counts as that old"};
+        "stalled for at least 1.5 s (stopped, or the computer was too busy): frames received meanwhile count as that old"};
     const ano::TimePoint start{1h};
 };
 
 TEST_F(StandstillLines, are_five_at_once_and_then_one_in_ten_seconds) {
     for (int i = 0; i < 5; ++i) EXPECT_EQ(stood(start), line) << i;
     for (int i = 0; i < 3; ++i) EXPECT_EQ(stood(start + 9s), Lines{}) << i;
-    EXPECT_EQ(stood(start + 10s), Lines{line[0] + "; 3 times more before"});
+    EXPECT_EQ(stood(start + 10s), Lines{line[0] + "; 3 more times before"});
     EXPECT_EQ(stood(start + 19s), Lines{});
-    EXPECT_EQ(stood(start + 20s), Lines{line[0] + "; 1 times more before"});
+    EXPECT_EQ(stood(start + 20s), Lines{line[0] + "; 1 more times before"});
     EXPECT_EQ(stood(start + 21s), Lines{});
     log.finish();
-    EXPECT_EQ(lines.take(), Lines{"stood still 1 times more"});
+    EXPECT_EQ(lines.take(), Lines{"stalled 1 more times"});
 }
 
 TEST_F(StandstillLines, are_none_of_what_is_too_short_to_be_told) {

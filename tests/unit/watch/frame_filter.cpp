@@ -143,21 +143,22 @@ TEST(FrameFilter, samples_of_a_slow_device_are_not_crowded_out_by_a_fast_one) {
     }
     EXPECT_EQ(of_fast, 10u);
     EXPECT_EQ(of_slow, 5u);
-    EXPECT_EQ(fault({"samples", "0"}), "samples='0' is no number from 1 to 100");
-    EXPECT_EQ(fault({"samples", "101"}), "samples='101' is no number from 1 to 100");
-    EXPECT_EQ(fault({"samples", "x"}), "samples='x' is no number from 1 to 100");
+    EXPECT_EQ(fault({"samples", "0"}), "samples='0' is not a number from 1 to 100");
+    EXPECT_EQ(fault({"samples", "101"}), "samples='101' is not a number from 1 to 100");
+    EXPECT_EQ(fault({"samples", "x"}), "samples='x' is not a number from 1 to 100");
 }
 
 TEST(FrameFilter, what_is_wrong_is_told_in_words) {
     EXPECT_EQ(fault({"form", "0xDC"}),
-              "there is no filter 'form' (did you mean 'from'?); there are from, to, id, link, direction, limit.ID, samples, "
+              "unknown filter 'form' (did you mean 'from'?); filters are from, to, id, link, direction, limit.ID, samples, "
               "elsewhere, batch and format");
-    EXPECT_EQ(fault({"id", "eular"}), "id='eular' is no id, range of ids, message or class of messages (did you mean 'euler'?)");
-    EXPECT_EQ(fault({"id", ""}), "id= says nothing: leave it out");
-    EXPECT_EQ(fault({"link", "grund"}), "there is no link 'grund' (did you mean 'ground'?); give one of fc, ground, control");
-    EXPECT_EQ(fault({"direction", "inn"}), "direction='inn' is none of in, out and dropped (did you mean 'in'?)");
+    EXPECT_EQ(fault({"id", "eular"}),
+              "id='eular' is not an id, range of ids, message or class of messages (did you mean 'euler'?)");
+    EXPECT_EQ(fault({"id", ""}), "id= has no value: omit it");
+    EXPECT_EQ(fault({"link", "grund"}), "there is no link 'grund' (did you mean 'ground'?); use one of fc, ground, control");
+    EXPECT_EQ(fault({"direction", "inn"}), "direction='inn' is not in, out or dropped (did you mean 'in'?)");
     for (const char* time : {"0ms", "2s", "1001ms", "-5ms", "40", "soon"})
-        EXPECT_EQ(fault({"batch", time}), std::string{"batch='"} + time + "' is no time from 1ms to 1s");
+        EXPECT_EQ(fault({"batch", time}), std::string{"batch='"} + time + "' is not a time from 1ms to 1s");
     EXPECT_EQ(fault({"format", "xml"}), "format='xml' is neither json nor binary");
     EXPECT_NE(fault({"from", "DC"}).find("did you mean '0xDC'?"), std::string::npos) << fault({"from", "DC"});
     EXPECT_NE(fault({"from", "256"}), "nothing is wrong");
@@ -167,7 +168,7 @@ TEST(FrameFilter, what_is_wrong_is_told_in_words) {
     EXPECT_NE(fault({"limit.", "1"}), "nothing is wrong");
     EXPECT_NE(fault({"limit.telemetry", "1"}).find("several"), std::string::npos);
     const auto twice = parse_frame_query(std::vector<http::Field>{{"limit.euler", "1"}, {"limit.0x03", "2"}}, links);
-    EXPECT_EQ(std::get<std::string>(twice), "0x03 has a limit already");
+    EXPECT_EQ(std::get<std::string>(twice), "0x03 already has a limit");
 }
 
 }    // namespace

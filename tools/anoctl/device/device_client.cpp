@@ -192,7 +192,8 @@ private:
         if (!rest.empty()) return ": " + rest;
         return error.empty() || error.starts_with("cancelled") ? rest : ": " + error;
     }
-    static constexpr std::string_view gateway_ends = "the gateway ends";    // prefix of the texts of the service when it ends
+    static constexpr std::string_view gateway_ends =
+        "the gateway is stopping";    // prefix of the texts of the service when it ends
 
     Loop& loop_;
     Streams& streams_;

@@ -87,7 +87,7 @@ std::string progress_text(const ano::Json& job, double seconds, std::size_t widt
 }
 
 std::string with_options_named(std::string words, std::string_view command) {
-    constexpr std::string_view longer = "a longer one must be allowed (longer)", ground = "this is for the ground";
+    constexpr std::string_view longer = "a longer one must be allowed (longer)", ground = "this is only allowed on the ground";
     if (const std::size_t at = words.find(longer); at != words.npos)
         words.replace(at, longer.size(), "--longer allows a longer one");
     constexpr std::string_view beyond = "a value beyond it must be allowed (force)";

@@ -65,7 +65,7 @@ export class MapFile {
       if (entry.run > 0) return this.picture({ at: this.header.tiles.at + entry.at, size: entry.size });
       directory = { at: this.header.leaves.at + entry.at, size: entry.size };
     }
-    throw new MapFault("its directories go round in a circle");
+    throw new MapFault("its directories form a loop");
   }
 
   private async picture(part: Part): Promise<Blob> {

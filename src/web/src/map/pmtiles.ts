@@ -33,18 +33,18 @@ export class MapFault extends Error {}
 
 function whole(view: DataView, at: number): number {
   const number = Number(view.getBigUint64(at, true));
-  if (!Number.isSafeInteger(number)) throw new MapFault("a place beyond 2^53");
+  if (!Number.isSafeInteger(number)) throw new MapFault("an offset beyond 2^53");
   return number;
 }
 
 export function headerOf(bytes: ArrayBuffer): MapHeader {
   const view = new DataView(bytes);
   const magic = [0x50, 0x4d, 0x54, 0x69, 0x6c, 0x65, 0x73, 3]; // "PMTiles", version 3
-  if (bytes.byteLength < headerSize || magic.some((byte, i) => view.getUint8(i) !== byte)) throw new MapFault("no PMTiles of version 3");
+  if (bytes.byteLength < headerSize || magic.some((byte, i) => view.getUint8(i) !== byte)) throw new MapFault("not a PMTiles file of version 3");
   const part = (at: number): Part => ({ at: whole(view, at), size: whole(view, at + 8) });
   const packing = view.getUint8(97), type = pictures[view.getUint8(99)];
-  if (packing !== 1 && packing !== 2) throw new MapFault("its directories are packed otherwise than by gzip");
-  if (!type) throw new MapFault("its tiles are no pictures: only raster tiles can be shown");
+  if (packing !== 1 && packing !== 2) throw new MapFault("its directories are not compressed with gzip");
+  if (!type) throw new MapFault("its tiles are not images: only raster tiles are supported");
   const minZoom = view.getUint8(100), maxZoom = view.getUint8(101);
   if (minZoom > maxZoom || maxZoom > maxWholeZoom) throw new MapFault(`it has zooms ${minZoom} to ${maxZoom}`);
   return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, minZoom, maxZoom };
@@ -80,7 +80,7 @@ export function directoryOf(bytes: Uint8Array): Entry[] {
   let end = 0; // of the entry before: most are contiguous
   for (const [i, entry] of entries.entries()) {
     const said = numbers.next();
-    if (said === 0 && i === 0) throw new MapFault("a directory begins nowhere");
+    if (said === 0 && i === 0) throw new MapFault("a directory has no start offset");
     entry.at = said === 0 ? end : said - 1;
     end = entry.at + entry.size;
   }

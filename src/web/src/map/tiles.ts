@@ -50,7 +50,7 @@ export class MapTiles {
     ++this.asking;
     try {
       const blob = await (await this.open()).tile(zoom, x, y);
-      if (blob) one.picture = await createImageBitmap(blob).catch(() => { throw new MapFault("a tile is no picture"); });
+      if (blob) one.picture = await createImageBitmap(blob).catch(() => { throw new MapFault("a tile is not an image"); });
       else one.none = true;
       if (one.picture) mapFault.set("");
     } catch (fault) {
@@ -111,7 +111,7 @@ export class MapTiles {
     this.file = this.opening = undefined;
     for (const one of this.kept.values()) one.picture?.close();
     this.kept.clear();
-    throw new MapFault("another map was put in its place");
+    throw new MapFault("the map file was replaced");
   }
 }
 

@@ -79,7 +79,7 @@ test("sends a frame, and says by which links it left", async () => {
   await press(page, "Send a frame");
   await page.waitForSelector("form .main");
   await page.click("form .main");
-  await outcome(page, "form [role=status]", /Left by fc, imu; not by absent \(the link was down\)/);
+  await outcome(page, "form [role=status]", /Sent to fc, imu; not sent to absent \(the link was down\)/);
   await page.browserContext().close();
 });
 
@@ -87,8 +87,8 @@ test("calibrates a compass", async () => {
   const page = await here.open({ hash: "#/221/calibration" });
   await page.waitForSelector("main select");
   await page.select("main select", "compass");
-  await press(page, "Begin");
-  await press(page, "Go on");
+  await press(page, "Start");
+  await press(page, "Continue");
   await page.waitForSelector(".halves polygon.filled");
   await shot(page, "compass");
   await until("it ends", async () => /✓ Calibrated/.test(await textOf(page, "main")), 60000);

@@ -73,8 +73,8 @@ async function begunCalibration(what) {
   const page = await here.open({ hash: "#/220/calibration" });
   await page.waitForSelector("main select");
   await page.select("main select", what);
-  await press(page, "Begin");
-  await press(page, "Go on");
+  await press(page, "Start");
+  await press(page, "Continue");
   await page.waitForSelector("main svg.solid");
   return page;
 }
@@ -172,7 +172,7 @@ test("says it on every page of a device when two claim to be it", async () => {
   try {
     for (const hash of ["#/31/vehicle", "#/31/commands"]) {
       await go(page, hash);
-      await page.waitForFunction(() => document.querySelector("main .clash b")?.textContent === "Two devices say they are 0x1F.");
+      await page.waitForFunction(() => document.querySelector("main .clash b")?.textContent === "Two devices use the address 0x1F.");
       assert.ok(await page.$eval("main .clash", (note) => note.getBoundingClientRect().bottom < innerHeight));
     }
     await go(page, "#/220/vehicle");

@@ -102,8 +102,8 @@ test("a job that waits is offered to be opened, and is described by device, acti
   const page = await here.open({ hash: "#/221/calibration" });
   await page.waitForSelector("main select");
   await page.select("main select", "compass");
-  await press(page, "Begin");
-  await page.waitForFunction(() => [...document.querySelectorAll("main button")].some((one) => one.textContent === "Go on"));
+  await press(page, "Start");
+  await page.waitForFunction(() => [...document.querySelectorAll("main button")].some((one) => one.textContent === "Continue"));
   await go(page, "#/221/parameters");
   await page.waitForSelector(".set li input");
   const first = await page.$eval(".set li input:not(:disabled)", (one) => "#" + one.id);

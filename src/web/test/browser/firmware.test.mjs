@@ -47,12 +47,12 @@ test("an upgrade that is cancelled leaves the device in its loader, and another 
   await press(page, "Cancel");
   await confirm(page);
   await outcome(page, "main p.bad[role=alert]", /cancelled/);
-  await until("it is told to be in its loader", () => page.$eval("main", (main) => /left in its loader/.test(main.textContent)));
+  await until("it is told to be in its loader", () => page.$eval("main", (main) => /is in its boot loader/.test(main.textContent)));
   await choose(page, here.gateway, "image.bin", Buffer.alloc(5000, 7));
   await upgrade(page);
   await outcome(page, "main", /✓ The device has checked the image: 5000 bytes/);
   // Nothing contradicts that: not now, not when the devices are asked again, and not when the page is opened again.
-  const stale = () => page.$eval("main", (main) => /left in its loader|cancelled|✕|Refused/.exec(main.textContent)?.[0]);
+  const stale = () => page.$eval("main", (main) => /is in its boot loader|cancelled|✕|Refused/.exec(main.textContent)?.[0]);
   const end = Date.now() + 4000;
   while (Date.now() < end) assert.equal(await stale(), undefined);
   await until("the gateway knows it", async () => (await asked(page, "devices")).devices.every((one) => !one.in_loader));

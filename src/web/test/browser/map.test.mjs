@@ -99,14 +99,14 @@ test("another one may be put in its place, and what is none is said to be", asyn
     await says("No such file or directory");
     assert.ok((await wider(page)) <= 0);
     writeFileSync(file, "no map at all, but long enough to be looked at".repeat(9));
-    await says("no PMTiles of version 3");
+    await says("not a PMTiles file of version 3");
     const put = (content) => (writeFileSync(file + ".new", content), renameSync(file + ".new", file));
     const damaged = mapFile(tiles);
     damaged.fill(0x55, 127, 150);
     put(damaged);
     await says("a directory is damaged");
     put(mapFile(around(tileAt(116.3, 39.9), Buffer.from("no picture"))));
-    await says("a tile is no picture");
+    await says("a tile is not an image");
     put(mapFile(tiles));
     await isColoured(page, "20 160 60");
     await until("nothing is said any more", () => page.$$eval(".about-map.warn", (all) => all.length === 0));

@@ -65,7 +65,7 @@ test("calls no trouble what a lone browser sees", async () => {
   const alone = await Gateway.start(["sim:fc", "udp-listen:127.0.0.1:0,name=ground"]);
   try {
     const page = await openPage(here.browser, alone);
-    await until("what no host takes", () => page.$$eval(".branch .calm", (all) => all.some((one) => one.textContent.includes("no other host takes it"))));
+    await until("no registered ground station", () => page.$$eval(".branch .calm", (all) => all.some((one) => one.textContent.includes("no ground station is registered"))));
     await page.waitForSelector(".well");
     assert.equal(await page.$$eval(".troubles, .flows .warn, .drops, .troubled", (all) => all.length), 0);
     assert.deepEqual(await page.$$eval(".flows div:last-child dd", (all) => all.map((one) => parseFloat(one.textContent))), [0, 0]);

@@ -18,9 +18,9 @@ test("one is begun by a name, ended, taken home and deleted", async () => {
   await page.waitForFunction(() => /flight/.test(document.querySelector(".running h3")?.textContent) && /[1-9]\d* frames/.test(document.querySelector(".running .number")?.textContent));
   await page.waitForFunction(() => /\d/.test(document.querySelectorAll(".recordings .number")[1]?.textContent)); // its length
   await shot(page, "recording");
-  await press(page, "End…");
+  await press(page, "Stop…");
   await confirm(page);
-  await outcome(page, ".outcome", /✓ flight has ended: .* frames/);
+  await outcome(page, ".outcome", /✓ flight stopped: .* frames/);
   const link = await page.waitForSelector(".recordings a");
   const name = await link.evaluate((one) => one.textContent);
   const size = await link.evaluate((one) => fetch(one.href).then((answer) => answer.arrayBuffer()).then((bytes) => bytes.byteLength));
@@ -45,7 +45,7 @@ test("a name that another one has is refused, in words", async () => {
     await press(page, "Record");
     await outcome(page, ".outcome", words);
   }
-  await press(page, "End…");
+  await press(page, "Stop…");
   await confirm(page);
   await outcome(page, ".outcome", /✓ twice has ended/);
   await page.browserContext().close();
@@ -64,7 +64,7 @@ test("only what is asked for is recorded, and a filter that can't be meant is sa
   await press(page, "Record");
   await outcome(page, ".outcome", /✓ attitude is being recorded/);
   await until("some are written", async () => (await all(page)).running[0]?.frames >= 5);
-  await press(page, "End…");
+  await press(page, "Stop…");
   await confirm(page);
   await outcome(page, ".outcome", /✓ attitude has ended/);
   await page.browserContext().close();
@@ -83,7 +83,7 @@ test("a thousand of them are listed, and one that is gone meanwhile is said to b
     const page = await openPage(here.browser, gateway, { width: 390, height: 844, hash: "#/recordings" });
     await type(page, ".begin input", "first");
     await press(page, "Record");
-    await press(page, "End…");
+    await press(page, "Stop…");
     await confirm(page);
     await outcome(page, ".outcome", /✓ first has ended/);
     const [first] = readdirSync(folderIn(gateway.folder)).filter((name) => name.endsWith(".pcapng"));
