@@ -144,8 +144,7 @@ Response put_parameter(DeviceService& service, const Request& request) {
     const Json& json = std::get<Json>(body);
     if (const std::string wrong = stranger_in(json, {"value", "longer", "force"}); !wrong.empty()) return http::error(400, wrong);
     const auto longer = flag_in(json, "longer"), force = flag_in(json, "force");
-    if (!json.contains("value") || !is_number_or_text(json["value"]))
-        return http::error(400, "'value' must be a number or text");
+    if (!json.contains("value") || !is_number_or_text(json["value"])) return http::error(400, "'value' must be a number or text");
     if (!longer) return http::error(400, "'longer' must be true or false");
     if (!force) return http::error(400, "'force' must be true or false");
     return begin(service, request,
@@ -334,22 +333,20 @@ void add_command_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"POST", "/devices/{device}/actions", Access::control,
                 "{\"action\": \"save\"} or \"restore_defaults\" (not in flight, except with ?force)",
                 [&service](const Request& request) { return act(service, request); }});
-    routes.add(
-        {"GET", "/devices/{device}/commands", Access::view,
-         "the commands of a device; with ?known as last read; with ?to_act, before "
-         "a call, read-only clients do not take its place",
-         [&service](const Request& request) {
-             const bool known = request.query_value("known").has_value();
-             return begin(service, request, {JobKind::commands, Deed::read, [known](const WorkPlace& place) {
-                                                 return read_commands(place, known);
-                                             }});
-         },
-         0, true});
-    routes.add(
-        {"POST", "/devices/{device}/commands/by-cid", Access::control,
-         "calls a command by its three bytes, {\"cid\": [16, 0, 5], \"values\": [{\"u16\": 150}]}; nothing is read "
-         "from the device first",
-         [&service](const Request& request) { return call_the_cid(service, request); }});
+    routes.add({"GET", "/devices/{device}/commands", Access::view,
+                "the commands of a device; with ?known as last read; with ?to_act, before "
+                "a call, read-only clients do not take its place",
+                [&service](const Request& request) {
+                    const bool known = request.query_value("known").has_value();
+                    return begin(service, request, {JobKind::commands, Deed::read, [known](const WorkPlace& place) {
+                                                        return read_commands(place, known);
+                                                    }});
+                },
+                0, true});
+    routes.add({"POST", "/devices/{device}/commands/by-cid", Access::control,
+                "calls a command by its three bytes, {\"cid\": [16, 0, 5], \"values\": [{\"u16\": 150}]}; nothing is read "
+                "from the device first",
+                [&service](const Request& request) { return call_the_cid(service, request); }});
     routes.add(
         {"POST", "/devices/{device}/commands/{command}", Access::control,
          "calls a command, {\"values\": [...]}, once; with \"repeat\": true until acknowledged; with \"name\" only if "

@@ -79,7 +79,8 @@ void ParameterWrite::go_on(TimePoint now) {
 void ParameterWrite::described(const Ended& ended, TimePoint now) {
     const auto info = parameter_info_in(*ended.answer, info_.layout);
     is_of_another_ = !info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul;
-    if (is_of_another_) return finish({Ending::failed, hex_of(device().address()) + " became another device in the meantime", {}}, now);
+    if (is_of_another_)
+        return finish({Ending::failed, hex_of(device().address()) + " became another device in the meantime", {}}, now);
     doubts_ = device().doubts();
     go_on(now);
 }

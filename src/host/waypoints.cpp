@@ -180,8 +180,7 @@ std::size_t WaypointsPut::wanted_count() const {
 void WaypointsPut::finish_stored(TimePoint now) {
     std::string remark;
     const auto add = [&](const std::string& clause) { remark += (remark.empty() ? "" : ", and ") + clause; };
-    if (!changed_.empty())
-        add(std::to_string(changed_.size()) + " of them were stored differently (" + list_of(changed_) + ")");
+    if (!changed_.empty()) add(std::to_string(changed_.size()) + " of them were stored differently (" + list_of(changed_) + ")");
     if (unacknowledged_ > 0) add(std::to_string(unacknowledged_) + " of them were not acknowledged but are stored");
     if (const std::size_t wanted = wanted_count(); count_ > wanted)
         add(hex_of(device().address()) + " has " + std::to_string(count_) + ", the last " + std::to_string(count_ - wanted) +

@@ -14,7 +14,7 @@
 namespace anogate {
 
 /// Why Gateway::control() has none.
-inline constexpr std::string_view no_control_link = "all 64 links are in use, so there is no link 'control'";
+inline constexpr std::string_view no_control_link = "all 64 links are in use, so the link 'control' is not available";
 
 class LinkSocket;
 
