@@ -101,7 +101,7 @@ Run add_flexible(Options& options) {
     options.push_back({"what", Option::Read{read_what}, "list|set",
                        "list (default): show the layouts in use; set FILE: replace them until the configuration changes them"});
     options.push_back(
-        {"file", &self->file, "FILE", "set: a configuration with the key flexible, or only its list; - reads standard input"});
+        {"file", &self->file, "FILE", "A configuration with the key flexible, or only its list (set); - reads standard input"});
     options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     GatewayOptions::add(options, self->gateway);
     return [self](Streams& streams) { return self->run(streams); };

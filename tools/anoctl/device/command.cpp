@@ -137,8 +137,8 @@ Run add_command(Options& options) {
                        "list: list the commands; call NAME [VALUE...]: send a command, after confirmation", true});
     options.push_back({"words", &self->words, "[COMMAND [VALUE...]]", "Command, by name or number, and one value per argument"});
     options.push_back({"--cid", &self->cid, "CID",
-                       "call: select the command by its three CID bytes, such as 16,0,5, with values such as u16:150, instead of "
-                       "by name; sends nothing else to the device first"});
+                       "Select the command by its three CID bytes, such as 16,0,5, with values such as u16:150, instead of by "
+                       "name (call); sends nothing else to the device first"});
     options.push_back({"--repeat", &self->repeat, "", "Retry until acknowledged; the command may be executed twice"});
     options.push_back({"--type7",
                        [self](const std::string& word) {
@@ -147,7 +147,7 @@ Run add_command(Options& options) {
                                                                  : ano::in_quotes(word) + " is neither f32 nor u64";
                        },
                        "f32|u64",
-                       "call: meaning of value type 7 for a device whose descriptions do not show it (f32 on older devices); the "
+                       "Meaning of value type 7 for a device whose descriptions do not show it (call; f32 on older devices); the "
                        "gateway remembers it"});
     DeviceOptions::add(options, self->options, "command");
     DeviceOptions::add_yes(options, self->options);

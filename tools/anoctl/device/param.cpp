@@ -423,16 +423,15 @@ Run add_param(Options& options) {
          "value); diff FILE (exit status 1 if values differ, 2 if the comparison failed)",
          true});
     options.push_back({"words", &self->words, "[PARAMETER|FILE...]", "Arguments of the action"});
-    options.push_back(
-        {"--all", &self->all, "",
-         "get: read all parameters; diff: list unchanged parameters too; import: list all parameters that do not fit"});
+    options.push_back({"--all", &self->all, "",
+                       "All parameters (get: read all; diff: list unchanged ones too; import: list all that do not fit)"});
     options.push_back({"--with-calibration", &self->with_calibration, "",
-                       "import, diff: include CAL_... parameters, which are specific to one device"});
-    options.push_back({"--longer", &self->longer, "", "set, import: allow texts longer than the current ones"});
-    options.push_back(
-        {"--force", &self->force, "", "set, import: allow values outside the range stated by the device; reset: even in flight"});
+                       "Include CAL_... parameters, which are specific to one device (import, diff)"});
+    options.push_back({"--longer", &self->longer, "", "Allow texts longer than the current ones (set, import)"});
+    options.push_back({"--force", &self->force, "",
+                       "Allow values outside the range stated by the device (set, import), or a reset in flight (reset)"});
     options.push_back({"--rollback", &self->rollback, "",
-                       "import: restore all old values if one value is refused; without it the other values are still written"});
+                       "Restore all old values if one value is refused (import); without it the other values are still written"});
     DeviceOptions::add(options, self->options, "param");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };

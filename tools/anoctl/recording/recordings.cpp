@@ -269,18 +269,18 @@ Run add_recordings(Options& options) {
     options.push_back(
         {"name", &self->name, "NAME", "Name, of A-Z, a-z, 0-9, '.', '_' and '-' (default of a new recording: the time)"});
     options.push_back(
-        {"file", &self->file, "FILE", "get: output file or folder (default: NAME, in this folder); - writes standard output"});
-    options.push_back({"--format", &self->format, "pcapng|mcap", "start, save: file format (default: as configured)"});
+        {"file", &self->file, "FILE", "Output file or folder (get; default: NAME, in this folder); - writes standard output"});
+    options.push_back({"--format", &self->format, "pcapng|mcap", "File format (start, save; default: as configured)"});
     options.push_back({"--message-encoding", &self->encoding, "cdr|json",
-                       "start, save: encoding of decoded messages in MCAP, cdr as in ROS 2, or json (default: as configured)"});
-    options.push_back({"--id", &self->ids, "ID...", "start: record only these messages, by name or id"});
+                       "Encoding of decoded messages in MCAP (start, save; default: as configured), cdr as in ROS 2, or json"});
+    options.push_back({"--id", &self->ids, "ID...", "Record only these messages, by name or id (start)"});
     options.push_back({"--from", &self->from, "ADDRESS...", "Select only frames from these addresses"});
     options.push_back({"--to", &self->to, "ADDRESS...", "Select only frames to these addresses"});
-    options.push_back({"--link", &self->links, "LINK...", "start: record only frames on these links, by name"});
+    options.push_back({"--link", &self->links, "LINK...", "Record only frames on these links, by name (start)"});
     options.push_back(
-        {"--direction", &self->directions, "in|out|dropped...", "start: record received, sent or dropped frames (default: in)"});
-    options.push_back({"--seconds", Option::Read{read_seconds}, "N", "start: stop after this time"});
-    options.push_back({"--force", &self->force, "", "get: overwrite an existing file"});
+        {"--direction", &self->directions, "in|out|dropped...", "Record received, sent or dropped frames (start; default: in)"});
+    options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Stop after this time (start)"});
+    options.push_back({"--force", &self->force, "", "Overwrite an existing file (get)"});
     options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     GatewayOptions::add(options, self->gateway);
     return [self](Streams& streams) { return self->run(streams); };
