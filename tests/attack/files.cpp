@@ -43,10 +43,10 @@ TEST_F(Files, that_are_pipes_hang_neither_check_nor_start_nor_reload) {
          {std::vector<std::string>{"--check", "--config", config()}, {"--config", config()}}) {
         Process program{ANOGATED, arguments, environment()};
         EXPECT_EQ(program.wait(soon), 78) << program.output();
-        EXPECT_NE(program.output().find("pipe.json: is no ordinary file"), std::string::npos) << program.output();
+        EXPECT_NE(program.output().find("pipe.json: is not a regular file"), std::string::npos) << program.output();
     }
     const std::string answer = http(dir / "control.sock", "POST /reload HTTP/1.0\r\n\r\n");
-    EXPECT_NE(answer.find("is no ordinary file"), std::string::npos) << answer;
+    EXPECT_NE(answer.find("is not a regular file"), std::string::npos) << answer;
     EXPECT_TRUE(running.until_answers());
     Process pipe{ANOGATED, {"--check", "--config", dir / "conf.d/pipe.json"}, environment()};
     EXPECT_EQ(pipe.wait(soon), 78) << pipe.output();

@@ -216,7 +216,7 @@ TEST_F(AnoctlGateway, shows_where_addresses_lead_and_forgets_one) {
     EXPECT_EQ(forgotten.said, "0xFE: route removed\n");
     const Result again = ask({"routes", "--forget", "0xFE"});
     EXPECT_EQ(again.exit, 1);
-    EXPECT_EQ(again.said, "anoctl: 0xFE was not heard: there is nothing to forget\n");
+    EXPECT_EQ(again.said, "anoctl: 0xFE was not seen: there is nothing to forget\n");
     EXPECT_EQ(ask({"routes", "--forget", "no/body"}).exit, 1);
 }
 

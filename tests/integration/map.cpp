@@ -65,13 +65,13 @@ TEST_F(Map, is_said_to_be_none_where_it_can_not_be_one) {
     const auto said = [&] { return json::parse(body_of(ask("Range: bytes=0-9\r\n"))).at("error").get<std::string>(); };
     EXPECT_EQ(said(), "control.map: " + file + ": No such file or directory");
     ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
-    EXPECT_EQ(said(), "control.map: " + file + ": is no ordinary file") << "and nobody waits for one who writes";
+    EXPECT_EQ(said(), "control.map: " + file + ": is not a regular file") << "and nobody waits for one who writes";
     fs::remove(file);
     fs::create_directory(file);
-    EXPECT_EQ(said(), "control.map: " + file + ": is no ordinary file");
+    EXPECT_EQ(said(), "control.map: " + file + ": is not a regular file");
     fs::remove(file);
     fs::create_symlink("/dev/zero", file);
-    EXPECT_EQ(said(), "control.map: " + file + ": is no ordinary file");
+    EXPECT_EQ(said(), "control.map: " + file + ": is not a regular file");
     fs::remove(file);
     fs::create_symlink(dir.write("other", "0123456789"), file);
     EXPECT_EQ(body_of(ask("Range: bytes=0-1\r\n")), "01") << "it may lie on another disk";

@@ -95,7 +95,7 @@ TEST(WrongFrames, text_is_shown_by_its_first_characters_harmless) {
     const Hint english = find_hint(
         after(bytes_of("ts boot\r\n+READY \x1b[31m'AT'\r\nESP-ROM:esp32c3-api1-20210207\r\nBuild:Feb  7 2021\r\nrst:0x1\r\n")));
     EXPECT_EQ(english.id, "text");
-    EXPECT_TRUE(english.text.ends_with("; it is '+READY \\x1B[31m\\x27AT\\x27\\r\\nESP-ROM:esp'")) << english.text;
+    EXPECT_TRUE(english.text.ends_with("; received: '+READY \\x1B[31m\\x27AT\\x27\\r\\nESP-ROM:esp'")) << english.text;
     ASSERT_EQ(english.args.size(), 1u);
     // "启动完成" in GBK
     const Hint gbk = find_hint(after(bytes_of(
