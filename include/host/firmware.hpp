@@ -99,7 +99,9 @@ private:
     enum Step : std::uint32_t { identify, describe, erase, send_frame, check, probe };
     enum class Purpose : std::uint8_t { begin, shorten, begin_again, begin_after_check };    // of an info
 
-    std::string_view half_done() const noexcept override { return erasing_ ? "; it is left in its loader, begin again" : ""; }
+    std::string_view half_done() const noexcept override {
+        return erasing_ ? "; it is left in its boot loader; start again" : "";
+    }
     void ask_info(Purpose purpose, std::size_t frame_len, TimePoint now);
     void identified(const Ended& ended, TimePoint now);
     void send_info(TimePoint now);

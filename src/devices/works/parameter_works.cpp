@@ -123,7 +123,7 @@ protected:
         std::string ids;
         for (const ano::host::ParameterInfo& one : all)
             if (texts().is(one.name, name)) ids += (ids.empty() ? "" : ", ") + std::to_string(one.id);
-        return {409, {}, "several parameters have the name " + ano::in_quotes(name) + ": use the number,  " + ids, "ambiguous"};
+        return {409, {}, "several parameters have the name " + ano::in_quotes(name) + ": use the number, " + ids, "ambiguous"};
     }
 
 private:

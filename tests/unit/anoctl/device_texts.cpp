@@ -168,8 +168,8 @@ TEST(ParameterFile, shows_what_changes) {
     EXPECT_EQ(
         difference_lines(answer),
         (std::vector<std::string>{"B: 1.5 -> 2", "C: 1 -> 5, limited by the device: 9 was requested",
-                                  "D: 9, failed: no parameter is called D", "F: 1 -> 2, not restored",
-                                  "G: 1 -> 2, failed: it keeps 1", "H: 1 -> 2, not attempted", "E: \"a\" -> \"b\\u001b\""}));
+                                  "D: 9, failed: unknown parameter D", "F: 1 -> 2, not restored", "G: 1 -> 2, failed: it keeps 1",
+                                  "H: 1 -> 2, not attempted", "E: \"a\" -> \"b\\u001b\""}));
     EXPECT_EQ(rows_with(answer, "failed"), 2u);
     EXPECT_EQ(misfit_line(answer["parameters"][3]), "unknown parameter D");
     EXPECT_EQ(misfit_line(answer["parameters"][5]), "G: it keeps 1");

@@ -28,7 +28,7 @@ const std::vector<BadJson> all_bad{
      [](const std::string& inner) {
          return "{\"x\": 1" + inner + "}" + std::string{'\0', 'x'};
      },
-     "a byte 0"},
+     "contains a NUL byte"},
 };
 
 TEST(JsonFiles, with_what_no_honest_file_has_are_refused_before_anything_is_done) {

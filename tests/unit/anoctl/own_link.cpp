@@ -72,11 +72,11 @@ TEST_F(OwnLinks, say_a_hint_once_for_as_long_as_it_holds) {
     OwnLink own{loop.io, link_settings_of(peer.link("peer")), taker, streams, "monitor", 5ms};
     own.start();
     ASSERT_TRUE(peer.send(reached_from(own, peer, loop, frame), Bytes(100, 0x55)));
-    ASSERT_TRUE(until_said("peer: bytes"));
+    ASSERT_TRUE(until_said("peer: data"));
     loop.io.run_for(200ms);    // and it is looked some times
     own.stop();
     const std::string said = err.str();
-    EXPECT_EQ(said.find("peer: bytes"), said.rfind("peer: bytes")) << said;
+    EXPECT_EQ(said.find("peer: data"), said.rfind("peer: data")) << said;
 }
 
 TEST_F(OwnLinks, know_a_device_that_speaks_the_previous_version) {

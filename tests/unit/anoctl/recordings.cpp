@@ -295,7 +295,7 @@ TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     EXPECT_EQ(said.exit, 1);
     EXPECT_NE(said.out.find("3 frames in"), std::string::npos) << said.out;
     EXPECT_NE(said.out.find("the block at byte " + std::to_string(packet) +
-                            " is damaged and skipped, 1 message: a packet is of an interface that is not described"),
+                            " is damaged and skipped, 1 message: a packet belongs to an interface without a description"),
               std::string::npos)
         << said.out;
     const support::TempDir folder;

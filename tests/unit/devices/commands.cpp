@@ -686,7 +686,7 @@ TEST_F(CommandRoutes, defaults_are_not_restored_in_the_air) {
     const auto which = net.ask("POST", "/devices/0xDC/actions?force", restore);
     EXPECT_EQ(which.status, 409u);
     EXPECT_EQ(which.json.at("error"),
-              "several devices have the address 0xDC (heard by fc and radio): it is unclear which one is meant; when only one is "
+              "several devices have the address 0xDC (seen on fc and radio): it is unclear which one is meant; when only one is "
               "left, run anoctl routes --forget 0xDC");
     net.where[0xDC] = {.is_known = true, .on_several_channels = true};
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions?force", restore).status, 409u);

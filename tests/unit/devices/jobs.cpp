@@ -398,7 +398,7 @@ TEST_F(Jobs, take_an_acknowledgement_from_a_port_of_the_device_for_its_own) {
 TEST_F(Jobs, are_not_refused_for_what_another_host_writes_and_say_who_writes) {
     fake.commands = {{{1, 0, 1}, {}, "LOCK", ""}};
     net.ask("GET", "/devices/0xDC/parameters");
-    const std::string conflict = "0xD2 writes to 0xDC as well";
+    const std::string conflict = "0xD2 also writes to 0xDC";
     for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}}) {
         net.passes(frame(0xD2, to, 0xE1, {0, 0, 5}));
         const auto land = net.ask("POST", "/devices/0xDC/commands/LOCK");
@@ -423,7 +423,7 @@ TEST_F(Jobs, say_who_else_writes_while_they_are_under_way) {
     net.pass(1s);
     net.passes(frame(0xD2, 0xDC, 0xE1, {0, 0, 5}));
     net.pass(1s);
-    EXPECT_EQ(net.ask("GET", "/jobs/1").json.value("conflict", ""), "0xD2 writes to 0xDC as well");
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json.value("conflict", ""), "0xD2 also writes to 0xDC");
     EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("state"), "running");
 }
 

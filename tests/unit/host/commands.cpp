@@ -146,7 +146,7 @@ TEST_F(CommandsOf, a_call_packs_its_values) {
 
 TEST_F(CommandsOf, values_are_checked_in_number_type_and_range) {
     const auto commands = read();
-    EXPECT_EQ(call(commands[1], {std::int64_t{1}}).what, "take off takes 2 values, not 1");
+    EXPECT_EQ(call(commands[1], {std::int64_t{1}}).what, "take off needs 2 values, not 1");
     EXPECT_EQ(call(commands[1], {std::int64_t{70'000}, 0.5}).what, "take off: value 1, 70000, is out of range for u16");
     EXPECT_EQ(call(commands[1], {1.5, 0.5}).what, "take off: value 1, 1.5, is not whole for u16");
     EXPECT_EQ(call(commands[1], {std::string{"x"}, 0.5}).ending, Ending::invalid);

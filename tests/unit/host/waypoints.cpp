@@ -149,7 +149,7 @@ TEST_F(WaypointsOf, one_that_is_neither_acknowledged_nor_stored_ends_it) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::timeout);
-    EXPECT_EQ(end.what.substr(0, 60), "0xDC is online, but did not acknowledge: write of waypoint 0,") << end.what;
+    EXPECT_EQ(end.what.substr(0, 60), "0xDC is online, but did not acknowledge: write of waypoint 0") << end.what;
 }
 
 TEST_F(WaypointsOf, what_a_device_lost_by_a_restart_is_named) {

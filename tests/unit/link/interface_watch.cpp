@@ -57,7 +57,7 @@ TEST_F(WatchedInterface, is_told_of_once_when_another_has_its_name) {
     interface_now = 8;
     until_told(watch);
     EXPECT_EQ(watch.told, 1);
-    EXPECT_EQ(watch.words, "another network interface eth0");
+    EXPECT_EQ(watch.words, "network interface eth0 was replaced by another one");
     EXPECT_EQ(stopped.told, 0);
     EXPECT_EQ(unnamed.told, 0);
 }
@@ -71,7 +71,7 @@ TEST_F(WatchedInterface, is_told_of_when_it_is_gone_and_not_while_it_is_there) {
     EXPECT_EQ(watch.told, 0);
     interface_now = 0;
     until_told(watch);
-    EXPECT_EQ(watch.words, "no network interface eth0 now");
+    EXPECT_EQ(watch.words, "network interface eth0 not found");
 }
 
 }    // namespace
