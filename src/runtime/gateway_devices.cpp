@@ -243,7 +243,7 @@ void GatewayDevices::listen(bool wants) {
     gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.hear(frame, gateway_.now()); }
                                           : std::function<void(ano::FrameView)>{});
     gateway_.on_refusal_to_ourselves(wants ? [this](const std::string& why) {
-        if (sends_) refusal_ = why;
+        if (sends_) refusal_.why = why;
         else service_.refuse(gateway_.settings().gateway.id, why, gateway_.now());
     } : std::function<void(const std::string&)>{});
 }
