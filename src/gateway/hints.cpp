@@ -169,6 +169,9 @@ Hint trouble_in(const LinkFigures& link, bool with_time) {
             "suspended",
             "frames were refused for a second each time their sender asked as a listening gateway does: is there one, or does "
             "somebody forge its address? Restrict `allow` or `interface`, or use WireGuard"};
+    if (link.handshakes > 0)
+        return {"handshakes",
+                "strangers hold all places for TLS handshakes: name the operators' network in `trusted`, or restrict `allow`"};
     if (link.no_place > 0)
         return {"no_place",
                 "strangers were refused, the places of peers are taken: name the operators' network in `trusted`, or raise "

@@ -64,6 +64,7 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"no_answer", "", "the peer does not answer; of ISO-TP while it is up"},
     {"other_gateway", "peer", "while it is up: another gateway listens there and was refused"},
     {"no_place", "count", "while it is up: datagrams of strangers were refused, all places are taken"},
+    {"handshakes", "count", "while it is up: strangers held all places for TLS handshakes"},
     {"no_memory", "count", "while it is up: datagrams of strangers were refused, there was too little memory"},
     {"sender_refused", "", "while it is up: senders outside `allow` were refused"},
     {"bus_errors", "interface", "while it is up: the CAN controller counts many errors"},
