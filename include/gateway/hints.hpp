@@ -67,6 +67,7 @@ struct LinkFigures {
     std::uint64_t no_place = 0;              // datagrams of strangers that were refused because all places were taken
     std::uint64_t no_memory = 0;             // the same: there was too little memory
     std::uint64_t outsiders = 0;             // the same: they are outside `allow`
+    std::uint64_t handshakes = 0;            // connections that lately gave way to others within their TLS handshake
     ano::Duration up_for{};
     std::optional<ano::Duration> silent_for;     // since the last good frame; std::nullopt: there was none
     std::uint64_t skipped_since = 0;             // bytes that belong to no frame, since then

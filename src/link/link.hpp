@@ -71,6 +71,7 @@ struct UnassignedTraffic {
     std::uint64_t no_memory = 0;                 // datagrams of unknown senders refused for lack of memory
     std::uint64_t outsiders = 0;                 // datagrams of unknown senders refused because they are outside `allow`
     const ano::FrameParser* parser = nullptr;    // that refused them; nullptr: none
+    std::uint64_t handshakes = 0;                // connections that lately gave way to others within their handshake
 };
 
 /// One serial port, UDP socket, CAN interface and so on. Reads, writes and reports; it takes no routing decisions.

@@ -64,6 +64,7 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"no_answer", "", "the peer does not answer (for ISO-TP: while it is up)"},
     {"other_gateway", "peer", "while it is up: another gateway listens there and was refused"},
     {"no_place", "count", "while it is up: new senders were refused because the limit of peers is reached"},
+    {"handshakes", "count", "while it is up: unknown senders held all places for TLS handshakes"},
     {"no_memory", "count", "while it is up: new senders were refused for lack of memory"},
     {"sender_refused", "", "while it is up: senders outside `allow` were refused"},
     {"bus_errors", "interface", "while it is up: many CAN errors"},

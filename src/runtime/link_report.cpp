@@ -177,6 +177,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     f.no_place = unassigned.no_place;
     f.no_memory = unassigned.no_memory;
     f.outsiders = unassigned.outsiders;
+    f.handshakes = unassigned.handshakes;
     for (const ChannelId id : traffic.channels) {
         const Channel& channel = gateway.channel(id);
         add(f.received, channel.received());

@@ -61,6 +61,8 @@ void write_gateway(MetricsText& text, const MetricsSnapshot& s) {
     text.sample({}, s.conflicts);
     text.family("anogate_wrong_tokens", MetricType::counter, "wrong tokens received by control.http");
     text.sample({}, s.wrong_tokens);
+    text.family("anogate_connections_gave_way", MetricType::counter, "connections to control.http closed in favor of others while they waited");
+    text.sample({}, s.gave_way);
     text.family("anogate_guessing_clients", MetricType::counter, "clients of control.http delayed because of wrong tokens");
     text.sample({}, s.guessing_clients);
     text.family("anogate_alarms", MetricType::gauge, "device values outside their alarm limits");
@@ -81,6 +83,10 @@ void write_state(MetricsText& text, const MetricsSnapshot& s) {
                 "whole days until the certificate of a TLS link expires; negative: expired");
     for (const auto& link : s.links)
         if (link.certificate_days) text.sample({{"link", link.name}}, static_cast<double>(*link.certificate_days) * 86400);
+    text.family("anogate_link_handshakes_gave_way", MetricType::counter,
+                "connections closed in favor of others during the TLS handshake");
+    for (const auto& link : s.links)
+        if (link.handshakes_gave_way) text.sample({{"link", link.name}}, *link.handshakes_gave_way);
     text.family("anogate_link_hint", MetricType::gauge, "1: the current hint of the status, as hint_id");
     for (const auto& link : s.links)
         if (!link.hint_id.empty()) text.sample({{"link", link.name}, {"hint", link.hint_id}}, std::uint64_t{1});
@@ -176,6 +182,8 @@ MetricsSnapshot::Link snapshot_of(const Gateway& gateway, const LinkState& state
     link.hint_id = report.hint.id;
     for (const auto& [name, value] : state.link->facts())
         if (name == "certificate_days") link.certificate_days = std::get<std::int64_t>(value);
+        else if (name == "handshakes_gave_way")
+            link.handshakes_gave_way = static_cast<std::uint64_t>(std::get<std::int64_t>(value));
     link.traffic = {report.figures.received, report.figures.sent, report.waiting};
     for (const ChannelId id : gateway.forwarder().traffic(state.link->id()).channels) {
         const Channel& channel = gateway.channel(id);

@@ -1,6 +1,7 @@
 // Encrypted links: who is accepted, certificates that change, handshakes that never end, programs of others.
 #include <http/client/certificate.hpp>
 #include <link/tcp/tls_context.hpp>
+#include <support/http.hpp>
 #include <support/namespaces.hpp>
 #include <support/process.hpp>
 #include <support/running_gateway.hpp>
@@ -151,6 +152,53 @@ TEST_F(Tls, connections_that_never_shake_hands_keep_nobody_out_for_long) {
     air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
     EXPECT_TRUE(air->until_up("t")) << air->link("t");
     EXPECT_TRUE(ground->until([&] { return silent.front().is_closed(); })) << "after 10 s";
+}
+
+/// More than may wait, of a hundred addresses with a few each, which stop within the handshake and connect again when they are closed.
+struct Crowd {
+    Crowd(RunningGateway& at, Bytes words) : gateway{at}, says{std::move(words)}, all(100 * 4) {}
+    void come() {
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (all[i] && !all[i].is_closed()) continue;
+            all[i] = TcpPeer{
+                anogate::UniqueFd{support::connect_tcp(gateway.port("l"), "127.9.0." + std::to_string(1 + i % 100))}};
+            if (!says.empty() && all[i]) all[i].send(says);
+        }
+    }
+    RunningGateway& gateway;
+    Bytes says;
+    std::vector<TcpPeer> all;
+};
+
+TEST_F(Tls, a_crowd_that_stops_within_the_handshake_keeps_no_host_out) {
+    for (const Bytes& says : {Bytes{}, Bytes{22, 3, 1, 0, 100, 1}}) {
+        listen(ca() + ",max_peers=8");
+        Crowd crowd{*ground, says};
+        int got_in = 0;
+        for (int n = 0; n < 4; ++n) {
+            crowd.come();
+            air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
+            got_in += air->until([&] { return air->count("t", "frames_in") > 0; }, 4s) ? 1 : 0;
+            air.reset();
+        }
+        EXPECT_EQ(got_in, 4) << says.size();
+        EXPECT_EQ(ground->link("l").at("error_id"), "handshakes");
+        EXPECT_EQ(ground->link("l").at("hint_id"), "handshakes");
+        EXPECT_GT(ground->link("l").at("handshakes_gave_way"), 0);
+        ground.reset();
+    }
+}
+
+TEST_F(Tls, who_sends_nothing_is_closed_first_when_others_come) {
+    listen(ca());
+    TcpPeer silent{ground->port("l")}, begun{ground->port("l")};
+    begun.send(Bytes{22, 3, 1, 0, 100, 1});
+    EXPECT_TRUE(ground->until([&, others = std::vector<TcpPeer>{}]() mutable {
+        if (others.size() < 200) others.emplace_back(ground->port("l"));
+        ground->run_for(50ms);
+        return silent.is_closed();
+    }));
+    EXPECT_FALSE(begun.is_closed());
 }
 
 TEST_F(Tls, junk_instead_of_a_handshake_ends_that_connection_alone) {

@@ -18,9 +18,7 @@
 namespace anogate {
 namespace {
 
-constexpr int accepts_per_turn = 16;
-constexpr int max_handshakes = 16;                               // at a time
-constexpr int max_handshakes_per_address = 4;                    // so that one that never ends them keeps nobody out
+constexpr int accepts_per_turn = 64;
 constexpr Duration refusals_shown = std::chrono::minutes{10};    // what happened once is no trouble for good
 constexpr Duration accept_pause = std::chrono::seconds{1};
 constexpr Duration one_exchange = std::chrono::seconds{1};    // so long a device may be silent within a conversation
@@ -47,7 +45,6 @@ public:
     ConnectionPlaces::Connection facts() const { return {address, since, heard_.any(), is_trusted_}; }
     bool has_heard(std::uint8_t source) const { return heard_[source]; }
     TimePoint heard_at() const { return heard_at_; }
-    bool is_opened() const { return is_opened_; }
     using StreamSession::channel;
     using TcpSession::not_acknowledged;
     using TcpSession::not_acknowledged_for;
@@ -58,8 +55,6 @@ public:
 
 private:
     void opened() override {
-        is_opened_ = true;
-        link_.accept_on();
         pacing().start(link_.settings().rate, link_.settings().latency, link_.settings().gap);
         resume_reading();
         link_.context_.host.link_up(link_);    // for the new channel
@@ -71,13 +66,7 @@ private:
         StreamSession::take(frame);
     }
     void read_ended(int error) override { link_.end(*this, cause_of(error)); }
-    void failed(int error) override {
-        if (!is_opened_ && !tls_fault().empty()) {
-            link_.failed_handshakes_.add(link_.context_.host.now());
-            link_.last_fault_ = tls_fault();
-        }
-        link_.end(*this, cause_of(error));
-    }
+    void failed(int error) override { link_.end(*this, cause_of(error)); }
     std::string cause_of(int error) const {
         if (const std::string fault = tls_fault(); !fault.empty()) return "TLS: " + fault;
         if (error == 0 || error == ECONNRESET || error == EPIPE) return "it closed the connection";
@@ -85,7 +74,6 @@ private:
     }
 
     bool is_trusted_;
-    bool is_opened_ = false;
     bool has_rival_ = false;    // another connection of the same device, which is not silent yet
     TcpListenLink& link_;
     std::bitset<256> heard_;    // the senders of its frames
@@ -100,8 +88,17 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       places_{tcp_places(this->settings().as<TcpListenSettings>())},
       sweep_{context.alarms, [this] { ended_.clear(); }},
       accept_again_{context.alarms, [this] { accept_on(); }} {
-    if (this->settings().kind->encrypts)
-        tls_ = std::make_unique<TlsContext>(this->settings().as<TcpListenSettings>().tls, TlsContext::Side::listens);
+    if (!this->settings().kind->encrypts) return;
+    tls_ = std::make_unique<TlsContext>(this->settings().as<TcpListenSettings>().tls, TlsContext::Side::listens);
+    handshakes_.emplace(
+        context_, *tls_,
+        [this](UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> tls) {
+            admit(std::move(fd), peer, std::move(tls));
+        },
+        [this](const std::string& why) {
+            failed_handshakes_.add(context_.host.now());
+            last_fault_ = why;
+        });
 }
 
 TcpListenLink::~TcpListenLink() = default;
@@ -122,10 +119,9 @@ Opened<void> TcpListenLink::open() {
 // Without a descriptor for it the next connection would be reported again and again.
 void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
-        if (tls_ && handshakes() >= max_handshakes) return listener_.stop_reading();    // until one ends
         Accepted next = accept_tcp(listener_.fd());
         if (next.fd) {
-            admit(std::move(next.fd), next.peer);
+            welcome(std::move(next.fd), next.peer);
             continue;
         }
         if (errno == ECONNABORTED || errno == EINTR) continue;
@@ -136,40 +132,36 @@ void TcpListenLink::accept() {
     }
 }
 
-std::ptrdiff_t TcpListenLink::handshakes(const IpAddress* of) const {
-    return std::count_if(connections_.begin(), connections_.end(),
-                         [of](const auto& one) { return !one->is_opened() && (!of || one->address == *of); });
-}
-
 void TcpListenLink::accept_on() {
     if (listener_.is_open() && !is_ending_ && !accept_again_.is_set()) listener_.read_with([this] { accept(); });
 }
 
-void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
+void TcpListenLink::welcome(UniqueFd fd, const Endpoint& peer) try {
     const TimePoint now = context_.host.now();
-    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
     if (!is_allowed(peer.address, now)) {
         ++outsiders_;
         return;
     }
-    if (tls_ && handshakes(&peer.address) >= max_handshakes_per_address) return no_place_.add(now);
+    if (!handshakes_) return admit(std::move(fd), peer, {});
+    if (!handshakes_->add(std::move(fd), peer, is_trusted(peer.address))) no_place_.add(now);
+} catch (const std::bad_alloc&) {
+    no_memory_.add(context_.host.now());
+}
+
+bool TcpListenLink::is_trusted(const IpAddress& address) const {
+    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
+    return tcp.trusted_any || contains(tcp.trusted, address);
+}
+
+void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted) try {
+    const TimePoint now = context_.host.now();
+    if (!fd) return no_memory_.add(now);
     if (!make_place(peer.address, now)) return no_place_.add(now);
     Channel* const channel = context_.host.open_channel(*this, peer.text());
     if (!channel) return no_place_.add(now);
-    set_tcp_options(fd.get(), tcp.dead_after);
-    std::shared_ptr<TlsConnection> encrypted;
-    if (tls_) {
-        auto made = tls_->connection(fd.get(), {});
-        if (!made) {
-            failed_handshakes_.add(now);
-            last_fault_ = made.error().text;
-            return context_.host.close_channel(*channel, last_fault_);
-        }
-        encrypted = std::move(*made);
-    }
+    set_tcp_options(fd.get(), settings().as<TcpListenSettings>().dead_after);
     try {
-        const bool is_trusted = tcp.trusted_any || contains(tcp.trusted, peer.address);
-        connections_.push_back(std::make_unique<Connection>(*this, peer, is_trusted, *channel));
+        connections_.push_back(std::make_unique<Connection>(*this, peer, is_trusted(peer.address), *channel));
     } catch (const std::bad_alloc&) {
         context_.host.close_channel(*channel, {});
         throw;
@@ -181,11 +173,9 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer) try {
 }
 
 bool TcpListenLink::make_place(const IpAddress& address, TimePoint now) {
-    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
     std::vector<ConnectionPlaces::Connection> all;
     for (const auto& one : connections_) all.push_back(one->facts());
-    const bool is_trusted = tcp.trusted_any || contains(tcp.trusted, address);
-    const ConnectionPlaces::Place place = places_.place_for(all, address, is_trusted, now);
+    const ConnectionPlaces::Place place = places_.place_for(all, address, is_trusted(address), now);
     if (place.gives_way) end(*connections_[*place.gives_way], "it sent no frame, and another peer needed the connection");
     return place.free;
 }
@@ -221,7 +211,6 @@ void TcpListenLink::end(Connection& connection, const std::string& why) {
     connection.end_of_input();
     context_.host.close_channel(channel, why);
     sweep_.set(context_.host.now());
-    accept_on();
 }
 
 void TcpListenLink::forget_peer(ChannelId channel) {
@@ -239,6 +228,7 @@ void TcpListenLink::stop_reading() {
     listener_.stop_reading();
     accept_again_.cancel();
     reconnect_.stop();
+    if (handshakes_) handshakes_->close();
     for (const auto& one : connections_) one->pause_reading();
 }
 
@@ -247,6 +237,7 @@ void TcpListenLink::stop() {
     accept_again_.cancel();
     sweep_.cancel();
     listener_.close();
+    if (handshakes_) handshakes_->close();
     connections_.clear();
     ended_.clear();
 }
@@ -265,6 +256,7 @@ LinkFacts TcpListenLink::facts() const {
     for (const auto& one : connections_) oldest = std::max(oldest, one->not_acknowledged_for());
     if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     if (listener_.is_open()) facts.push_back({"unacknowledged_ms", std::int64_t{oldest.count()}});
+    if (handshakes_) facts.push_back({"handshakes_gave_way", static_cast<std::int64_t>(handshakes_->gave_way().count)});
     return facts;
 }
 
@@ -273,6 +265,11 @@ LinkError TcpListenLink::trouble() const {
     const auto count_of = [now = context_.host.now()](const Refusals& refusals) {    // empty: none lately
         return refusals.count > 0 && now - refusals.last < refusals_shown ? std::to_string(refusals.count) : std::string{};
     };
+    if (const std::string count = handshakes_ ? count_of(handshakes_->gave_way()) : ""; !count.empty())
+        return {"handshakes",
+                count + " connections were closed during the TLS handshake: unknown senders held all " +
+                    std::to_string(Handshakes::places) + " places for it",
+                {{"count", count}}};
     if (const std::string count = count_of(no_place_); !count.empty())
         return {"no_place", count + " connections were refused: the limit of peers is reached", {{"count", count}}};
     if (const std::string count = count_of(no_memory_); !count.empty())
@@ -288,6 +285,8 @@ UnassignedTraffic TcpListenLink::unassigned_traffic() const {
     traffic.no_place = no_place_.count;
     traffic.no_memory = no_memory_.count;
     traffic.outsiders = outsiders_;
+    if (handshakes_ && handshakes_->gave_way().count > 0 && context_.host.now() - handshakes_->gave_way().last < refusals_shown)
+        traffic.handshakes = handshakes_->gave_way().count;
     return traffic;
 }
 

@@ -3,11 +3,13 @@
 #include <gateway/peers/connection_places.hpp>
 #include <link/own_networks.hpp>
 #include <link/reconnect.hpp>
+#include <link/tcp/handshakes.hpp>
 #include <link/tcp/tcp_settings.hpp>
 #include <link/tcp/tls_context.hpp>
 #include <sys/descriptor.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,21 +32,13 @@ public:
 
 private:
     class Connection;
-    struct Refusals {
-        std::uint64_t count = 0;
-        TimePoint last{};
-        void add(TimePoint now) {
-            ++count;
-            last = now;
-        }
-    };
-
     Opened<void> open();
     void accept();
-    /// Connections that are not open yet, of all addresses or one.
-    std::ptrdiff_t handshakes(const IpAddress* of = nullptr) const;
     void accept_on();
-    void admit(UniqueFd fd, const Endpoint& peer);
+    void welcome(UniqueFd fd, const Endpoint& peer);
+    /// After its handshake, if it is encrypted.
+    void admit(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted);
+    bool is_trusted(const IpAddress& address) const;
     bool make_place(const IpAddress& address, TimePoint now);
     bool is_allowed(const IpAddress& address, TimePoint now);
     bool has_rival(const Connection& from, std::uint8_t source);
@@ -60,8 +54,9 @@ private:
     std::vector<std::unique_ptr<Connection>> connections_;
     std::vector<std::unique_ptr<Connection>> ended_;    // destroyed when no call of theirs runs
     Alarm sweep_;
-    Alarm accept_again_;                 // while there is no descriptor or memory for another connection
-    std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
+    Alarm accept_again_;                      // while there is no descriptor or memory for another connection
+    std::unique_ptr<TlsContext> tls_;         // nullptr: not encrypted
+    std::optional<Handshakes> handshakes_;    // if it is
     bool is_ending_ = false;
     std::string last_fault_;    // of a handshake that failed
     Refusals no_place_, no_memory_, failed_handshakes_;

@@ -44,7 +44,7 @@ std::string TcpSession::tls_fault() const {
 }
 
 StreamSession::Opening TcpSession::go_on_opening() {
-    if (!tls_) return Opening::done;
+    if (!tls_ || (!step_.is_running() && tls_->is_done())) return Opening::done;
     if (!handshake_ends_.is_set()) handshake_ends_.set(context_.host.now() + handshake_patience);
     if (wants_record_ && !tls_->has_record()) return Opening::wants_to_read;
     wants_record_ = false;

@@ -15,7 +15,6 @@ namespace anogate {
 namespace {
 
 constexpr int tcp_send_buffer = 32 * 1024;    // the kernel doubles it
-constexpr int backlog = 64;
 constexpr int probes = 3;
 
 void set_option(int fd, int level, int option, int value) noexcept { ::setsockopt(fd, level, option, &value, sizeof value); }
@@ -78,7 +77,7 @@ Opened<UniqueFd> listen_tcp(const EndpointSpec& written) {
     set_option(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
     if (local->address.v6) set_option(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, 0);
     const SocketAddress address = SocketAddress::of(*local, local->address.v6);
-    if (::bind(fd.get(), address.get(), address.size) == 0 && ::listen(fd.get(), backlog) == 0) return fd;
+    if (::bind(fd.get(), address.get(), address.size) == 0 && ::listen(fd.get(), SOMAXCONN) == 0) return fd;
     return NotOpened{listen_error(written, errno)};
 }
 

@@ -102,6 +102,7 @@ TlsConnection::TlsConnection(std::unique_ptr<Parts> parts) : parts_{std::move(pa
 TlsConnection::~TlsConnection() = default;
 
 const std::string& TlsConnection::fault() const noexcept { return parts_->fault; }
+bool TlsConnection::is_done() const noexcept { return ::SSL_is_init_finished(parts_->ssl.get()) == 1; }
 bool TlsConnection::has_more() const noexcept { return parts_->has_more || ::SSL_pending(parts_->ssl.get()) > 0; }
 std::size_t TlsConnection::unsent() const noexcept { return parts_->taken.size(); }
 

@@ -28,6 +28,8 @@ public:
     Handshake go_on();
     /// After wants_to_read: go_on() has a whole record, or the end of input, to work on. While there is none the socket reports nothing.
     bool has_record();
+    /// The handshake is done.
+    bool is_done() const noexcept;
     const std::string& fault() const noexcept;
 
     /// As read() and writev(). What write() has taken may still wait here; the next call sends it first.

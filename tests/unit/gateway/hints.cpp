@@ -207,6 +207,8 @@ TEST(Hint, a_recording_at_its_end_is_not_silent_but_over) {
     EXPECT_EQ(hint_of_trouble(link), "the recording has ended") << "it is written to the log";
     link.no_place = 1;
     EXPECT_EQ(find_hint(link).id, "no_place");
+    link.handshakes = 1;
+    EXPECT_EQ(find_hint(link).id, "handshakes") << "which leaves no place to anybody";
 }
 
 TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {

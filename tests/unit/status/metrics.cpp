@@ -76,6 +76,7 @@ TEST(Metrics, has_the_state_of_links_and_of_the_gateway) {
     snapshot.links[0].since_s = 3;
     snapshot.links[0].hint_id = "silent";
     snapshot.links[0].certificate_days = 13;
+    snapshot.links[0].handshakes_gave_way = 7;
     snapshot.links[0].channels[0].silent_s = 4.5;
     snapshot.process.open_fds = 9;
     const std::string text = metrics(snapshot, MetricsForm::prometheus);
@@ -85,8 +86,8 @@ TEST(Metrics, has_the_state_of_links_and_of_the_gateway) {
           "anogate_link_info{link=\"fc\",kind=\"udp-listen\",id=\"7\"} 1", "anogate_link_up{link=\"fc\"} 1",
           "anogate_link_up{link=\"ground\"} 0", "anogate_link_state_seconds{link=\"fc\"} 3",
           "anogate_link_channels{link=\"fc\"} 1", "anogate_link_certificate_expires_seconds{link=\"fc\"} 1123200",
-          "anogate_link_hint{link=\"fc\",hint=\"silent\"} 1", "anogate_channel_silent_seconds{link=\"fc\",peer=\"\"} 4.5",
-          "process_open_fds 9"})
+          "anogate_link_handshakes_gave_way_total{link=\"fc\"} 7", "anogate_link_hint{link=\"fc\",hint=\"silent\"} 1",
+          "anogate_channel_silent_seconds{link=\"fc\",peer=\"\"} 4.5", "process_open_fds 9"})
         EXPECT_TRUE(has(text, line)) << line;
     EXPECT_EQ(text.find("hint{link=\"ground\""), std::string::npos);
     EXPECT_EQ(text.find("anogate_tunnel"), std::string::npos) << "there is none";

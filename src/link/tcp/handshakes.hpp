@@ -1,0 +1,72 @@
+// TLS handshakes of a listening port, until they are done. Many may wait, and a few are computed at a time, so that a host gets in
+// however many strangers connect.
+#pragma once
+#include <gateway/ip.hpp>
+#include <link/link_context.hpp>
+#include <link/tcp/tls_context.hpp>
+#include <sys/alarm.hpp>
+#include <sys/unique_fd.hpp>
+#include <sys/waiting_places.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+/// Connections that were refused.
+struct Refusals {
+    std::uint64_t count = 0;
+    TimePoint last{};
+    void add(TimePoint now) {
+        ++count;
+        last = now;
+    }
+};
+
+class Handshakes {
+public:
+    static constexpr std::size_t places = 256;     // some 10 KB each
+    static constexpr std::size_t at_a_time = 2;    // are computed, each in a thread
+    using Done = std::function<void(UniqueFd, const Endpoint& peer, std::shared_ptr<TlsConnection>)>;
+    using Failed = std::function<void(const std::string& why)>;
+
+    Handshakes(const LinkContext& context, TlsContext& tls, Done done, Failed failed);
+    ~Handshakes();
+
+    /// False: there is no place for it, as all are held by trusted ones or there are no descriptors. Whoever gives way for it is counted.
+    bool add(UniqueFd fd, const Endpoint& peer, bool is_trusted);
+    void close();
+    const Refusals& gave_way() const noexcept { return gave_way_; }
+
+private:
+    struct One;
+    using Stage = WaitingConnection::Stage;
+
+    bool make_place(bool is_trusted);
+    void end_those(Duration age, bool silent_alone, const std::string& why);
+    void heard(One& one);
+    void await(One& one);
+    void give_turns();
+    void begin(One& one);
+    void finished_step(One& one, TlsConnection::Handshake outcome);
+    void finish(One& one);
+    void fail(One& one, const std::string& why);
+    void remove(One& one);
+    std::vector<WaitingConnection> facts() const;
+
+    LinkContext context_;
+    TlsContext& tls_;
+    Done done_;
+    Failed failed_;
+    std::vector<std::unique_ptr<One>> all_;      // in the order in which they came
+    std::vector<std::unique_ptr<One>> ended_;    // destroyed when no call of theirs runs
+    std::size_t at_work_ = 0;
+    Refusals gave_way_;
+    Alarm turns_, patience_, sweep_;
+};
+
+}    // namespace anogate

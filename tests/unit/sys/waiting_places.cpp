@@ -1,0 +1,68 @@
+#include <sys/waiting_places.hpp>
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace waiting_places_tests {
+namespace {
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using Stage = WaitingConnection::Stage;
+
+ano::TimePoint at(std::chrono::milliseconds time) { return ano::TimePoint{} + 1h + time; }
+
+TEST(WaitingPlaces, of_the_address_with_most_connections_the_oldest_gives_way) {
+    std::vector<WaitingConnection> all{{1, at(0ms), Stage::begun}};
+    for (int i = 1; i <= 10; ++i) all.push_back({2, at(i * 1ms), Stage::begun});
+    EXPECT_EQ(gives_way(all, false), 1u);
+    all[1].stage = Stage::at_work;
+    EXPECT_EQ(gives_way(all, false), 2u) << "one that is worked at stays";
+}
+
+TEST(WaitingPlaces, of_a_flood_that_sends_nothing_the_silent_ones_give_way) {
+    std::vector<WaitingConnection> all{{1000, at(0ms), Stage::begun}, {1000, at(0ms), Stage::its_turn}};
+    for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::silent});
+    EXPECT_EQ(gives_way(all, false), 2u);
+}
+
+TEST(WaitingPlaces, of_a_flood_of_first_messages_those_give_way_and_not_who_has_just_come) {
+    std::vector<WaitingConnection> all{{1000, at(0ms), Stage::silent}};
+    for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::begun});
+    EXPECT_EQ(gives_way(all, false), 1u);
+}
+
+TEST(WaitingPlaces, a_few_connections_of_one_address_count_as_one) {
+    std::vector<WaitingConnection> all;
+    for (int i = 0; i < 4; ++i) all.push_back({1000, at(10ms), Stage::begun});
+    for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::begun});
+    EXPECT_EQ(gives_way(all, false), 4u);
+    all.push_back({1000, at(20ms), Stage::begun});
+    EXPECT_EQ(gives_way(all, false), 0u);
+}
+
+TEST(WaitingPlaces, a_trusted_one_gives_way_to_trusted_ones_alone) {
+    std::vector<WaitingConnection> all(3, {1, at(0ms), Stage::silent, true});
+    EXPECT_EQ(gives_way(all, false), std::nullopt);
+    EXPECT_EQ(gives_way(all, true), 0u);
+    all.push_back({2, at(5ms), Stage::begun});
+    EXPECT_EQ(gives_way(all, false), 3u);
+    EXPECT_EQ(gives_way({}, false), std::nullopt);
+}
+
+TEST(WaitingPlaces, turns_are_for_trusted_ones_then_for_who_answered_then_for_the_address_with_fewest_then_for_the_newest) {
+    std::vector<WaitingConnection> all{{1, at(0ms), Stage::begun}};
+    EXPECT_EQ(next_turn(all), std::nullopt);
+    for (int i = 0; i < 10; ++i) all.push_back({2, at(i * 1ms), Stage::its_turn});
+    EXPECT_EQ(next_turn(all), 10u);
+    all.push_back({3, at(0ms), Stage::its_turn});
+    EXPECT_EQ(next_turn(all), 11u);
+    all.push_back({2, at(0ms), Stage::its_turn, false, true});
+    EXPECT_EQ(next_turn(all), 12u);
+    all.push_back({2, at(0ms), Stage::its_turn, true, false});
+    EXPECT_EQ(next_turn(all), 13u);
+}
+
+}    // namespace
+}    // namespace waiting_places_tests
