@@ -171,8 +171,9 @@ Hint trouble_in(const LinkFigures& link, bool with_time) {
                 "a peer's frames were refused for one second after each gateway query (0xFB) from its address: a gateway listens "
                 "there, or the address is forged; restrict `allow` or `interface`, or use WireGuard"};
     if (link.handshakes > 0)
-        return {"handshakes",
-                "unknown senders hold all places for TLS handshakes: add the operators' network to `trusted`, or restrict `allow`"};
+        return {
+            "handshakes",
+            "unknown senders hold all places for TLS handshakes: add the operators' network to `trusted`, or restrict `allow`"};
     if (link.no_place > 0)
         return {"no_place",
                 "new peers were refused because the limit of peers is reached: add the operators' network to `trusted`, or raise "
