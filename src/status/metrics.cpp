@@ -61,9 +61,6 @@ void write_gateway(MetricsText& text, const MetricsSnapshot& s) {
     text.sample({}, s.conflicts);
     text.family("anogate_wrong_tokens", MetricType::counter, "wrong tokens received by control.http");
     text.sample({}, s.wrong_tokens);
-    text.family("anogate_connections_gave_way", MetricType::counter,
-                "connections to control.http closed in favor of others while they waited");
-    text.sample({}, s.gave_way);
     text.family("anogate_guessing_clients", MetricType::counter, "clients of control.http delayed because of wrong tokens");
     text.sample({}, s.guessing_clients);
     text.family("anogate_alarms", MetricType::gauge, "device values outside their alarm limits");

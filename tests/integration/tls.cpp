@@ -193,7 +193,8 @@ TEST_F(Tls, who_sends_nothing_is_closed_first_when_others_come) {
     listen(ca());
     TcpPeer silent{ground->port("l")}, begun{ground->port("l")};
     begun.send(Bytes{22, 3, 1, 0, 100, 1});
-    EXPECT_TRUE(ground->until([&, others = std::vector<TcpPeer>{}]() mutable {
+    std::vector<TcpPeer> others;
+    EXPECT_TRUE(ground->until([&] {
         if (others.size() < 200) others.emplace_back(ground->port("l"));
         ground->run_for(50ms);
         return silent.is_closed();
