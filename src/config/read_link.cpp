@@ -92,7 +92,7 @@ private:
     }
 
     void several(std::string_view value, const std::string& joined) {
-        error("unknown key " + in_quotes(value) + ": join several values of " + in_quotes(last_name_) + " with +:  " + joined);
+        error("unknown key " + in_quotes(value) + ": join several values of " + in_quotes(last_name_) + " with +: " + joined);
         last_value_.append("+").append(value);
     }
 

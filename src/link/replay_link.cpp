@@ -194,7 +194,7 @@ constinit const LinkKind replay_kind{
     .name = "replay",
     .address = "file",
     .example = "flight.pcapng",
-    .help = "replays the frames of a recording at their original times. It accepts no frames and does not affect routing",
+    .help = "replays a recording at its original times. It accepts no frames and does not affect routing",
     .carries = Carries::pieces,
     .devices_only = true,
     .replays = true,

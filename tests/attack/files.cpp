@@ -61,7 +61,7 @@ TEST_F(Files, of_an_earlier_run_that_are_damaged_are_told_and_prevent_no_start) 
         Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
         EXPECT_TRUE(daemon.until_answers()) << daemon.output();
         EXPECT_NE(daemon.output().find("unconfirmed-"), std::string::npos) << daemon.output();
-        EXPECT_NE(daemon.output().find("is damaged"), std::string::npos) << daemon.output();
+        EXPECT_NE(daemon.output().find("damaged; remove it"), std::string::npos) << daemon.output();
         EXPECT_NE(daemon.output().find("flexible.json"), std::string::npos) << daemon.output();
     }
 }

@@ -190,7 +190,7 @@ TEST_P(ForgedAnswers, and_writes_of_other_hosts_refuse_no_command_and_no_other_w
         EXPECT_LT(done.status, 300u) << done.body;
     }
     const std::string jobs = asked(socket, "GET", "/jobs").body;
-    EXPECT_NE(jobs.find("writes to 0xDC as well"), std::string::npos) << "it is told: " << jobs;
+    EXPECT_NE(jobs.find("also writes to 0xDC"), std::string::npos) << "it is told: " << jobs;
 }
 
 INSTANTIATE_TEST_SUITE_P(At, ForgedAnswers, testing::Values(true, false),

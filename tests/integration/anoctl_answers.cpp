@@ -52,7 +52,7 @@ TEST_F(AnoctlAnswers, fewer_waypoints_than_there_are_are_asked_about_and_told) {
     EXPECT_TRUE(contains(still.output, "The file has no speed for 0 (counted from 0); 0 cm/s is written.\n")) << still.output;
     const Ran wrong = anoctl({"waypoint", "put", dir.write("wrong.json", "{\"way\": 1}"), "--yes"});
     EXPECT_EQ(wrong.exit, 2);
-    EXPECT_TRUE(contains(wrong.output, "wrong.json: it is none of the forms of waypoints")) << wrong.output;
+    EXPECT_TRUE(contains(wrong.output, "wrong.json: not a waypoint file")) << wrong.output;
 }
 
 TEST_F(AnoctlOtherDevice, that_stops_in_the_middle_is_told_with_how_many_waypoints_it_has) {
@@ -116,7 +116,7 @@ TEST_F(AnoctlOtherDevice, has_a_name_in_every_list_and_is_found_by_it_whatever_t
     hear_of_another();
     Process several{ANOCTL, {"param", "get", "SIM_TURN", "--control", socket}};
     EXPECT_EQ(until_ended(several), 2);
-    EXPECT_TRUE(contains(several.output(), "choose one by --device: 0xDC SimFC, 0xDD fake\n")) << several.output();
+    EXPECT_TRUE(contains(several.output(), "choose one with --device: 0xDC SimFC, 0xDD fake\n")) << several.output();
     const Ran named = anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "simfc"});
     EXPECT_EQ(named.exit, 0) << named.output;
     fake.name = "SIMFC";    // now two are called so, and none of them as it is typed
@@ -165,7 +165,7 @@ TEST_F(AnoctlAnswers, what_the_device_refuses_is_not_counted_as_written) {
     const std::string file = dir.write("refused.json", R"({"SIM_SERIAL": 1})");
     const Ran import = anoctl({"param", "import", file, "--yes"});
     EXPECT_EQ(import.exit, 1);
-    EXPECT_TRUE(contains(import.output, "SIM_SERIAL: 687194767361 -> 1, failed: 0xDC is heard, ")) << import.output;
+    EXPECT_TRUE(contains(import.output, "SIM_SERIAL: 687194767361 -> 1, failed: 0xDC is online, ")) << import.output;
     EXPECT_TRUE(contains(import.output, "no parameter was written\n")) << import.output;
     EXPECT_TRUE(contains(import.output, "anoctl: 1 parameter was not written\n")) << import.output;
 }
@@ -351,16 +351,16 @@ TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
     const Ran second = anoctl({"param", "save", "--device", "0xDD"});
     EXPECT_EQ(second.exit, 1);
     const std::string who = "anoctl param, process " + std::to_string(first.pid());
-    EXPECT_TRUE(contains(second.output, who + "); anoctl devices --jobs --control " + socket + " shows what it does"))
+    EXPECT_TRUE(contains(second.output, who + "); anoctl devices --jobs --control " + socket + " shows its progress"))
         << second.output;
     const auto jobs = lines_of(anoctl({"devices", "--jobs", "--json"}).output);
     ASSERT_FALSE(jobs.empty());
     const std::string number = jobs.back().at("id").dump();
-    EXPECT_TRUE(contains(second.output, "anoctl devices --cancel " + number + " --control " + socket + " ends it"))
+    EXPECT_TRUE(contains(second.output, "anoctl devices --cancel " + number + " --control " + socket + " cancels it"))
         << second.output;
     const Ran cancel = anoctl({"devices", "--cancel", number});
     EXPECT_EQ(cancel.exit, 0);
-    EXPECT_TRUE(contains(cancel.output, "job " + number + " (param save/reset of " + who + "): cancelled\n")) << cancel.output;
+    EXPECT_TRUE(contains(cancel.output, "job " + number + " (param save/reset of " + who + "): cancelled; save may have been carried out\n")) << cancel.output;
     EXPECT_EQ(first.wait(), 1);
     EXPECT_TRUE(contains(first.output(), "anoctl: cancelled by another client")) << first.output();
     EXPECT_TRUE(contains(anoctl({"devices", "--cancel", number}).output, "already ended: cancelled"));
@@ -468,7 +468,7 @@ TEST_F(AnoctlOtherDevice, is_left_as_it_is_when_the_gateway_ends) {
               1)
         << flash.output();
     EXPECT_TRUE(contains(flash.output(), "anoctl: the gateway stopped: ")) << flash.output();
-    EXPECT_TRUE(contains(flash.output(), "the device is left in its loader: flash it again")) << flash.output();
+    EXPECT_TRUE(contains(flash.output(), "the device is still in its loader: flash it again")) << flash.output();
 }
 
 TEST_F(AnoctlAnswers, streams_end_with_the_gateway) {
@@ -480,7 +480,7 @@ TEST_F(AnoctlAnswers, streams_end_with_the_gateway) {
     }));
     gateway.signal(SIGTERM);
     EXPECT_EQ(log.wait(), 1);
-    EXPECT_TRUE(contains(log.output(), "anoctl: the gateway stopped")) << log.output();
+    EXPECT_TRUE(contains(log.output(), "anoctl: the gateway closed the connection")) << log.output();
     EXPECT_EQ(image.wait(), 1);
 }
 
@@ -503,7 +503,7 @@ TEST_F(AnoctlAnswers, questions_say_what_is_lost_and_lines_are_broken_between_wo
     dir.write("x.json", "{}");
     tmux("send-keys -t t 'clear; sh a param reset' Enter");
     EXPECT_TRUE(shows("[y/N]")) << screen;
-    EXPECT_TRUE(contains(screen, "All parameters of 0xDC become what its maker\n    meant, those of its calibration")) << screen;
+    EXPECT_TRUE(contains(screen, "All parameters of 0xDC are reset to factory")) << screen;
     tmux("send-keys -t t 'n' Enter");
     EXPECT_TRUE(shows("anoctl: nothing was changed")) << screen;
     tmux("send-keys -t t 'clear; sh a param export x.json' Enter");

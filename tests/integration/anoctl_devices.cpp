@@ -66,7 +66,7 @@ TEST_F(AnoctlDevices, what_is_wrong_is_said_with_its_exit_status) {
     EXPECT_TRUE(contains(unknown.output, "anoctl: no parameter is named 'SIM_TRN'")) << unknown.output;
     const Ran range = anoctl({"param", "set", "SIM_TURN", "300"});
     EXPECT_EQ(range.exit, 1) << range.output;
-    EXPECT_EQ(anoctl({"param", "sett", "A", "1"}).output.find("anoctl: param 'sett' is nothing to do (did you mean 'set'?)"), 0u);
+    EXPECT_EQ(anoctl({"param", "sett", "A", "1"}).output.find("anoctl: unknown action 'sett' (did you mean 'set'?)"), 0u);
     EXPECT_EQ(anoctl({"param", "set", "SIM_TURN"}).exit, 2);
     EXPECT_EQ(anoctl({"param", "import", dir / "nowhere"}).exit, 2);
     const Ran nobody = anoctl({"param", "get", "SIM_TURN", "--device", "Nobody"});
@@ -221,6 +221,7 @@ TEST_F(AnoctlCommands, that_have_other_numbers_now_are_read_again_once_and_calle
         const auto before = gateway.count("peer", "frames_in");
         peer.send(gateway.port("peer"), frame_of_another());
         ASSERT_TRUE(wait_until([&] { return gateway.count("peer", "frames_in") > before; }));
+        std::this_thread::sleep_for(20ms);    // frames within 167 ms count as one
     };
     const auto since = std::chrono::steady_clock::now();
     for (int i = 0; i < 30; ++i) speak();
@@ -417,7 +418,7 @@ TEST_F(AnoctlFlash, an_interrupt_in_the_middle_says_what_is_half_done) {
                           }),
               130)
         << process.output();
-    EXPECT_TRUE(contains(process.output(), "the device is left in its loader: flash it again")) << process.output();
+    EXPECT_TRUE(contains(process.output(), "the device is still in its loader: flash it again")) << process.output();
 }
 
 TEST_F(AnoctlDevices, a_calibration_that_is_interrupted_leaves_the_old_values) {
@@ -466,7 +467,7 @@ TEST(AnoctlDevicesOfALink, are_asked_by_the_same_engine_without_a_gateway) {
     EXPECT_TRUE(json::parse(text_of(dir / "backup.json")).at("parameters").contains("SIM_NOTE"));
     Process absent{ANOCTL, {"param", "list", "--link", "serial:" + (dir / "absent")}};
     EXPECT_EQ(absent.wait(), 1);
-    EXPECT_TRUE(contains(absent.output(), "is not there")) << absent.output();
+    EXPECT_TRUE(contains(absent.output(), "absent not found")) << absent.output();
 }
 
 TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
@@ -491,14 +492,14 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
     };
     type(ANOCTL " param import " + file + " --control " + socket + "; echo ended as $?");
     EXPECT_TRUE(shows("the file is for Other, device type 1, but the device is SimFC"));
-    EXPECT_TRUE(shows("Go on all the same? [y/N]"));
+    EXPECT_TRUE(shows("Continue anyway? [y/N]"));
     type("y");
     EXPECT_TRUE(shows("Write 1 parameter into SimFC (0xDC)? [y/N]"));
     type("n");
     EXPECT_TRUE(shows("ended as 1"));
     EXPECT_NE(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=444\n");
     type("clear; " ANOCTL " calibrate accelerometer --control " + socket + "; echo ended as $?");
-    EXPECT_TRUE(shows("on each of its six faces. [y/N]"));
+    EXPECT_TRUE(shows("six faces"));
     type("y");
     EXPECT_TRUE(shows("(Enter continues, Ctrl-C cancels)"));
     type("");

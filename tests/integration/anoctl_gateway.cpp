@@ -98,7 +98,7 @@ TEST_F(AnoctlGateway, shows_its_status) {
     EXPECT_EQ(ask({"status", "--exit-code"}).exit, 3);
     EXPECT_EQ(ask({"status", "--exit-code", "--json"}).exit, 3);
     for (const char* words :
-         {" IN/s  OUT/s ", "id 199, up for ", "LINK", "fc ", "ground ", "absent ", "waiting", "    /dev/absent is not there"})
+         {" IN/s  OUT/s ", "id 199, up for ", "LINK", "fc ", "ground ", "absent ", "waiting", "    /dev/absent not found"})
         EXPECT_NE(status.said.find(words), std::string::npos) << words << " in\n" << status.said;
     EXPECT_TRUE(fits_80_columns(status.said)) << status.said;
     const Result as_json = ask({"status", "--json"});
@@ -275,7 +275,7 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     const Result none = anoctl({"status", "--control", dir / "none.sock"});
     EXPECT_EQ(none.exit, 1);
     EXPECT_EQ(none.said, "anoctl: no gateway is running at " + dir / "none.sock" +
-                             ": there is no such socket (another one: --control PATH); to start one: anogated LINK...\n");
+                             ": socket not found (another one: --control PATH); to start one: anogated LINK...\n");
     if (no_namespaces().empty()) {
         const Result nowhere = anoctl({"status"}, {"XDG_RUNTIME_DIR="}, become_nobody_where_none_runs);
         EXPECT_NE(nowhere.said.find("socket not found; XDG_RUNTIME_DIR is not set, so a gateway of this user can't be found"),
@@ -291,7 +291,7 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     const Result dead = ask({"links"});
     EXPECT_EQ(dead.exit, 1);
     EXPECT_EQ(dead.said, "anoctl: no gateway is running at " + socket +
-                             ": one that ended left its socket; to start one: anogated LINK...\n");
+                             ": the socket is left from a stopped one; to start one: anogated LINK...\n");
 }
 
 TEST_F(AnoctlGateway, tells_shells_which_devices_and_links_there_are) {

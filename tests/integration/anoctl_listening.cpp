@@ -177,7 +177,7 @@ TEST_F(AnoctlListening, image_of_an_interrupted_run_says_what_came) {
     })) << image.output();
     image.signal(SIGINT);
     EXPECT_EQ(image.wait(), 0);
-    EXPECT_NE(image.output().find(" with a part lost"), std::string::npos) << image.output();
+    EXPECT_NE(image.output().find(" of them incomplete"), std::string::npos) << image.output();
 }
 
 TEST_F(AnoctlListening, image_says_why_nothing_can_be_written) {

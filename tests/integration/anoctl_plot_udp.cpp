@@ -98,7 +98,7 @@ TEST_F(AnoctlPlotUdp, says_once_that_nobody_listens) {
     const std::string nobody = UdpPeer{}.local().text();    // that is gone again
     Process plot{ANOCTL, {"plot-udp", nobody, "serial:" + device.path()}};
     ASSERT_TRUE(plot.until_says(" is up")) << plot.output();
-    const std::string words = "nothing listens at " + nobody + ": ";
+    const std::string words = "nothing listens at " + nobody + "; ";
     says_once(plot, device, words);
     EXPECT_NE(plot.output().find(" sent to " + nobody), std::string::npos) << plot.output();
     EXPECT_EQ(plot.output().find(" failed: "), std::string::npos) << plot.output();

@@ -83,7 +83,7 @@ TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_their_name_without_its_endin
 TEST_F(AnoctlRecordings, have_no_name_that_ends_as_another_format) {
     start(R"(, "record": {"start": false, "keep_last": "60s"})");
     for (const char* action : {"start", "save"})
-        expect(anoctl({"recordings", action, "flight.csv"}), 2, "flight.csv: what is recorded is pcapng");
+        expect(anoctl({"recordings", action, "flight.csv"}), 2, "flight.csv: recordings are pcapng");
     EXPECT_TRUE(get().at("running").empty());
     expect(anoctl({"recordings", "start", "2026.11", "--format", "mcap"}), 0, "2026.11.mcap started");
 }

@@ -92,7 +92,7 @@ TEST_F(AnoctlSetup, finds_the_rate_by_listening) {
 TEST_F(AnoctlSetup, changes_nothing_when_it_can_not_ask) {
     const Result refused = setup({device.path()});
     EXPECT_EQ(refused.exit, 2);
-    EXPECT_NE(refused.said.find("--yes does it without"), std::string::npos) << refused.said;
+    EXPECT_NE(refused.said.find("use --yes"), std::string::npos) << refused.said;
     EXPECT_FALSE(std::filesystem::exists(config));
 }
 

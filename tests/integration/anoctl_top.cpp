@@ -52,7 +52,7 @@ TEST_F(TopInTmux, shows_channels_and_addresses_and_gives_the_terminal_back) {
     EXPECT_TRUE(shows("link_down")) << screen();
     EXPECT_EQ(screen().find("before"), std::string::npos) << "it is a screen of its own";
     tmux("send-keys -t top s");
-    EXPECT_TRUE(shows("now by in")) << screen();
+    EXPECT_TRUE(shows("s sort, by in")) << screen();
     tmux("send-keys -t top q");
     EXPECT_TRUE(shows("ended as 0")) << screen();
     EXPECT_TRUE(shows("before"));

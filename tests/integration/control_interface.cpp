@@ -90,14 +90,14 @@ protected:
         EXPECT_EQ(routes[1].at("via"), "learned");
     }
     void forget() const {
-        refuses("DELETE", "/routes/0xDC", 404, "unknown", "0xDC was not heard");
+        refuses("DELETE", "/routes/0xDC", 404, "unknown", "0xDC was not seen");
         refuses("DELETE", "/routes/nobody", 400, "invalid", "'nobody'");
         refuses("DELETE", "/routes/300", 400, "invalid", "300");
         const Answer answer = ask("DELETE", "/routes/host");
         EXPECT_EQ(answer.status, 200u);
         EXPECT_EQ(json::parse(answer.body), (json{{"address", "0xFE"}, {"forgotten", true}}));
         EXPECT_EQ(get("/routes").size(), 1u);
-        refuses("DELETE", "/routes/254", 404, "unknown", "0xFE was not heard");
+        refuses("DELETE", "/routes/254", 404, "unknown", "0xFE was not seen");
     }
     void log() {
         host.send(daemon.port("ground"), frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
@@ -211,19 +211,19 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"GET /devices/{device}/limits", [this] { refuses("GET", "/devices/nobody/limits", 404, "unknown", "'nobody'"); }},
         {"PUT /devices/{device}/limits", [this] { limits(); }},
         {"GET /devices/{device}/parameters",
-         [this] { refuses("GET", "/devices/0xDC/parameters", 404, "unknown", "0xDC was not heard"); }},
+         [this] { refuses("GET", "/devices/0xDC/parameters", 404, "unknown", "0xDC was not seen"); }},
         {"GET /devices/{device}/parameters/{parameter}",
          [this] { refuses("GET", "/devices/nobody/parameters/P", 404, "unknown", "'nobody'"); }},
         {"PUT /devices/{device}/parameters/{parameter}",
          [this] { refuses("PUT", "/devices/0xDC/parameters/P", 400, "invalid", "'value'", "{}"); }},
-        {"POST /devices/{device}/apply", [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "no JSON", "{"); }},
+        {"POST /devices/{device}/apply", [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "not valid JSON", "{"); }},
         {"POST /devices/scan",
          [this] {
              const json nobody{{"devices", json::array()}};
              EXPECT_EQ(json::parse(ask("POST", "/devices/scan").body), nobody);
          }},
         {"POST /devices/{device}/actions", [this] { refuses("POST", "/devices/0xDC/actions", 400, "invalid", "save", "{}"); }},
-        {"GET /devices/{device}/commands", [this] { refuses("GET", "/devices/0xDC/commands", 404, "unknown", "not heard"); }},
+        {"GET /devices/{device}/commands", [this] { refuses("GET", "/devices/0xDC/commands", 404, "unknown", "was not seen"); }},
         {"POST /devices/{device}/commands/by-cid",
          [this] { refuses("POST", "/devices/0xDC/commands/by-cid", 400, "invalid", "'cid'", R"({"cid": [1, 2]})"); }},
         {"POST /devices/{device}/commands/{command}",

@@ -238,8 +238,8 @@ TEST_F(ControlLinkOfOnePeer, what_can_not_be_sent_is_told_in_words) {
     EXPECT_NE(refused("{\"hex\": \"AB\"", 400), "");
     EXPECT_NE(refused(R"({"hex": 5})", 400).find("text"), std::string::npos);
     EXPECT_NE(refused(R"({"hex": "ABC"})", 400).find("pairs"), std::string::npos);
-    EXPECT_NE(refused(R"({"hex": ")" + whole + whole + R"("})", 400).find("one whole frame"), std::string::npos);
-    EXPECT_NE(refused(R"({"hex": ")" + whole + R"(", "to": 3})", 400).find("alone"), std::string::npos);
+    EXPECT_NE(refused(R"({"hex": ")" + whole + whole + R"("})", 400).find("one complete frame"), std::string::npos);
+    EXPECT_NE(refused(R"({"hex": ")" + whole + R"(", "to": 3})", 400).find("no other keys"), std::string::npos);
     EXPECT_NE(refused(R"({"name": "eular"})", 400).find("euler"), std::string::npos);
     EXPECT_NE(refused(R"({"name": "euler", "fields": {"rll": 1}})", 400).find("/fields/rll"), std::string::npos);
     EXPECT_FALSE(has_link(door, "control")) << "nothing was sent";

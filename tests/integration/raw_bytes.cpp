@@ -136,7 +136,7 @@ TEST(RawBytesOfASlowClient, are_left_out_and_counted_while_frames_pass) {
         if (::pipe(ends) == 0) ::dup2(ends[0], STDIN_FILENO);
     };
     Process terminal{ANOCTL, {"terminal", "fc", "--hex", "--control", socket}, {}, never_ending_input};
-    ASSERT_TRUE(terminal.until_says("lines are sent"));
+    ASSERT_TRUE(terminal.until_says("press Enter to send a line"));
     terminal.signal(SIGSTOP);
     Bytes many;
     while (many.size() < 4000) many = many + telemetry;
@@ -176,7 +176,7 @@ TEST(Terminal, shows_lines_harmless_sends_lines_and_gives_the_link_back_when_it_
     Daemon daemon{ANOGATED, socket, {"serial:" + (dir / "radio") + ",encoding=gbk", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(daemon.until_up("radio"));
     Shell terminal{"(echo AT+飞; sleep 100) | exec " ANOCTL " terminal radio --exclusive --end cr --control " + socket};
-    ASSERT_TRUE(terminal.until_says("frames are not forwarded to it")) << terminal.output();
+    ASSERT_TRUE(terminal.until_says("no frames are forwarded to it")) << terminal.output();
     EXPECT_TRUE(wait_until([&] { return device.heard() == bytes_of("AT+\xB7\xC9\r"); }));
     EXPECT_TRUE(terminal.until_says(" > AT+飞\n")) << terminal.output();
     device.write(bytes_of("OK \x1b[2J\xC6\xF4\r\n"));

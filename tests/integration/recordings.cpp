@@ -63,7 +63,7 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     EXPECT_TRUE(until([](const json& all) { return all.at("running").at(0).at("frames") == 50; }));
     EXPECT_EQ(file_called("flight.pcapng").at("state"), "recording");
     EXPECT_EQ(gateway->status().at("recording").at("running").at(0).at("name"), "flight");
-    refuses(409, "DELETE", "/recordings/flight.pcapng", {}, "is being written");
+    refuses(409, "DELETE", "/recordings/flight.pcapng", {}, "is still being recorded");
     refuses(409, "POST", "/recordings", R"({"name": "flight"})", "is already being recorded");
 
     const json ended = end("flight");
@@ -169,7 +169,7 @@ TEST_F(Recordings, leave_everything_alone_that_the_gateway_did_not_write) {
     }
     refuses(422, "GET", "/recordings/..%2Fsecret.pcapng", {}, "no leading dot");
     refuses(422, "DELETE", "/recordings/..%2F..%2Fsecret.pcapng", {}, "no leading dot");
-    refuses(409, "POST", "/recordings", R"({"name": "link"})", "is there already");
+    refuses(409, "POST", "/recordings", R"({"name": "link"})", "already exists");
     EXPECT_EQ(text_of(secret), "secret");
     EXPECT_EQ(names().size(), 3u);
 }
@@ -373,7 +373,7 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
     EXPECT_EQ(read.items[0].link, "a");
     const auto span = static_cast<double>(read.items[39].boottime_ns - read.items[0].boottime_ns) / 1e9;
     EXPECT_DOUBLE_EQ(file_called("incident.pcapng").at("seconds").get<double>(), span) << "of what it has, whenever it was saved";
-    refuses(409, "POST", "/recordings", R"({"last": true, "name": "incident"})", "is there already");
+    refuses(409, "POST", "/recordings", R"({"last": true, "name": "incident"})", "already exists");
     refuses(422, "POST", "/recordings", R"({"last": true, "id": "euler"})", "as it is");
 }
 

@@ -281,7 +281,7 @@ TEST_F(Replay, of_a_file_that_was_cut_or_damaged_the_whole_frames_are_said_and_w
         RunningGateway daemon{settings_of_texts({"replay:" + (dir / "flight.pcapng"), ground.link("ground")})};
         EXPECT_EQ(all_heard(daemon, ground), is_cut ? Frames{numbered(0)} : (Frames{numbered(0), numbered(1)}));
         EXPECT_EQ(daemon.link("flight")["error_id"], "recording_damaged") << daemon.status();
-        EXPECT_NE(daemon.link("flight")["error"].get<std::string>().find(is_cut ? "cut off" : "damaged behind byte"),
+        EXPECT_NE(daemon.link("flight")["error"].get<std::string>().find(is_cut ? "is truncated" : "damaged after byte"),
                   std::string::npos);
     }
 }
@@ -293,7 +293,7 @@ TEST_F(Replay, what_is_no_file_is_told_and_not_waited_for) {
         RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
         EXPECT_TRUE(daemon.until([&] {
             return daemon.link("flight")["error"].get<std::string>().starts_with(
-                file + (is_pipe ? ": it is a named pipe" : ": it is a folder") + ": name a file");
+                file + (is_pipe ? ": it is a named pipe" : ": it is a folder") + ": use a regular file");
         })) << daemon.status();
         EXPECT_EQ(daemon.link("flight")["error_id"], "no_recording");
         EXPECT_EQ(daemon.link("flight")["state"], "waiting");

@@ -61,7 +61,7 @@ TEST(SerialLink, an_absent_device_that_is_written_as_for_other_programs_is_told_
                           serial("c", "/dev/by-path/usb-0:1:1.0")};
     EXPECT_EQ(daemon.link("a").at("error"), "ttyAbsent not found (did you mean /dev/ttyAbsent?)");
     EXPECT_EQ(daemon.link("b").at("error"), "/dev/ttyAbsent:115200 not found (did you mean /dev/ttyAbsent,baud=115200?)");
-    EXPECT_EQ(daemon.link("c").at("error"), "/dev/by-path/usb-0:1:1.0 is not there");
+    EXPECT_EQ(daemon.link("c").at("error"), "/dev/by-path/usb-0:1:1.0 not found");
 }
 
 TEST(SerialLink, a_device_comes_and_goes_and_nobody_else_notices) {
@@ -71,7 +71,7 @@ TEST(SerialLink, a_device_comes_and_goes_and_nobody_else_notices) {
     RunningGateway daemon{serial("fc", fc.path()), serial("a", a.path()), serial("b", b.path())};
     ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("b"));
     EXPECT_EQ(daemon.link("fc").at("state"), "waiting");
-    EXPECT_EQ(daemon.link("fc").at("error"), fc.path() + " is not there");
+    EXPECT_EQ(daemon.link("fc").at("error"), fc.path() + " not found");
 
     b.write(frame(0xDE, 0xDD, 0xF1));
     ASSERT_TRUE(daemon.until([&] { return a.heard() == frame(0xDE, 0xDD, 0xF1); })) << "0xDE is known to be at b";

@@ -56,7 +56,7 @@ struct OpenNetworkBeside {
             const Inside inside{vehicle};
             ASSERT_TRUE(daemon.until_waiting("ground"));
         }
-        EXPECT_EQ(daemon.link("ground").at("error"), "no network interface wg0 now");
+        EXPECT_EQ(daemon.link("ground").at("error"), "network interface wg0 not found");
         join_ground();
         const Inside inside{vehicle};
         ASSERT_TRUE(daemon.until_up("ground"));

@@ -79,7 +79,7 @@ TEST(Daemon, absent_devices_and_taken_ports_are_waited_for) {
     PtyDevice fc{dir / "ttyUSB0"};
     EXPECT_TRUE(daemon.until_up("ttyUSB0"));
     EXPECT_EQ(terminate(daemon).status, 0);
-    EXPECT_NE(daemon.output().find("is not there; waiting for it"), std::string::npos) << daemon.output();
+    EXPECT_NE(daemon.output().find("not found; waiting for it"), std::string::npos) << daemon.output();
 }
 
 TEST(Daemon, a_safety_switch_that_is_absent_says_what_that_means) {
@@ -213,7 +213,7 @@ TEST(Daemon, says_first_what_it_is_and_last_what_it_did) {
     ASSERT_EQ(said.back(), '\n');
     const std::size_t last = said.rfind('\n', said.size() - 2) + 1;
     EXPECT_TRUE(
-        std::regex_search(said.substr(last), std::regex{" info ends: SIGTERM, after \\d+ s, [1-9]\\d* frames? in, 0 out\n$"}))
+        std::regex_search(said.substr(last), std::regex{" info stopping \\(SIGTERM\\) after \\d+ s, [1-9]\\d* frames? in, 0 out\n$"}))
         << said;
 }
 
@@ -376,7 +376,7 @@ TEST(Daemon, a_required_link_that_is_missing_ends_it_with_1_after_ten_seconds) {
     Daemon daemon{ANOGATED, dir / "control", {"serial:" + (dir / "ttyUSB0") + ",required", "sim:fc,required"}};
     EXPECT_EQ(daemon.wait(15s), 1);
     EXPECT_GE(std::chrono::steady_clock::now() - begin, 9s);
-    EXPECT_NE(daemon.output().find("ttyUSB0 is required"), std::string::npos) << daemon.output();
+    EXPECT_NE(daemon.output().find("required link ttyUSB0 was not up"), std::string::npos) << daemon.output();
 }
 
 TEST(Daemon, faults_of_the_configuration_are_told_one_a_line_and_exit_78) {
@@ -401,7 +401,7 @@ TEST(Daemon, faults_of_the_configuration_are_told_one_a_line_and_exit_78) {
     run({"--check", "--config", dir / "bad.json"}, "/links/0/bauds");
     run({"--check", "serial:ttyUSB0"}, "did you mean '/dev/ttyUSB0'?");
     run({"--check", "can:can0,bitrate=500000"}, "ip link set can0 up type can bitrate 500000");
-    run({"--config", dir / "bad.json", "--config", dir / "other.json"}, "--config: is given 2 times");
+    run({"--config", dir / "bad.json", "--config", dir / "other.json"}, "--config: was given 2 times");
 }
 
 TEST(Daemon, its_printed_configuration_is_accepted_and_means_the_same) {

@@ -140,7 +140,7 @@ TEST(BlockedLog, a_terminal_that_was_stopped_holds_up_nothing) {
     terminal.go_on();
     EXPECT_TRUE(terminal.until_says("mcu: up")) << "what was said meanwhile";
     joined.ends();
-    EXPECT_TRUE(terminal.until_says("ends: SIGTERM"));
+    EXPECT_TRUE(terminal.until_says("stopping (SIGTERM)"));
 }
 
 TEST(BlockedLog, a_terminal_that_stays_stopped_holds_up_no_end) {
@@ -197,11 +197,11 @@ TEST(BlockedLog, what_was_lost_is_told_once_it_is_read_again) {
     EXPECT_TRUE(pipe.until_says("SIGHUP"));
     const std::string& said = pipe.heard();
     EXPECT_LT(said.find("anogated "), said.find("absent0x"));
-    EXPECT_LT(said.find(" status\n"), said.find("lines were lost")) << "the first were kept";
-    EXPECT_LT(said.find("lines were lost"), said.find("SIGHUP"));
+    EXPECT_LT(said.find(" status\n"), said.find("log lines were dropped")) << "the first were kept";
+    EXPECT_LT(said.find("log lines were dropped"), said.find("SIGHUP"));
     EXPECT_LT(said.size(), 180'000u) << "what waited had a bound";
     joined.daemon.signal(SIGTERM);
-    EXPECT_TRUE(pipe.until_says("ends: SIGTERM"));
+    EXPECT_TRUE(pipe.until_says("stopping (SIGTERM)"));
     EXPECT_EQ(joined.daemon.wait(), 0);
     EXPECT_EQ(pipe.heard().back(), '\n');
 }

@@ -129,7 +129,7 @@ TEST_F(OwnDevice, is_changed_by_links_that_may_and_by_no_other) {
     Host guest = by("guest"), ground = by("ground");
     const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0}), reload = act(0xC0, {1, 0, 1}), restore = act(0xE0, {0x10, 0xAA, 0});
     for (const Bytes& one : {write, reload, restore}) guest.say(one);
-    EXPECT_TRUE(guest.hears_text(0xA0, "it came by guest, which has no manage=yes"));
+    EXPECT_TRUE(guest.hears_text(0xA0, "received on guest, which has no manage=yes"));
     guest.settle();
     EXPECT_EQ(guest.count(0x00), 0u);
     EXPECT_EQ(device().at("not_managed"), 3);

@@ -40,7 +40,7 @@ TEST(PtyLink, a_program_at_the_path_and_a_peer_hear_each_other) {
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
     EXPECT_EQ(daemon.link("app").at("state"), "waiting");
-    EXPECT_EQ(daemon.link("app").at("error"), "no program has " + (dir / "app") + " open");
+    EXPECT_EQ(daemon.link("app").at("error"), "no program has opened " + (dir / "app"));
     EXPECT_EQ(fs::read_symlink(dir / "app"), daemon.link("app").at("device").get<std::string>());
     UdpPeer ground;
     PortUser app{dir / "app"};
@@ -93,7 +93,7 @@ TEST(PtyLink, is_not_up_without_a_user_nor_without_inotify) {
     const WithoutInotify without;
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
-    EXPECT_EQ(daemon.link("app").at("error"), "no program has " + (dir / "app") + " open");
+    EXPECT_EQ(daemon.link("app").at("error"), "no program has opened " + (dir / "app"));
     UdpPeer ground;
     ground.send(daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "link_down") == 1; }));
@@ -242,7 +242,7 @@ TEST(PtyLink, the_path_of_a_gateway_that_was_killed_is_made_anew) {
     PtyDevice more{dir / "more"};
     RunningGateway next{pty("app", dir / "app")};
     EXPECT_EQ(fs::read_symlink(dir / "app"), next.link("app").at("device").get<std::string>());
-    EXPECT_EQ(next.link("app").at("error"), "no program has " + (dir / "app") + " open");
+    EXPECT_EQ(next.link("app").at("error"), "no program has opened " + (dir / "app"));
 }
 
 TEST(PtyLink, a_path_that_another_program_took_is_told_and_had_again_when_that_ends) {
@@ -258,7 +258,7 @@ TEST(PtyLink, a_path_that_another_program_took_is_told_and_had_again_when_that_e
     fs::remove(dir / "app");
     EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); }));
     EXPECT_EQ(fs::read_symlink(dir / "app"), device);
-    EXPECT_EQ(daemon.link("app").at("error"), "no program has " + (dir / "app") + " open");
+    EXPECT_EQ(daemon.link("app").at("error"), "no program has opened " + (dir / "app"));
     const PortUser app{dir / "app"};
     EXPECT_TRUE(daemon.until_up("app"));
 }

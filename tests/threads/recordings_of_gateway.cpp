@@ -239,7 +239,7 @@ TEST_F(RecordingsOfGateway, are_read_from_memory_by_two_at_once) {
     EXPECT_EQ(second.status, 200u);
     const http::Response third = recordings.last({});
     EXPECT_EQ(third.status, 503u);
-    EXPECT_NE(third.body.find("read by 2 clients already"), std::string::npos) << third.body;
+    EXPECT_NE(third.body.find("already being read by 2 clients"), std::string::npos) << third.body;
     first = {};
     const http::Response next = recordings.last({});
     EXPECT_EQ(next.status, 200u) << "one has them";
@@ -256,7 +256,7 @@ TEST_F(RecordingsOfGateway, are_not_begun_again_and_again_while_the_disk_keeps_t
         recordings.stop_recording();
     }
     EXPECT_EQ(recordings.figures().running, Recordings::max_ending);
-    EXPECT_NE(recordings.start_recording().find("disk"), std::string::npos);
+    EXPECT_NE(recordings.start_recording().find("not completely written"), std::string::npos);
     failing_disk.hangs = false;
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 0; }));
     EXPECT_EQ(recordings.start_recording(), "");

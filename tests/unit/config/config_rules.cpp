@@ -60,7 +60,7 @@ TEST(Config, an_alias_is_one_id_of_one_device) {
     EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "x", "device": 42, "as": 31})").find("is also used at"),
               std::string::npos);
     EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 41, "as": 32})"),
-              "/alias/1/device: 'device' 0x29 has the alias 0x1F already (/alias/0)\n");
+              "/alias/1/device: 'device' 0x29 already has the alias 0x1F (/alias/0)\n");
     EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 31, "as": 32})"),
               "/alias/1/device: 'device' 0x1F is the alias of 0x29 (/alias/0): use 'as' there\n");
     EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 42, "as": 41})"),

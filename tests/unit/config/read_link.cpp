@@ -114,9 +114,9 @@ TEST(LinkText, traffic) {
 
 TEST(LinkText, faults_of_traffic) {
     EXPECT_NE(fault_of("sim:fc,limit=5").find("write limit.0x01=50"), std::string::npos);
-    EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not of 'telemetry', which covers several"), std::string::npos);
-    EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not of '0x01-0x0F', which covers several"), std::string::npos);
-    EXPECT_NE(fault_of("sim:fc,limit.elur=5").find("not of 'elur' (did you mean 'euler'?)"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not for 'telemetry', which covers several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not for '0x01-0x0F', which covers several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.elur=5").find("not for 'elur' (did you mean 'euler'?)"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.0x01=50,limit.0x01=20").find("0x01 already has a limit"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,receive.denny=0x01").find("(did you mean 'receive.deny'?)"), std::string::npos);
     EXPECT_NE(fault_of("serial:/dev/x,pack=no").find("'pack' is not a key of serial, but of udp, udp-listen"), std::string::npos);
@@ -295,7 +295,7 @@ TEST(LinkText, an_address_or_id_without_0x_is_known) {
     };
     ends("sim:fc,id=0C", "not '0C' (did you mean '0x0C'?)");
     ends("sim:fc,present_as=FE", "not 'FE' (did you mean '0xFE'?)");
-    ends("sim:fc,limit.B0=50", "not of 'B0' (did you mean '0xB0'?)");
+    ends("sim:fc,limit.B0=50", "not for 'B0' (did you mean '0xB0'?)");
     ends("sim:fc,send.deny=0xF0+B0", "not 'B0' (did you mean '0xB0'?)");
     ends("sim:fc,send.deny=B0-B2", "not 'B0-B2' (did you mean '0xB0-0xB2'?)");
     ends("sim:fc,send.deny=30-4F", "not '30-4F' (did you mean '0x30-0x4F'?)");

@@ -56,10 +56,10 @@ TEST(FirstLine, is_no_page_where_there_are_many_networks) {
 }
 
 TEST(LastLine, has_the_cause_the_time_and_the_frames) {
-    EXPECT_EQ(last_line("SIGTERM", 59'999ms, 1, 0), "ends: SIGTERM, after 59 s, 1 frame in, 0 out");
-    EXPECT_EQ(last_line("SIGINT", 61s, 20, 3), "ends: SIGINT, after 1 min 1 s, 20 frames in, 3 out");
-    EXPECT_EQ(last_line("x", 1h, 0, 3), "ends: x, after 1 h 0 min, 0 frames in, 3 out");
-    EXPECT_EQ(last_line("x", 26h + 3min, 0, 3), "ends: x, after 26 h 3 min, 0 frames in, 3 out");
+    EXPECT_EQ(last_line("SIGTERM", 59'999ms, 1, 0), "stopping (SIGTERM) after 59 s, 1 frame in, 0 out");
+    EXPECT_EQ(last_line("SIGINT", 61s, 20, 3), "stopping (SIGINT) after 1 min 1 s, 20 frames in, 3 out");
+    EXPECT_EQ(last_line("x", 1h, 0, 3), "stopping (x) after 1 h 0 min, 0 frames in, 3 out");
+    EXPECT_EQ(last_line("x", 26h + 3min, 0, 3), "stopping (x) after 26 h 3 min, 0 frames in, 3 out");
 }
 
 }    // namespace

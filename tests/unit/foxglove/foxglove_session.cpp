@@ -303,7 +303,7 @@ TEST_F(FoxgloveSessionTest, subscriptions_that_can_not_be_are_errors_and_change_
     session.hear(R"({"op":"unsubscribe","subscriptionIds":[8]})");
     EXPECT_EQ(statuses(), (std::vector<std::string>{"the subscription id 7 is already in use",
                                                     "channel " + std::to_string(one) + " is already subscribed with id 7",
-                                                    "there is no channel 4000000000: it was not advertised",
+                                                    "unknown channel 4000000000: it was not advertised",
                                                     "unknown channel 0: it was not advertised", "unknown subscription 8"}));
     session.show(recorded(wind));
     EXPECT_TRUE(all().data.empty());

@@ -265,7 +265,7 @@ TEST_F(RecordingsFolder, throws_nothing_away_behind_damage_in_the_middle) {
     dir.write("flight.pcapng", damaged);
     const auto repaired = repair_recordings(folder);
     ASSERT_EQ(repaired.size(), 1u);
-    EXPECT_NE(repaired[0].fault.find("damaged behind byte 4999"), std::string::npos) << repaired[0].fault;
+    EXPECT_NE(repaired[0].fault.find("damaged after byte 4999"), std::string::npos) << repaired[0].fault;
     EXPECT_EQ(support::text_of(dir / "flight.pcapng"), damaged);
 }
 
