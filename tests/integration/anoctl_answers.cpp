@@ -360,7 +360,9 @@ TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
         << second.output;
     const Ran cancel = anoctl({"devices", "--cancel", number});
     EXPECT_EQ(cancel.exit, 0);
-    EXPECT_TRUE(contains(cancel.output, "job " + number + " (param save/reset of " + who + "): cancelled; save may have been carried out\n")) << cancel.output;
+    EXPECT_TRUE(contains(cancel.output,
+                         "job " + number + " (param save/reset of " + who + "): cancelled; save may have been carried out\n"))
+        << cancel.output;
     EXPECT_EQ(first.wait(), 1);
     EXPECT_TRUE(contains(first.output(), "anoctl: cancelled by another client")) << first.output();
     EXPECT_TRUE(contains(anoctl({"devices", "--cancel", number}).output, "already ended: cancelled"));

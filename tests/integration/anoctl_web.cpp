@@ -94,7 +94,8 @@ TEST_F(AnoctlWeb, of_a_loopback_address_says_how_another_computer_gets_there) {
     const std::string port = std::to_string(daemon->status().at("http").at("port").get<int>());
     const Result told = web({});
     EXPECT_EQ(told.exit, 0);
-    EXPECT_EQ(told.said.find("http://127.0.0.1:" + port + "/\nhttp://localhost:" + port + "/\naccessible from this computer only"), 0u)
+    EXPECT_EQ(
+        told.said.find("http://127.0.0.1:" + port + "/\nhttp://localhost:" + port + "/\naccessible from this computer only"), 0u)
         << told.said;
     EXPECT_NE(told.said.find("ssh -L " + port + ":127.0.0.1:" + port + " "), std::string::npos) << told.said;
 }

@@ -216,7 +216,8 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
          [this] { refuses("GET", "/devices/nobody/parameters/P", 404, "unknown", "'nobody'"); }},
         {"PUT /devices/{device}/parameters/{parameter}",
          [this] { refuses("PUT", "/devices/0xDC/parameters/P", 400, "invalid", "'value'", "{}"); }},
-        {"POST /devices/{device}/apply", [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "not valid JSON", "{"); }},
+        {"POST /devices/{device}/apply",
+         [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "not valid JSON", "{"); }},
         {"POST /devices/scan",
          [this] {
              const json nobody{{"devices", json::array()}};

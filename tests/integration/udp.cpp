@@ -294,7 +294,8 @@ TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_
     RunningGateway daemon{udp("far", "[fe80::2%va]:17000"), udp_listen("near", "[fe80::1%va]:17001"), udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("air"));
     for (const int round : {1, 2}) {
-        for (const char* link : {"far", "near"}) EXPECT_EQ(daemon.link(link).at("error"), "network interface va not found") << round;
+        for (const char* link : {"far", "near"})
+            EXPECT_EQ(daemon.link(link).at("error"), "network interface va not found") << round;
         ASSERT_TRUE(network.run("link add va type veth peer name vb" + std::to_string(round)) && network.run("link set va up") &&
                     network.run("link set vb" + std::to_string(round) + " up") &&
                     network.run("addr add fe80::1/64 dev va nodad") && network.run("addr add fe80::2/64 dev va nodad"));

@@ -212,8 +212,8 @@ TEST(Daemon, says_first_what_it_is_and_last_what_it_did) {
                   " and command line, 2 links; ground, for ground stations: UDP a port chosen by the system (see the status)");
     ASSERT_EQ(said.back(), '\n');
     const std::size_t last = said.rfind('\n', said.size() - 2) + 1;
-    EXPECT_TRUE(
-        std::regex_search(said.substr(last), std::regex{" info stopping \\(SIGTERM\\) after \\d+ s, [1-9]\\d* frames? in, 0 out\n$"}))
+    EXPECT_TRUE(std::regex_search(said.substr(last),
+                                  std::regex{" info stopping \\(SIGTERM\\) after \\d+ s, [1-9]\\d* frames? in, 0 out\n$"}))
         << said;
 }
 
