@@ -88,9 +88,9 @@ test("“it may have been done” is said of writes alone", async () => {
   try {
     await page.waitForSelector(".contact.lost");
     await press(page, "Write changes (1)");
-    await outcome(page, "main .outcome", /does not answer: it may have been done/);
+    await outcome(page, "main .outcome", /does not answer: it may have been carried out/);
     await press(page, "Read again");
-    assert.doesNotMatch(await outcome(page, "main p.bad", /does not answer/), /may have been done/);
+    assert.doesNotMatch(await outcome(page, "main p.bad", /does not answer/), /may have been carried out/);
   } finally {
     await here.gateway.runAgain();
     await page.waitForSelector(".contact.live");
@@ -113,7 +113,7 @@ test("a job that waits is offered to be opened, and is described by device, acti
   const said = await outcome(page, "main .outcome", /0xDD is used by job \d+ \(calibration, by 127\.0\.0\.1\)/);
   assert.doesNotMatch(said, /Mozilla/);
   for (const job of (await asked(page, "jobs")).jobs) assert.doesNotMatch(JSON.stringify(job), /Mozilla|Chrome/);
-  await outcome(page, "main .open-job", /It waits for you: open Calibration/);
+  await outcome(page, "main .open-job", /Waiting for you: open Calibration/);
   await shot(page, "open-job");
   await page.click("main .open-job");
   await press(page, "Cancel and restore");

@@ -32,7 +32,7 @@ test("one is begun by a name, ended, taken home and deleted", async () => {
   assert.equal((await all(page)).recordings.length, 1);
   await press(page, "Delete…");
   await confirm(page);
-  await outcome(page, ".outcome", /✓ .* is deleted/);
+  await outcome(page, ".outcome", /✓ .* deleted/);
   await page.waitForFunction(() => !document.querySelector(".recordings a"));
   assert.deepEqual(page.faults, []);
   await page.browserContext().close();
@@ -112,7 +112,7 @@ test("a disk that is too full is said to be", async () => {
   const gateway = await Gateway.start(["sim:fc"], (folder) => ({ record: { folder: folderIn(folder), free: 900e12 } }));
   try {
     const page = await openPage(here.browser, gateway, { hash: "#/recordings" });
-    await outcome(page, "main .note[role=alert]", /Nothing is written: less than 900 TB/);
+    await outcome(page, "main .note[role=alert]", /Recording stopped: less than 900 TB/);
     await shot(page, "recordings-full");
     await page.browserContext().close();
   } finally {

@@ -36,7 +36,7 @@ test("a link signs a phone in, once, and leaves no code in the address", options
   await page.browserContext().close();
 
   const again = await openPage(here.browser, here.gateway, { ...phone, hash });
-  await outcome(again, ".login [role=alert]", /This link was used already, or has expired/);
+  await outcome(again, ".login [role=alert]", /This link was already used or has expired/);
   assert.ok((await wider(again)) <= 0);
   await shot(again, "link-is-over-390");
   await again.browserContext().close();
@@ -94,7 +94,7 @@ test("digits sign a phone in; wrong ones say what to do", options, async () => {
     await page.click(".login button");
   };
   await enter(digits === "000000" ? "000001" : "000000");
-  await outcome(page, ".login [role=alert]", /wrong or no longer valid\. Three wrong tries void them/);
+  await outcome(page, ".login [role=alert]", /wrong or no longer valid\. They become void after three wrong attempts/);
   assert.match(await textOf(page, ".login p"), /sudo anoctl web --pair/);
   assert.ok((await wider(page)) <= 0);
   await shot(page, "digits-390");

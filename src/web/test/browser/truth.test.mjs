@@ -234,7 +234,7 @@ test("what a stranger sends in the name of a vehicle is not shown, hides no loss
   const stranger = new FlyingDevice(field, { address: 57, name: "Cuckoo", voltage: 9.99 });
   const battery = () => page.$$eval(".figure", (all) => all.map((one) => one.textContent).find((text) => /battery/i.test(text)));
   try {
-    await outcome(page, "main .clash", /It is pinned to ground: this page shows what comes from there, and commands go there/);
+    await outcome(page, "main .clash", /It is pinned to ground: this page shows the data from there, and commands go there/);
     assert.doesNotMatch(await textOf(page, "main .clash"), /either/);
     await until("its battery", async () => /15\.20/.test(await battery()));
     for (let i = 0; i < 50; ++i) {
