@@ -494,7 +494,7 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
     EXPECT_TRUE(shows("the file is for Other, device type 1, but the device is SimFC"));
     EXPECT_TRUE(shows("Continue anyway? [y/N]"));
     type("y");
-    EXPECT_TRUE(shows("Write 1 parameter into SimFC (0xDC)? [y/N]"));
+    EXPECT_TRUE(shows("Write 1 parameter to SimFC (0xDC)? [y/N]"));
     type("n");
     EXPECT_TRUE(shows("ended as 1"));
     EXPECT_NE(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=444\n");

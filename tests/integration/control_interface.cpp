@@ -216,8 +216,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
          [this] { refuses("GET", "/devices/nobody/parameters/P", 404, "unknown", "'nobody'"); }},
         {"PUT /devices/{device}/parameters/{parameter}",
          [this] { refuses("PUT", "/devices/0xDC/parameters/P", 400, "invalid", "'value'", "{}"); }},
-        {"POST /devices/{device}/apply",
-         [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "not valid JSON", "{"); }},
+        {"POST /devices/{device}/apply", [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "not JSON", "{"); }},
         {"POST /devices/scan",
          [this] {
              const json nobody{{"devices", json::array()}};
@@ -272,7 +271,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
 
 TEST_F(ControlInterface, refuses_in_one_form) {
     refuses("GET", "/statsu", 404, "unknown", "did you mean '/status'?");
-    refuses("POST", "/status", 405, "unsupported", "GET, HEAD only");
+    refuses("POST", "/status", 405, "unsupported", "only GET, HEAD");
     refuses("GET", "/status?a=%", 400, "invalid", "the query has a %");
     refuses("POST", "/gpio", 413, "invalid", "65536", std::string(70'000, ' '));
 }

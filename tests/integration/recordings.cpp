@@ -84,8 +84,8 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     for (int i = 0; i < 50; ++i) EXPECT_EQ(read.items[static_cast<std::size_t>(i)].frame, numbered(0xDC, 0xFF, i));
     EXPECT_EQ(ask("GET", "/recordings/flight.pcapng").body, content("flight.pcapng"));
 
-    refuses(409, "POST", "/recordings", R"({"name": "flight"})", "flight.pcapng is there already");
-    refuses(409, "POST", "/recordings", R"({"name": "flight.mcap"})", "flight.pcapng is there already");
+    refuses(409, "POST", "/recordings", R"({"name": "flight"})", "flight.pcapng already exists");
+    refuses(409, "POST", "/recordings", R"({"name": "flight.mcap"})", "flight.pcapng already exists");
     EXPECT_EQ(ask("DELETE", "/recordings/flight.pcapng").status, 200u);
     EXPECT_TRUE(names().empty());
     refuses(404, "GET", "/recordings/flight.pcapng", {}, "there is no recording flight.pcapng");
@@ -147,7 +147,7 @@ TEST_F(Recordings, are_named_as_every_system_takes_it_and_by_the_time_otherwise)
 TEST_F(Recordings, are_four_at_once_at_most_beside_that_of_the_configuration) {
     start(R"(, "record": {})");
     for (const char* name : {"1", "2", "3", "4"}) begin({{"name", name}});
-    refuses(409, "POST", "/recordings", R"({"name": "5"})", "4 recordings");
+    refuses(409, "POST", "/recordings", R"({"name": "5"})", "4 requested recordings");
     end("2");
     begin({{"name", "5"}});
     EXPECT_EQ(get().at("running").size(), 5u);
