@@ -17,7 +17,7 @@ test("writes the parameters that were changed, and no other", async () => {
   assert.ok(await page.$$eval("main button.main", (all) => all.find((one) => one.textContent === "Write changes (1)").disabled));
   await press(page, "back to 7");
   await choose(page, here.gateway, "backup.json", JSON.stringify({ parameters: { SIM_TURN: 0, SIM_SPEED: 300 } }));
-  await press(page, "Take 1 from the file");
+  await press(page, "Use 1 from the file");
   await press(page, "Write changes (1)");
   await outcome(page, ".outcome", /✓ 1 written/);
   await press(page, "Save permanently");
@@ -70,7 +70,7 @@ test("warns of a file of another device", async () => {
   assert.equal(await page.$("main .stranger"), null);
   await choose(page, here.gateway, "other.json", JSON.stringify({ device: "0xDD", name: "SimIMU", parameters: { SIM_TURN: 1 } }));
   await page.waitForSelector("main .stranger");
-  assert.match(await textOf(page, "main .stranger"), /The file is of SimIMU/);
+  assert.match(await textOf(page, "main .stranger"), /The file is from SimIMU/);
   await page.browserContext().close();
 });
 

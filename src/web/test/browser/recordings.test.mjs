@@ -47,7 +47,7 @@ test("a name that another one has is refused, in words", async () => {
   }
   await press(page, "Stop…");
   await confirm(page);
-  await outcome(page, ".outcome", /✓ twice has ended/);
+  await outcome(page, ".outcome", /✓ twice stopped/);
   await page.browserContext().close();
 });
 
@@ -66,7 +66,7 @@ test("only what is asked for is recorded, and a filter that can't be meant is sa
   await until("some are written", async () => (await all(page)).running[0]?.frames >= 5);
   await press(page, "Stop…");
   await confirm(page);
-  await outcome(page, ".outcome", /✓ attitude has ended/);
+  await outcome(page, ".outcome", /✓ attitude stopped/);
   await page.browserContext().close();
 });
 
@@ -85,7 +85,7 @@ test("a thousand of them are listed, and one that is gone meanwhile is said to b
     await press(page, "Record");
     await press(page, "Stop…");
     await confirm(page);
-    await outcome(page, ".outcome", /✓ first has ended/);
+    await outcome(page, ".outcome", /✓ first stopped/);
     const [first] = readdirSync(folderIn(gateway.folder)).filter((name) => name.endsWith(".pcapng"));
     const copy = (n) => join(folderIn(gateway.folder), first.replace("first", "copy-" + n));
     for (let n = 1; n < 1000; ++n) copyFileSync(join(folderIn(gateway.folder), first), copy(n));
