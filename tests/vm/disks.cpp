@@ -96,7 +96,7 @@ TEST_F(Disks, that_hang_hold_up_no_end_but_that_of_the_kernel) {
     ASSERT_TRUE(until_error("the disk has written nothing for "));
     gateway->signal(SIGTERM);
     EXPECT_TRUE(gateway->until_says("the disk does not respond")) << gateway->output();
-    EXPECT_TRUE(gateway->until_says("ends: ")) << gateway->output();
+    EXPECT_TRUE(gateway->until_says("stopping (")) << gateway->output();
     thaw();    // until then the kernel keeps the thread that waits for the disk, and with it the process
     EXPECT_EQ(gateway->wait(), 0) << gateway->output();
 }

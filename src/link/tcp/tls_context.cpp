@@ -80,6 +80,7 @@ std::string use_files(SSL_CTX* context, const LinkCertificates& files) {
 }
 
 // Bytes that OpenSSL read from the socket.
+// NOLINTNEXTLINE(readability-non-const-parameter): OpenSSL gives the signature
 long note_read(BIO* bio, int what, const char* bytes, std::size_t, int, long, int result, std::size_t* size) {
     if (what == (BIO_CB_READ | BIO_CB_RETURN) && result > 0)
         reinterpret_cast<RecordEnds*>(::BIO_get_callback_arg(bio))->took({reinterpret_cast<const std::uint8_t*>(bytes), *size});
