@@ -21,7 +21,7 @@ test("writes the parameters that were changed, and no other", async () => {
   await press(page, "Write changes (1)");
   await outcome(page, ".outcome", /✓ 1 written/);
   await press(page, "Save permanently");
-  await outcome(page, ".outcome", /✓ The device keeps them/);
+  await outcome(page, ".outcome", /✓ Stored in the device/);
   await page.browserContext().close();
 });
 
@@ -169,6 +169,7 @@ test("shows as words what a device says, whatever that is", async () => {
   const html = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>';
   const send = (str) => page.evaluate((str) => fetch("send", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ from: 77, to: 255, name: "log", fields: { color: 1, str } }) }).then((answer) => answer.status), str);
   await until("the page listens", async () => (await send("heard?")) === 200 && page.$(".log li"));
+  page.faults.length = 0; // a busy gateway may have refused the first ones
   assert.equal(await send(html), 200);
   assert.equal(await send("x".repeat(4000)), 200);
   await outcome(page, ".log", /<img src=x/);
