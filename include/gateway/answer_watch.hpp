@@ -1,4 +1,4 @@
-// Finds devices that answer frames for other addresses: some of the oldest do not look at D_ADDR.
+// Finds devices that answer frames for other addresses. Some of the oldest devices ignore D_ADDR.
 #pragma once
 #include <ano/address.hpp>
 #include <ano/conversation.hpp>
@@ -12,8 +12,8 @@
 
 namespace anogate {
 
-/// For one channel: the last frames that were sent by it and are answered with data or acknowledged. Steps of an upgrade are not among them:
-/// of two upgrades at a time, the answers can't be told apart. No allocation.
+/// For one channel. Stores the last frames sent by it that are answered with data or acknowledged, except the steps of an
+/// upgrade: the answers of two simultaneous upgrades can't be distinguished. No allocation.
 class AnswerWatch {
 public:
     static constexpr std::size_t memory = 8;    // frames
@@ -24,8 +24,8 @@ public:
         const auto answer = ano::answer_to(frame);
         if (answer && answer->id() != ano::id_of<"firmware">) sent_[next_++ % memory] = {frame.destination(), *answer, now};
     }
-    /// `frame` came by the channel. True: it answers or acknowledges a frame to another address than its source, and none to its
-    /// source.
+    /// `frame` was received on the channel. True: it answers or acknowledges a sent frame whose destination is not the source of
+    /// `frame`, and no sent frame whose destination is.
     bool is_for_another(ano::FrameView frame, ano::TimePoint now) const noexcept {
         if (next_ == 0 || !ano::may_answer(frame.id()) || ano::address::is_host(frame.source())) return false;
         const auto answer = ano::answer_in(frame);

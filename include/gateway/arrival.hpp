@@ -1,4 +1,5 @@
-// The arrival time of what a link reads. The age of a frame counts from there, however long the loop could not read.
+// The arrival time of the data that a link reads. The age of a frame counts from there, even if the loop could not read for a
+// while.
 //
 // Flow:    loop.turn(clocks)                                   // whenever something is read, and at each beat
 //          channel.arrived_at = arrival.stamped(stamp, loop)   // or unstamped(loop)
@@ -20,21 +21,22 @@ struct ClockReading {
     ano::Duration real{};    // CLOCK_REALTIME, which may be set at any time
 };
 
-/// Detects whether the event loop stood still, by beats that a running loop never misses. Between two beats nothing shows that
-/// it runs: a standstill may have begun as early as the last turn before it.
+/// Detects standstills of the event loop: a running loop sends a beat once in each period. Nothing is known of the time between
+/// two beats, so a standstill may have begun as early as the last turn before it.
 class LoopWatch {
 public:
-    /// A beat later than this is late; less is normal on a busy machine.
+    /// A beat that is late by more than this shows a standstill. Smaller delays are normal on a busy machine.
     static constexpr ano::Duration lateness = std::chrono::milliseconds{50};
     /// A standstill longer than this is reported.
     static constexpr ano::Duration told = std::chrono::milliseconds{500};
-    /// A standstill may have begun up to this long before the late beat was due: that time counts for `told`.
+    /// A standstill may have begun up to this long before the late beat was due. That time is added before the comparison with
+    /// `told`.
     static constexpr ano::Duration unseen = std::chrono::milliseconds{120};
     /// Data that waited through a standstill is read within this time after it.
     static constexpr ano::Duration catching_up = std::chrono::milliseconds{100};
 
     struct Turn {
-        ano::Duration stood{};        // minimum time that it stood still before this turn; zero: not at all
+        ano::Duration stood{};        // minimum duration of the standstill before this turn; zero: none
         ano::Duration suspended{};    // the part of the time since the previous turn that the clock of TimePoint does not count
         bool is_told = false;
     };
@@ -44,7 +46,8 @@ public:
         if (!beats_) return {};
         if (clocks.now - before.now > told) gap_ = {before.now, clocks.now};
         const ano::Duration asleep = (clocks.boot - before.boot) - (clocks.now - before.now);
-        const ano::Duration suspended = asleep > lateness ? asleep : ano::Duration{};    // less: the clocks were read one by one
+        const ano::Duration suspended = asleep > lateness ? asleep : ano::Duration{};    // below that: the clocks were read one
+                                                                                         // after the other
         const ano::Duration late = std::max(clocks.now - due_ + suspended, suspended);
         if (late <= lateness) return {};
         stood_since_ = before.boot;
@@ -55,8 +58,8 @@ public:
         if (is_told) count(late);
         return {late, suspended, is_told};
     }
-    /// Data arrived at `arrived`, by its stamp. It may have waited through a standstill in which no beat was due. Returns how long that
-    /// was, if it is to be reported; zero: it is too short, or was reported already.
+    /// Data arrived at `arrived`, by its stamp. It may have waited through a standstill in which no beat was due. Returns the
+    /// duration of the standstill if it must be reported; zero: it is too short, or was already reported.
     ano::Duration waited(ano::TimePoint arrived) noexcept {
         const ano::Duration stood = gap_.until - std::max(arrived, gap_.since);
         if (stood <= told) return {};
@@ -76,7 +79,7 @@ public:
     /// The clocks at the turn before the last.
     const ClockReading& before() const noexcept { return before_; }
     ano::TimePoint now() const noexcept { return clocks_.now; }
-    /// It stood still, and some wires have not been read since.
+    /// After a standstill: some wires have not been read since.
     bool is_behind() const noexcept { return !is_over_; }
     ano::Duration stood_since() const noexcept { return stood_since_; }    // by CLOCK_BOOTTIME
     ano::TimePoint stood_until() const noexcept { return stood_until_; }
@@ -90,7 +93,7 @@ public:
     bool may_have_waited(ano::TimePoint time) const noexcept { return standstills_ > 0 && time < told_until_ + catching_up; }
 
 private:
-    // Between two turns.
+    // The time between two turns.
     struct Gap {
         ano::TimePoint since{}, until{};
     };
@@ -118,33 +121,33 @@ private:
 /// The arrival times on one wire. To be used in the turn in which the data was read.
 class Arrival {
 public:
-    /// The arrival time by the kernel's stamp, a CLOCK_REALTIME. It is limited to the time between the wire was found empty and now;
-    /// if that clock was set in between, the stamp is not used.
+    /// The arrival time by the kernel's stamp, a CLOCK_REALTIME. It is limited to the time between the last read that found the
+    /// wire empty and now. If that clock was set in between, the stamp is not used.
     ano::TimePoint stamped(ano::Duration stamp, const LoopWatch& loop) noexcept {
         const ClockReading& c = loop.clocks();
         const ano::Duration step = (c.real - c.boot) - (empty_.real - empty_.boot);
         if (step > noticed || step < -noticed) return unstamped(loop);
         return c.now - std::clamp(c.real - stamp, ano::Duration::zero(), std::max(c.boot - empty_.boot, ano::Duration::zero()));
     }
-    /// The arrival time without a stamp: now, or after a standstill the time at which that may have begun.
+    /// The arrival time without a stamp: now, or after a standstill the earliest time at which the standstill may have begun.
     ano::TimePoint unstamped(const LoopWatch& loop) noexcept {
         const ClockReading& c = loop.clocks();
         if (loop.is_behind() && empty_.now < loop.stood_until() && !old_since_)
             old_since_ = std::max(loop.stood_since(), empty_.boot);
         return old_since_ ? c.now - (c.boot - *old_since_) : c.now;
     }
-    /// A read found the wire empty; the clocks were read `before` it, since the loop may stand still between the read and a later
-    /// reading of the clocks.
+    /// A read found the wire empty. `before`: the clocks as read before it, since the loop may stand still between the read and a
+    /// later reading of the clocks.
     void found_empty(const ClockReading& before) noexcept {
         empty_ = before;
         old_since_.reset();
     }
-    /// Data that waits on the wire may have come at any time since `then`, as it was not read.
+    /// The wire was not read since `then`, so its data may have arrived at any time since.
     void unread_since(const ClockReading& then) noexcept {
         empty_ = then;
         old_since_ = then.boot;
     }
-    /// The data left on the wire may be as old as the standstill, until the wire is found empty.
+    /// The data left on the wire may have arrived during the standstill. Ends when the wire is found empty.
     bool is_behind() const noexcept { return old_since_.has_value(); }
 
 private:

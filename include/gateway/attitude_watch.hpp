@@ -1,4 +1,4 @@
-// Compares the Euler angles (0x03) of devices with their quaternions (0x04), to find devices whose signs differ from the setting.
+// Compares the Euler angles (0x03) of devices with their quaternions (0x04). Finds devices whose signs differ from the setting.
 #pragma once
 #include <ano/attitude.hpp>
 #include <ano/frame.hpp>
@@ -12,17 +12,17 @@
 
 namespace anogate {
 
-/// Of one link. Constant time, no allocation. Only the first few devices are compared. It is a contradiction only where both agree under the
-/// other signs: those of a fast turn, or a quaternion of another kind, have no such answer.
+/// For one link. Constant time, no allocation. Only the first few devices are compared. A difference counts as a contradiction
+/// only if both agree under the other signs. This excludes differences by a fast turn or by a quaternion of another kind.
 class AttitudeWatch {
 public:
     using Duration = ano::Duration;
     using TimePoint = ano::TimePoint;
 
     static constexpr double apart = 10;                                     // degrees: more is a contradiction
-    static constexpr Duration patience = std::chrono::seconds{2};           // it must last so long
-    static constexpr Duration settled = std::chrono::seconds{10};           // it ends when both agree for so long
-    static constexpr Duration together = std::chrono::milliseconds{100};    // both frames came within this time
+    static constexpr Duration patience = std::chrono::seconds{2};           // a contradiction is reported after this time
+    static constexpr Duration settled = std::chrono::seconds{10};           // it ends when both have agreed for this time
+    static constexpr Duration together = std::chrono::milliseconds{100};    // both frames arrived within this time
     static constexpr std::size_t max_devices = 4;
 
     explicit AttitudeWatch(ano::EulerSigns signs = ano::EulerSigns::document) noexcept : signs_{signs} {}
@@ -30,7 +30,7 @@ public:
     static constexpr bool concerns(std::uint8_t id) noexcept {
         return id == ano::id_of<"euler"> || id == ano::id_of<"quaternion">;
     }
-    /// A frame that concerns() it, with the address of its device.
+    /// `frame` is one for which concerns() is true, with the address of its device.
     void hear(ano::FrameView frame, TimePoint now) noexcept;
 
     /// A device whose frames contradict each other; 0: none.

@@ -1,4 +1,4 @@
-// When to try a link again: the one rule for all links.
+// When to open a link again, for all kinds of links.
 #pragma once
 #include <ano/time.hpp>
 
@@ -6,13 +6,14 @@
 
 namespace anogate {
 
-/// The first retry comes at once, the next after 100 ms; each pause is twice the one before, at most `longest`. A link that came
-/// up for less than a second continues with the next pause, so that a link that opens and fails at once can't spin the loop.
+/// The first retry is immediate, the second after 100 ms. Each pause is twice the previous one, at most `longest`. If a link was
+/// up for less than one second, the pauses continue where they were, so that a link that opens and fails at once can't keep the
+/// loop busy.
 class Backoff {
 public:
     static constexpr ano::Duration first = std::chrono::milliseconds{100};
-    static constexpr ano::Duration cap = std::chrono::seconds{1};        // the longest pause for what is plugged in
-    static constexpr ano::Duration network = std::chrono::seconds{5};    // and for a peer in a network
+    static constexpr ano::Duration cap = std::chrono::seconds{1};        // the longest pause for a plugged-in device
+    static constexpr ano::Duration network = std::chrono::seconds{5};    // the longest pause for a peer in a network
 
     constexpr explicit Backoff(ano::Duration longest = cap) noexcept : longest_{longest} {}
 

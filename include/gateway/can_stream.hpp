@@ -1,8 +1,8 @@
 // V8 frames on CAN, framing=stream: the bytes of each frame in order, in the data of CAN frames whose id identifies the sender.
-// This mapping is anogate's own, since the protocol text does not mention CAN (src/link/README.md, "CAN").
+// This mapping is specific to anogate: the protocol text does not mention CAN (src/link/README.md, "CAN").
 //
 // Flow, sending:      pieces = cutter.cut(outbox.gather(…))       // as many CAN frames as there is room for
-//                     outbox.sent(cutter.taken(n))                // the bus took the first n of them
+//                     outbox.sent(cutter.taken(n))                // the bus accepted the first n of them
 // Flow, receiving:    streams.receive(id, data, now, on_frame)
 //                     at streams.deadline(): streams.expire(now, on_frame)
 #pragma once
@@ -21,7 +21,7 @@
 
 namespace anogate {
 
-/// What is wrong with `can`, as a sentence; empty when it is valid.
+/// The error in `can`, as a sentence; empty: it is valid.
 std::string fault_of(const CanSettings& can);
 
 /// The smallest legal size of the data of a CAN FD frame that holds `bytes`, 0 to 64.
@@ -43,10 +43,10 @@ public:
 
     /// `header` begins with HEAD to ID of a frame.
     std::uint32_t of(std::span<const std::uint8_t> header) const noexcept;
-    /// The S_ADDR that V8 frames with the CAN id `id` must have; std::nullopt when it is not one of our ids.
+    /// The S_ADDR that V8 frames with the CAN id `id` must have; std::nullopt: it is not one of our ids.
     std::optional<std::uint8_t> source(std::uint32_t id) const noexcept;
 
-    /// Filters that let all our ids pass and no others: an id passes when (id & mask) == base for one of them.
+    /// Filters that accept all our ids and no others: an id passes when (id & mask) == base for one of them.
     struct Filter {
         std::uint32_t id;
         std::uint32_t mask;
@@ -67,14 +67,14 @@ public:
     struct Piece {
         std::uint32_t id;
         std::span<const std::uint8_t> bytes;
-        std::uint8_t size;    // of the data of the CAN frame: bytes.size(), or more with CAN FD, filled up with 0x00
+        std::uint8_t size;    // of the data of the CAN frame: bytes.size(), or more with CAN FD, padded with 0x00
         bool last;            // the last piece of its V8 frame
     };
-    /// `frames` as Outbox::gather() gives them. The result is valid until the next call, and while their bytes are.
+    /// `frames`: as returned by Outbox::gather(). The result is valid until the next call, and only as long as those bytes are.
     std::span<const Piece> cut(std::span<const std::span<const std::uint8_t>> frames) noexcept;
-    /// The bus took the first `n` of the pieces cut last. Returns how many bytes of V8 frames these are.
+    /// The bus accepted the first `n` of the last cut pieces. Returns the number of bytes of V8 frames in them.
     std::size_t taken(std::size_t n) noexcept;
-    /// Gives up the frame that has left in part.
+    /// Abandons a partly sent frame.
     void reset() noexcept { rest_id_.reset(); }
 
     static constexpr std::size_t max_pieces = 64;    // that cut() returns
@@ -82,19 +82,19 @@ public:
 private:
     CanIds ids_;
     bool fd_;
-    std::optional<std::uint32_t> rest_id_;    // the CAN id of a frame that has left in part: its rest no longer has the header
+    std::optional<std::uint32_t> rest_id_;    // the CAN id of a partly sent frame, whose rest does not contain the header
     std::array<Piece, max_pieces> pieces_;
 };
 
-/// Joins the data of each CAN id to V8 frames again, with one parser for each id, so senders never mix. Up to 256 ids; when a
-/// 29-bit bus has more, the one unused longest is replaced. Does not allocate once an id is known.
+/// Joins the data of each CAN id to V8 frames, with one parser per id, so senders never mix. At most 256 ids; on a 29-bit bus
+/// with more, a new id replaces the least recently used one. Does not allocate for a known id.
 class CanStreams {
 public:
     static constexpr std::size_t max_streams = 256;
 
     CanStreams(const CanSettings& can, std::size_t max_data) : ids_{can}, max_data_{max_data} {}
 
-    /// The data of one CAN frame. Calls `on_frame` for each good frame whose S_ADDR agrees with the id.
+    /// Processes the data of one CAN frame. Calls `on_frame` for each valid frame whose S_ADDR matches the id.
     template <class OnFrame>
     void receive(std::uint32_t id, std::span<const std::uint8_t> data, TimePoint now, OnFrame on_frame) {
         Stream* stream = find(id);
@@ -105,14 +105,14 @@ public:
         put(*stream, data, now);
         drain(*stream, on_frame);
     }
-    /// Gives up frames whose rest is overdue. To be called at deadline().
+    /// Abandons incomplete frames whose rest is overdue. Call at deadline().
     template <class OnFrame>
     void expire(TimePoint now, OnFrame on_frame) {
         for (Stream& stream : streams_)
             if (stream.parser.expire(now)) drain(stream, on_frame);
     }
     std::optional<TimePoint> deadline() const noexcept;
-    /// To be called when the bus is gone: unfinished frames are given up.
+    /// Call when the bus is down: abandons incomplete frames.
     template <class OnFrame>
     void finish(OnFrame on_frame) {
         for (Stream& stream : streams_) {
@@ -121,9 +121,9 @@ public:
         }
     }
 
-    /// The sum for all ids. A frame whose S_ADDR disagrees with its id counts as denied_in.
+    /// The sum for all ids. A frame whose S_ADDR does not match its id counts as denied_in.
     ReceiveCounters received() const noexcept;
-    /// Only the frames whose S_ADDR disagrees with their id.
+    /// Only the frames whose S_ADDR does not match their id.
     std::uint64_t wrong_source() const noexcept { return refused_.denied_in; }
     std::size_t size() const noexcept { return streams_.size(); }
 

@@ -21,35 +21,36 @@ struct Channel {
 
     ChannelId id{};
     LinkId link{};
-    std::string peer;    // for people: the device, or the peer's endpoint
+    std::string peer;    // for people: the device name, or the endpoint of the peer
     ano::FrameParser parser;
     Outbox outbox;
-    ReceiveCounters routed;    // only what no parser counts
+    ReceiveCounters routed;    // only what is not counted by a parser
     ano::TimePoint opened_at{};
-    ano::TimePoint heard_at{};            // the last good frame; zero: none yet
+    ano::TimePoint heard_at{};            // time of the last valid frame; zero: none yet
     std::uint64_t skipped_by_then = 0;    // skipped() at the time heard_at
     bool hosts_spoke = false;             // a frame of a host was to be sent here
     AnswerWatch answers{};
     EchoWatch echo{};
-    ReceiveCounters beside{};    // of further parsers: a CAN link has one for every CAN id
+    ReceiveCounters beside{};    // of further parsers: a CAN link has one per CAN id
 
-    std::unique_ptr<QuestionQueue> questions{};    // before the outbox of a device that takes few questions; nullptr: none
+    std::unique_ptr<QuestionQueue> questions{};    // before the outbox of a device that accepts few questions at a time; nullptr:
+                                                   // none
 
-    ano::TimePoint arrived_at{};    // of the bytes read last; the link sets it before the parser gets them
+    ano::TimePoint arrived_at{};    // of the bytes read last; the link sets it before it passes them to the parser
 
-    /// A good frame came.
+    /// A valid frame was received.
     void hear(ano::TimePoint now) noexcept {
         heard_at = now;
         skipped_by_then = skipped();
     }
-    /// Bytes that belong to no frame, since the last good frame.
+    /// Bytes outside of any frame since the last valid frame.
     std::uint64_t skipped_since_heard() const noexcept { return skipped() - skipped_by_then; }
     /// The counters of all parsers, and `routed`.
     ReceiveCounters received() const noexcept;
     /// The counters of the outbox and of `questions`.
     SendCounters sent() const noexcept;
     std::size_t waiting() const noexcept;
-    /// Whether a frame that came by the channel `from` waits to be sent.
+    /// Whether a frame that was received on the channel `from` waits to be sent.
     bool has_waiting(ChannelId from) const noexcept {
         return outbox.has_waiting(from) || (questions && questions->has_waiting(from));
     }

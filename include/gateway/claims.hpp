@@ -1,4 +1,4 @@
-// Decides which device keeps an address when one claims it that another holds: the holder is asked first.
+// Decides between two devices that use the same address. The device that had it first is asked first.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -12,22 +12,23 @@
 
 namespace anogate {
 
-/// The tests under way, at most one for an address: questions to the holder, and a verdict when it does not answer. Constant time,
-/// except take(); no allocation.
+/// The tests in progress, at most one per address. A test sends questions to the holder of the address, and ends with a verdict
+/// if the holder does not answer. Constant time, except take(); no allocation.
 class Claims {
 public:
     struct Pace {
         unsigned questions = 3;
         ano::Duration answer_within = std::chrono::seconds{1};     // after each question
-        ano::Duration between_tests = std::chrono::seconds{10};    // of one address, from begin to begin
-        /// When take() is called later than this after the answer was due, the answer may have been missed: it asks once more.
+        ano::Duration between_tests = std::chrono::seconds{10};    // of one address, from start to start
+        /// If take() is called later than this after the answer was due, the answer may have been missed, so one more question is
+        /// sent.
         ano::Duration late = std::chrono::milliseconds{500};
     };
 
     Claims() = default;
     explicit Claims(const Pace& pace) : pace_{pace} {}
 
-    /// Begins a test, whose first question is due now. False: one is under way, or the last began too recently.
+    /// Starts a test, whose first question is due now. False: a test is in progress, or the last one started too recently.
     bool begin(std::uint8_t address, ChannelId claimant, ano::TimePoint now) noexcept {
         Test& test = tests_[address];
         if (under_way_[address] || now < test.next_at) return false;
@@ -37,7 +38,7 @@ public:
         return true;
     }
     bool is_under_way(std::uint8_t address) const noexcept { return under_way_[address]; }
-    /// Who claims the address; only for a test that is under way.
+    /// The channel that claims the address; only for a test in progress.
     ChannelId claimant(std::uint8_t address) const noexcept { return tests_[address].claimant; }
     /// Ends the test of an address.
     void end(std::uint8_t address) noexcept {
@@ -45,14 +46,14 @@ public:
         if (under_way_.none()) earliest_ = ano::TimePoint::max();
     }
 
-    /// Whether something may be due.
+    /// Whether an action may be due.
     bool is_due(ano::TimePoint now) const noexcept { return now >= earliest_; }
-    /// When to call take() next; std::nullopt: there is no test.
+    /// When to call take() next; std::nullopt: no test is in progress.
     std::optional<ano::TimePoint> next() const noexcept { return under_way_.none() ? std::nullopt : std::optional{earliest_}; }
 
     struct Due {
         std::uint8_t address = 0;
-        bool silent = false;    // the test is over, as the holder was silent; false: the holder is to be asked
+        bool silent = false;    // the test is over, the holder did not answer; false: ask the holder
         ChannelId claimant{};
     };
     /// The next action that is due, if any.

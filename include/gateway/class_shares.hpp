@@ -1,4 +1,4 @@
-// Which class sends next: urgent before telemetry before bulk, but each class that waits gets a tenth of the bytes.
+// Which class sends next. Urgent precedes telemetry, telemetry precedes bulk, but each waiting class gets a tenth of the bytes.
 #pragma once
 #include <gateway/queue_policy.hpp>
 
@@ -10,9 +10,9 @@
 namespace anogate {
 
 /// For each byte that others send while a class waits, the class earns a ninth of a byte, which makes a tenth of all bytes. Bytes
-/// that it sends because no higher class waits are subtracted, but never below zero. What was earned is kept when the frame that
-/// would have used it is dropped: on a slow line, where frames become stale before a tenth of the line has carried one, the class
-/// still sends one frame of several.
+/// that it sends because no higher class waits are subtracted, but never below zero. If the frame that would have used the earned
+/// bytes is dropped, they are kept. So the class still sends some of its frames on a slow line, where frames become stale before
+/// a tenth of the line can send one.
 class ClassShares {
 public:
     /// For each class the size of the frame that it sends next; 0: none waits.
@@ -27,7 +27,7 @@ public:
             if (next[t] > 0 && due_[t] >= others_before_one * next[t]) return t;
         return highest;
     }
-    /// The first frame of `chosen` leaves.
+    /// The first frame of `chosen` is sent.
     constexpr void leaves(std::size_t chosen, const Sizes& next) noexcept {
         for (std::size_t t = 0; t < traffic_classes; ++t)
             if (next[t] > 0 && t != chosen) due_[t] += next[chosen];

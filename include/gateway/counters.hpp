@@ -1,4 +1,4 @@
-// The counters, with the names that every output uses. A new counter is a field and a row here.
+// The counters, with the names used in every output. A new counter is a field and a row here.
 #pragma once
 #include <ano/parser.hpp>
 
@@ -9,47 +9,47 @@ namespace anogate {
 
 /// Counts what a channel received.
 struct ReceiveCounters {
-    std::uint64_t frames_in{};        // good frames
-    std::uint64_t bytes_in{};         // all bytes, good or not
-    std::uint64_t bad_check{};        // candidates whose checks do not hold
+    std::uint64_t frames_in{};        // valid frames
+    std::uint64_t bytes_in{};         // all bytes, valid or not
+    std::uint64_t bad_check{};        // candidates with a wrong checksum
     std::uint64_t bad_length{};       // candidates longer than the link's max_data
-    std::uint64_t skipped_bytes{};    // bytes that belong to no good frame
-    std::uint64_t expired{};          // candidates whose end never came
+    std::uint64_t skipped_bytes{};    // bytes outside of valid frames
+    std::uint64_t expired{};          // candidates that were not completed in time
     std::uint64_t denied_in{};        // refused by a filter or by `allow`
     std::uint64_t inhibited{};        // blocked by an inhibit switch
-    std::uint64_t looped{};           // came back around a ring
-    std::uint64_t duplicate{};        // came already by another link of the group
-    std::uint64_t no_route{};         // good frames without a receiver
+    std::uint64_t looped{};           // received again through a loop
+    std::uint64_t duplicate{};        // already received on another link of the group
+    std::uint64_t no_route{};         // valid frames without a receiver
     std::uint64_t over_share{};       // datagrams of a peer that sent more than could be read in its share of the time
-    std::uint64_t suspended{};        // frames of a peer that was asked about as a listening gateway
+    std::uint64_t suspended{};        // refused for a second after a question of a listening gateway from their source
 };
 
-/// Counts what was offered to a channel. frames_out + every cause + those waiting = offered.
+/// Counts what was offered to a channel. frames_out + every cause + the waiting frames = offered.
 struct SendCounters {
     std::uint64_t frames_out{};
     std::uint64_t bytes_out{};
-    std::uint64_t empty_out{};      // of frames_out, those with LEN 0: older devices lose such a frame and the next
+    std::uint64_t empty_out{};      // of frames_out, those with LEN 0: older devices lose such a frame and the next one
     std::uint64_t flush_bytes{};    // zero bytes outside of frames, see Outbox::flush_parser()
     std::uint64_t superseded{};     // replaced by a newer one of its kind
-    std::uint64_t queue_full{};     // gave way to newer frames
+    std::uint64_t queue_full{};     // dropped for newer frames
     std::uint64_t stale{};          // waited longer than its age limit
-    std::uint64_t limited{};        // above the rate set for its kind
+    std::uint64_t limited{};        // above the rate limit of its id
     std::uint64_t denied_out{};     // refused by a filter, or because the link is in exclusive use
     std::uint64_t link_down{};      // the link was down, or went down
-    std::uint64_t too_big{};        // more DATA than the link carries
-    std::uint64_t send_failed{};    // refused by the system
-    std::uint64_t held_back{};      // a peer outside our networks has not shown yet that it receives
-    std::uint64_t offered{};        // every frame that was to leave by this channel
+    std::uint64_t too_big{};        // more DATA than the link supports
+    std::uint64_t send_failed{};    // refused by the operating system
+    std::uint64_t held_back{};      // the peer is outside of the own networks and has not yet shown that it receives
+    std::uint64_t offered{};        // every frame that was to be sent on this channel
 };
 
-/// The counter that says why a received frame was dropped, and why a frame to be sent was.
+/// The counter for the reason why a received frame, or a frame to be sent, was dropped.
 using ReceiveCause = std::uint64_t ReceiveCounters::*;
 using SendCause = std::uint64_t SendCounters::*;
 
-/// Counters of the tunnel: what it carried, and what it refused, by cause.
+/// Counters of the tunnel: sent and received datagrams and frames, and refusals by cause.
 struct TunnelCounters {
-    std::uint64_t out{};          // datagrams that left for tunnel frames of devices
-    std::uint64_t in{};           // datagrams from the network of which something was taken
+    std::uint64_t out{};          // datagrams sent for tunnel frames of devices
+    std::uint64_t in{};           // datagrams from the network that were at least partly accepted
     std::uint64_t unwrapped{};    // tunnel frames from the network that were opened
     std::uint64_t wrapped{};      // tunnel frames made for devices
     std::uint64_t tunnel_malformed{};
@@ -66,9 +66,9 @@ struct TunnelCounters {
 };
 
 enum class Counts : std::uint8_t {
-    traffic,    // what passed, or damage
-    losses,     // what was refused before it was a frame of a channel
-    drops,      // whole frames that went no further
+    traffic,    // sent and received, or damaged
+    losses,     // refused before it was a frame of a channel
+    drops,      // complete frames that were not forwarded
 };
 
 template <class Counters>
@@ -158,7 +158,7 @@ constexpr std::uint64_t sum_of_losses(const auto& counters, const auto& table) n
 constexpr std::uint64_t losses(const ReceiveCounters& c) noexcept { return sum_of_losses(c, receive_counters); }
 constexpr std::uint64_t losses(const SendCounters& c) noexcept { return sum_of_losses(c, send_counters); }
 
-/// Frames that were offered and neither left nor were dropped: those that wait.
+/// Offered frames that were neither sent nor dropped: the waiting ones.
 constexpr std::uint64_t unaccounted(const SendCounters& c) noexcept { return c.offered - c.frames_out - losses(c); }
 
 }    // namespace anogate

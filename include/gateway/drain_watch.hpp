@@ -1,4 +1,4 @@
-// Notices a line that takes nothing, as one that the device's flow control stops.
+// Detects a line that accepts no bytes, for example because the flow control of the device stops it.
 #pragma once
 #include <ano/time.hpp>
 
@@ -7,13 +7,13 @@
 
 namespace anogate {
 
-/// Of one channel. To be called at least once in `seen_within` while somebody waits for it: what was before a longer pause is not known.
+/// For one channel. Call it at least once per `seen_within` while anything waits for it: nothing is known of a longer pause.
 class DrainWatch {
 public:
     static constexpr ano::Duration patience = std::chrono::seconds{3};
     static constexpr ano::Duration seen_within = std::chrono::seconds{1};
 
-    /// `left`: the bytes that have left so far; `waits`: some wait to leave. True: they wait, and none has left for `patience`.
+    /// `left`: the bytes sent so far; `waits`: some wait to be sent. True: bytes wait, and none was sent for `patience`.
     constexpr bool takes_nothing(std::uint64_t left, bool waits, ano::TimePoint now) noexcept {
         if (!waits || left != left_ || now - seen_at_ > seen_within) since_ = now;
         left_ = left;

@@ -1,4 +1,4 @@
-// Recognises a line that echoes: what is sent by it comes back by it, as on RS-485 or one wire without muting the receiver.
+// Detects a line that echoes: sent frames are received again on it, as on RS-485 or on one wire with an unmuted receiver.
 #pragma once
 #include <ano/time.hpp>
 
@@ -10,14 +10,15 @@
 
 namespace anogate {
 
-/// For one channel: the last frames that were sent by it and ask or act, by frame_key(). Each is an echo once. No allocation.
+/// For one channel: the last sent frames that ask or act, by frame_key(). Each is recognised as an echo once. No allocation.
 class EchoWatch {
 public:
     static constexpr std::size_t memory = 32;    // frames
     static constexpr ano::Duration window = std::chrono::seconds{2}, shown_for = std::chrono::seconds{60};
-    /// So many frames in a row have to come back before one is an echo whose sender was heard here too: it may be his own.
+    /// If the sender of a frame was received here before, the frame may be its own. It counts as an echo only after this number
+    /// of sent frames in a row were received again.
     static constexpr unsigned enough = 4;
-    static constexpr unsigned max_missing = 8;    // that did not come back meanwhile
+    static constexpr unsigned max_missing = 8;    // sent frames not received again meanwhile
 
     void sent(std::uint64_t key, ano::TimePoint now) noexcept {
         sent_[next_++ % memory] = {key, now, false};
@@ -25,7 +26,7 @@ public:
         if (++missing_ > max_missing) in_a_row_ = 0;
     }
     bool is_listening(ano::TimePoint now) const noexcept { return last_sent_ && now - *last_sent_ < window; }
-    /// Whether the frame that came is an echo. `sender_is_here`: its source was heard by this channel before.
+    /// Whether the received frame is an echo. `sender_is_here`: its source was received on this channel before.
     bool is_echo(std::uint64_t key, bool sender_is_here, ano::TimePoint now) noexcept {
         const auto is_it = [&](const Sent& one) { return one.key == key && !one.is_back && one.at && now - *one.at < window; };
         const auto found = std::find_if(sent_.begin(), sent_.end(), is_it);

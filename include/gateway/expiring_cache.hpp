@@ -14,8 +14,8 @@
 
 namespace anogate {
 
-/// Remembers a value by key for a while. Bounded: when it is full, the oldest is replaced. Constant time, no allocation
-/// after construction. Parts never written to take address space only, no memory.
+/// Stores a value by key for a limited time. Bounded: when it is full, the oldest value is replaced. Constant time, no allocation
+/// after construction. Parts that were never written use address space but no memory.
 template <class Value>
 class ExpiringCache {
     static_assert(std::is_trivially_copyable_v<Value>);
@@ -29,14 +29,14 @@ public:
         if (!sets_) throw std::bad_alloc{};
     }
 
-    /// The value of `key` that was put in later than `window` before `at`; nullptr: none. Valid until the next put().
+    /// The value of `key` that was stored less than `window` before `at`; nullptr: none. Valid until the next put().
     Value* find(std::uint64_t key, ano::TimePoint at) noexcept {
         Slot* slot = slot_of(key);
         return slot && at < time_of(*slot) + window_ ? &slot->value : nullptr;
     }
-    /// When the value was put in; only for a key that find() found.
+    /// When the value was stored; only for a key that find() found.
     ano::TimePoint put_at(std::uint64_t key) noexcept { return time_of(*slot_of(key)); }
-    /// Remembers `value` from `now` on, in place of an earlier value of `key`.
+    /// Stores `value` with the time `now`; it replaces an earlier value of `key`.
     void put(std::uint64_t key, const Value& value, ano::TimePoint now) noexcept {
         Slot* slot = slot_of(key);
         if (!slot) {
@@ -45,8 +45,8 @@ public:
         }
         *slot = {key, stored(now), value};
     }
-    /// Calls `keep(key, value)`, which may change the value, for all values, and forgets those for which it returns false. It
-    /// walks all the memory: too slow to be called for each frame.
+    /// Calls `keep(key, value)`, which may change the value, for all values, and removes those for which it returns false. It
+    /// walks through all the memory, which is too slow for each frame.
     template <class Keep>
     void keep_if(Keep keep) {
         for (std::size_t i = 0; i < set_count(); ++i)
@@ -54,7 +54,7 @@ public:
                 if (slot.at != empty && !keep(slot.key, slot.value)) slot = {};
     }
 
-    /// Calls `tell(key, at, value)` for all values, also expired ones. Too slow to be called for each frame, like keep_if().
+    /// Calls `tell(key, at, value)` for all values, also expired ones. Too slow for each frame, like keep_if().
     template <class Tell>
     void for_each(Tell tell) const {
         for (std::size_t i = 0; i < set_count(); ++i)
@@ -67,7 +67,7 @@ private:
     static constexpr std::uint64_t empty = 0;
     struct Slot {
         std::uint64_t key = 0;
-        std::uint64_t at = empty;    // in the order of time; TimePoint::min() is 0
+        std::uint64_t at = empty;    // in an encoding that keeps the order of time; TimePoint::min() is 0
         Value value{};
     };
     using Set = std::array<Slot, ways>;

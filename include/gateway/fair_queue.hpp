@@ -1,10 +1,10 @@
-// The frames of one class, with a fair share for each sender: deficit round robin by the channel a frame came by, and
-// within a channel by S_ADDR. So a peer that forges 250 addresses has the share of one peer, and several hosts that all have
-// the address 0xFE have a share each.
+// The frames of one class, with a fair share for each sender: deficit round robin by the channel on which a frame was received,
+// and within a channel by S_ADDR. A peer that forges 250 addresses gets the share of one peer, and several hosts that all have
+// the address 0xFE get one share each.
 //
 // Flow:    queue.push(i, from, source)
-//          queue.start_plan(); queue.next_planned(), queue.take_planned() …    // which frames will leave, in order
-//          queue.next(), queue.take() …                                        // they leave, in the same order
+//          queue.start_plan(); queue.next_planned(), queue.take_planned() …    // which frames will be sent, in order
+//          queue.next(), queue.take() …                                        // they are sent, in the same order
 #pragma once
 #include <ano/room.hpp>
 #include <gateway/ids.hpp>
@@ -17,13 +17,13 @@
 
 namespace anogate {
 
-/// Frames of one sender leave in order, except that frames which `overtake` alternate with the others, and go first. A channel
-/// that had nothing waiting lately sends first. Neither throws nor allocates after construction; constant time a frame,
-/// amortised over its bytes.
+/// Frames of one sender are sent in order, with one exception: frames with `overtakes` set alternate with the others and go
+/// first. A channel that had no waiting frame lately sends first. Neither throws nor allocates after construction. Constant time
+/// per frame, amortised over its bytes.
 class FairQueue {
 public:
-    /// `frames`, of which at most `max_frames` wait here, must outlive this. When several senders wait, each sends `quantum` bytes
-    /// (above 0) in its turn, and the rest of the frame that begins within them.
+    /// `frames`, of which at most `max_frames` wait here, must outlive this. When several senders wait, each sends `quantum`
+    /// bytes (above 0) in its turn, plus the rest of a frame that begins within them.
     FairQueue(WaitingFrame* frames, std::size_t max_frames, std::int32_t quantum);
 
     /// `size` and `overtakes` of the frame must be set.
@@ -46,17 +46,17 @@ public:
         --count_;
         if (shared_) shrink(frame.flow, frame.size);
     }
-    /// The frame that leaves next; no_frame when none waits.
+    /// The frame to send next; no_frame: none waits.
     FrameIndex next() noexcept { return shared_ ? next_of_many<false>() : first(nodes_[sole].now); }
-    /// Removes next(); it is charged to the turn of its sender.
+    /// Removes next() and charges it to the turn of its sender.
     void take() noexcept {
         const FrameIndex i = next();
         pay<false>(i);
         remove(i);
     }
 
-    /// Whether frames leave in the order in which they came, because there is one sender and no frame overtakes. Then take_front()
-    /// is the same as take(), and the frames after front() follow by `in_flow`.
+    /// Whether frames are sent in the order of push(), because there is one sender and no frame overtakes. Then take_front() does
+    /// the same as take(), and the frames after front() follow by `in_flow`.
     bool in_order() const noexcept { return !shared_ && nodes_[sole].now.overtaking.first == no_frame; }
     FrameIndex front() const noexcept { return nodes_[sole].now.rest.first; }
     void take_front() noexcept {
@@ -78,7 +78,7 @@ public:
         skip(nodes_[frames_[i].flow].planned, i);
     }
 
-    /// The frame that leaves next of those of one sender; no_frame when none waits.
+    /// The frame of one sender that is sent next; no_frame: none waits.
     FrameIndex first_of(ChannelId from, std::uint8_t source) const noexcept {
         const auto key = static_cast<std::uint32_t>(index(from) << 8 | source);
         if (!shared_) return count_ > 0 && nodes_[sole].key == key ? first(nodes_[sole].now) : no_frame;
@@ -86,12 +86,12 @@ public:
         while (n != nobody && nodes_[n].key != key) n = nodes_[n].chained;
         return n != nobody ? first(nodes_[n].now) : no_frame;
     }
-    /// The oldest frame of the sender that has the most bytes waiting, on the channel that has the most. The queue must not be
-    /// empty. When many wait, only some of them are compared.
+    /// The oldest frame of the sender with the most waiting bytes, on the channel with the most. The queue must not be empty.
+    /// With many channels or senders, only some of them are compared.
     FrameIndex gives_way() noexcept;
-    /// The channel that a waiting frame came by.
+    /// The channel on which a waiting frame was received.
     ChannelId channel_of(FrameIndex i) const noexcept { return static_cast<ChannelId>(nodes_[frames_[i].flow].key >> 8); }
-    /// The list of the sender of `i` that holds it: the frames that overtake, or the others.
+    /// The list that contains `i`: of its sender, the frames that overtake, or the others.
     const FrameList& line_of(FrameIndex i) const noexcept {
         const Node& flow = nodes_[frames_[i].flow];
         return frames_[i].overtakes ? flow.now.overtaking : flow.now.rest;
@@ -119,7 +119,7 @@ private:
         std::int32_t balance;    // bytes it may still send in this turn
         std::uint32_t bytes;     // waiting
         Number turn;             // for a channel or the root: the child whose turn it is
-        bool overtook;           // the frame that left last overtook others of this sender
+        bool overtook;           // the last sent frame overtook others of this sender
         FrameList overtaking, rest;
     };
     struct Node {

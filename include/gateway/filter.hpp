@@ -36,14 +36,14 @@ struct LimitRule {
     bool operator==(const LimitRule&) const = default;
 };
 
-/// The rules of a link.
+/// The filters and limits of a link.
 struct RuleSettings {
     FilterSettings receive, send;
-    std::vector<LimitRule> limit;    // for frames that leave; at most one for an id
+    std::vector<LimitRule> limit;    // for sent frames; at most one per id
     bool operator==(const RuleSettings&) const = default;
 };
 
-/// Takes three look-ups a frame. A link without filters has no object of this class, rather than one that passes everything.
+/// Needs three look-ups per frame. A link without filters has no object of this class, rather than one that passes everything.
 class Filter {
 public:
     explicit Filter(const FilterSettings& settings)
@@ -72,8 +72,8 @@ private:
     Set ids_, sources_, destinations_;
 };
 
-/// Limits the frames a second of an id, evenly spaced: a frame that comes sooner than 1/rate after the last one that passed does
-/// not pass; an earlier pause does not allow a burst.
+/// Limits the frames of an id per second, evenly spaced. A frame less than 1/rate after the last one that passed does not pass;
+/// an earlier pause does not allow a burst.
 class Limit {
 public:
     /// `per_second` frames of `id`, above 0.
@@ -101,7 +101,7 @@ private:
 /// Applies the rules of one link. A link without rules has no object of this class, rather than one that passes everything.
 class Rules {
 public:
-    /// `sends_empty`: whether frames without DATA leave.
+    /// `sends_empty`: whether frames without DATA are sent.
     explicit Rules(const RuleSettings& settings, bool sends_empty = true) : sends_empty_{sends_empty} {
         if (settings.receive != FilterSettings{}) receive_.emplace(settings.receive);
         if (settings.send != FilterSettings{}) send_.emplace(settings.send);
@@ -111,12 +111,12 @@ public:
     }
 
     bool takes(ano::FrameView frame) const noexcept { return !receive_ || passes(*receive_, frame); }
-    /// Whether the send filter lets the frame pass; limits are not looked at.
+    /// Whether the send filter passes the frame; limits are not checked.
     bool sends(ano::FrameView frame) const noexcept {
         return (sends_empty_ || !frame.data().empty()) && (!send_ || passes(*send_, frame));
     }
-    /// nullptr: the frame may leave; otherwise the counter for the reason. A frame that goes to several channels of the link counts
-    /// once for the limits: `number`, above 0, is the number of the frame in the gateway.
+    /// nullptr: the frame may be sent; otherwise the counter for the reason. A frame that is sent on several channels of the link
+    /// counts once for the limits: `number`, above 0, is the number of the frame in the gateway.
     SendCause refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
         if (number == judged_) return verdict_;
         judged_ = number;

@@ -3,7 +3,7 @@
 // Flow:    const LinkId link = forwarder.add_link({...});
 //          Channel* channel = forwarder.open_channel(link, peer, now);
 //          forwarder.link_up(link, now);                         // its wire is connected
-//          forwarder.receive(*channel, frame, now);              // every good frame
+//          forwarder.receive(*channel, frame, now);              // each valid frame
 //          while (Channel* to = forwarder.next_to_flush()) ...   // at the end of a batch: frames wait in its outbox
 //          forwarder.tick(now);                                  // at due(), and say_hellos(now) at hello_due(); then flush
 #pragma once
@@ -38,34 +38,34 @@
 namespace anogate {
 
 /// Neither throws nor allocates while the links and channels stay the same. Links and channels may be added and removed at any
-/// time except inside a call of an observer or of the tunnel.
+/// time, except in a call to an observer or to the tunnel.
 class Forwarder final : private OutboxWatch {
 public:
-    /// Is called for every frame, as long as it is registered. It must not add or remove observers in a call.
+    /// Called for each frame, as long as it is registered. It must not add or remove observers in a call.
     class Observer {
     public:
-        /// Which functions are called. Those that no observer wants cost no time.
+        /// Which functions are called. A function that no observer wants costs no time.
         struct Wants {
             bool arrivals = true;      // received()
             bool fates = true;         // passes(), offered(), dropped(), refused()
             bool departures = true;    // left(), gave_up()
-            bool always = false;       // it listens as long as the gateway runs: not counted by is_observed()
+            bool always = false;       // runs as long as the gateway: not counted by is_observed()
             bool operator==(const Wants&) const = default;
         };
 
-        /// A good frame came in; `frame` is as received.
+        /// A valid frame was received; `frame` is unchanged.
         virtual void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) = 0;
-        /// The frame passed all checks and is routed; `frame` is as the receivers will see it. True: it is an answer to the gateway itself,
-        /// so that it does not count as `no_route` when it has no other receiver.
+        /// The frame passed all checks and is routed; `frame` is as its receivers get it. True: it is an answer to the gateway
+        /// itself, so it does not count as `no_route` when it has no other receiver.
         virtual bool passes(const Channel& /*from*/, ano::FrameView /*frame*/) { return false; }
-        /// The frame waits in the outbox of `to`, or in the queue of questions before it; `frame` is as its receiver will see it. left()
-        /// or gave_up() follows. `from` may be `ourselves`.
+        /// The frame waits in the outbox of `to`, or in the queue of questions before it; `frame` is as its receiver gets it.
+        /// left() or gave_up() follows. `from` may be `ourselves`.
         virtual void offered(const Channel& to, ano::FrameView frame, ChannelId from) = 0;
         /// A received frame was dropped.
         virtual void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) = 0;
-        /// The frame was to leave by `to` and was refused.
+        /// The frame was to be sent on `to` and was refused.
         virtual void refused(LinkId to, ano::FrameView frame, SendCause cause) = 0;
-        /// An offered frame left by `to`, or was dropped while it waited. Called by outboxes, so they must not throw.
+        /// An offered frame was sent on `to`, or was dropped while it waited. Called by outboxes, so they must not throw.
         virtual void left(const Channel& /*to*/, ano::FrameView /*frame*/) noexcept {}
         virtual void gave_up(const Channel& /*to*/, ano::FrameView /*frame*/, SendCause /*cause*/) noexcept {}
         /// The link was removed, with its channels.
@@ -75,11 +75,11 @@ public:
         ~Observer() = default;
     };
 
-    /// Gets the frames for the gateway itself, if it is a device.
+    /// Receives the frames for the gateway itself, if it is a device.
     class Own {
     public:
-        /// A frame for the gateway's id or for everybody passed all checks. `from` may be `ourselves`. Answers must be sent later, outside
-        /// the calls of the Forwarder.
+        /// A frame for the gateway's id or for the broadcast address passed all checks. `from` may be `ourselves`. Answers must
+        /// be sent later, outside of the calls of the Forwarder.
         virtual void take(const Channel& from, ano::FrameView frame, TimePoint now) = 0;
 
     protected:
@@ -92,119 +92,120 @@ public:
 
     /// Returns the lowest free number; one must be free.
     LinkId add_link(const ForwarderLink& link);
-    /// Closes its channels and forgets all that is known of it, so that another link can get its number.
+    /// Closes its channels and erases all that is stored about it. Its number is free for another link then.
     void remove_link(LinkId link);
-    /// Changes the settings and keeps what was learned. set_unknown_link() must be called again.
+    /// Changes the settings and keeps the learned routes. set_unknown_link() must be called again.
     void set(const GatewaySettings& settings) { router_.set(settings); }
-    /// The ids whose frames are not treated as the message table has it.
+    /// The ids whose frames are treated differently from the message table.
     void set_classes(const std::vector<ClassSettings>& classes);
     void pin(std::uint8_t first, std::uint8_t last, LinkId link) { router_.pin(first, last, link); }
     /// Except for the aliases of the link, which stay pinned.
     void unpin(std::uint8_t first, std::uint8_t last, LinkId link);
-    /// Forgets where `address` was heard, and who claimed it. False: it was not known.
+    /// Erases the route of `address` and its last claimant. False: it had no route.
     bool forget(std::uint8_t address) {
         claimants_.erase(address);
         return router_.forget(address);
     }
-    /// As in Router: restores what was known of the open `channel` when the program ran before.
+    /// As in Router: restores the route of the open `channel` from an earlier run of the program.
     void restore(std::uint8_t address, const Channel& channel, TimePoint heard_at) {
         router_.restore(address, channel.id, heard_at);
     }
     void restore_last_homes(const std::bitset<256>& addresses, LinkId link) { router_.restore_last_homes(addresses, link); }
     void restore_first(std::uint8_t address, const Channel& channel) { router_.restore_first(address, channel.id); }
-    /// What a link of a group brought after `since`, to be restored in the next run of the program, so that copies by other links of the
-    /// group are still detected.
+    /// The frames that a link of a group received after `since`. With them the next run of the program still detects the copies
+    /// of other links of the group.
     std::vector<DuplicateGuard::Memory> brought_by(LinkId link, TimePoint since) const {
         return duplicates_.brought_by(link, since);
     }
     void restore(LinkId link, const DuplicateGuard::Memory& brought);
-    /// While a person writes to the devices of `link` by hand: frames to it are dropped (denied_out).
+    /// For exclusive use: while a person writes to the devices of `link` manually, frames to it are dropped (denied_out).
     void set_exclusive(LinkId link, bool exclusive);
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
-    /// Makes `link`, which was added, the tunnel; tunnel frames that come by `carried` leave by it. `port` must live until the link
-    /// is removed. Another call changes what is carried.
+    /// Makes `link`, which was added, the tunnel. Tunnel frames that are received on `carried` are sent by it. `port` must live
+    /// until the link is removed. Another call changes the set of links.
     void set_tunnel(LinkId link, LinkSet carried, TunnelPort& port);
 
-    /// nullptr: all 64 are in use. The channel lives until close_channel(), or until its link is removed; its outbox starts closed.
+    /// nullptr: all 64 are in use. The channel lives until close_channel(), or until its link is removed. Its outbox is closed at
+    /// first.
     Channel* open_channel(LinkId link, std::string peer, TimePoint now);
     void close_channel(Channel& channel);
-    /// The wire of the link is connected: opens the outboxes of its channels. To be called again after a channel was opened.
+    /// The wire of the link is connected: opens the outboxes of its channels. Call it again after a channel was opened.
     void link_up(LinkId link, TimePoint now);
     void link_down(LinkId link);
-    /// The peer of `link` refuses what was sent: another link of its group is tried.
+    /// The peer of `link` refuses the frames: another link of its group is tried.
     void report_unreachable(LinkId link) { router_.report_unreachable(link); }
-    /// The clock did not count `time` (the machine was suspended): all waiting frames become that much older.
+    /// The clock did not count `time` (the machine was suspended): adds it to the age of all waiting frames.
     void grow_older(Duration time);
-    /// The program is about to end: no more questions are sent, and no answers awaited.
+    /// The program is about to end: sends no more questions and awaits no answers.
     void stop_asking();
 
-    /// Takes a good frame that came by `from`, at its `arrived_at`.
+    /// Processes a valid frame that was received on `from`, at its `arrived_at`.
     void receive(Channel& from, ano::FrameView frame, TimePoint now);
-    /// Sends a frame of the gateway itself by `to`: no address is learned from it. It is counted, filtered and queued like any other
-    /// frame.
+    /// Sends a frame of the gateway itself on `to`. No address is learned from it. It is counted, filtered and queued like any
+    /// other frame.
     void say(ChannelId to, ano::FrameView frame, TimePoint now);
 
-    /// Routes a frame of the gateway itself. `from` is not one of the opened channels, its id is `ourselves`: the rules and switches of
-    /// its link apply, and it counts what is dropped. No address is learned from the frame.
+    /// Routes a frame of the gateway itself. `from` is not one of the opened channels, and its id is `ourselves`. The rules and
+    /// switches of its link apply, and it counts dropped frames. No address is learned from the frame.
     void send_on(Channel& from, ano::FrameView frame, TimePoint now);
 
-    /// Has zero bytes sent (Outbox::flush_parser()) wherever `frame`, which send_on() is to get next, will leave. Of
-    /// several lines the slowest counts.
+    /// Sends zero bytes (Outbox::flush_parser()) on each line on which `frame`, the next one for send_on(), will be sent. If
+    /// there are several lines, the result is that of the slowest.
     ano::Flush flush_parsers(LinkId from, ano::FrameView frame, TimePoint now);
 
-    /// As say(), for an answer of the gateway itself, which may come back by any link.
+    /// As say(), for an answer of the gateway itself, which may be received again on any link.
     void answer(ChannelId to, ano::FrameView frame, TimePoint now);
-    /// Sends a frame of the gateway itself to a host: to every channel where its destination was heard, and to no other. No address is
-    /// learned from it.
+    /// Sends a frame of the gateway itself to a host: on each channel on which its destination was received, and on no other. No
+    /// address is learned from it.
     void say_to_heard(ano::FrameView frame, TimePoint now);
-    /// nullptr, the initial value: nobody is called. `own` must outlive the Forwarder, or be replaced before.
+    /// nullptr, the initial value: no call. `own` must outlive the Forwarder, or be replaced before.
     void set_own(Own* own) noexcept { own_ = own; }
 
-    /// For the tunnel: whether a tunnel frame that came by it may be opened.
+    /// For the tunnel: whether a tunnel frame from it may be opened.
     bool admit(Channel& from, ano::FrameView frame, TimePoint now);
-    /// Takes a frame inside a tunnel frame, which came by `from` and leaves by the tunnel, through all steps of receive() that may drop
-    /// it. False: it was dropped, and counted.
+    /// Passes a frame from inside a tunnel frame, which was received on `from` and is sent by the tunnel, through all steps of
+    /// receive() that may drop it. False: it was dropped, and counted.
     bool passes_into_tunnel(Channel& from, ano::FrameView inner, TimePoint now);
-    /// The same for a frame that came by the tunnel and is to go to the devices of `to` inside a tunnel frame.
+    /// The same for a frame that was received by the tunnel and is sent to the devices of `to` inside a tunnel frame.
     bool passes_to_wrap(Channel& from, ano::FrameView frame, LinkId to, TimePoint now);
-    /// Learns that the source of the frame is behind `from`: answers go there.
+    /// Learns that the source of the frame is behind `from`: answers are sent there.
     void learn(Channel& from, ano::FrameView frame, TimePoint now);
-    /// Sends a tunnel frame with frames of passes_to_wrap() to every channel of `to`.
+    /// Sends a tunnel frame with frames of passes_to_wrap() on each channel of `to`.
     void send(LinkId to, ano::FrameView frame, TimePoint now);
 
-    /// A channel whose outbox got frames since it was last flushed; nullptr: none.
+    /// A channel to whose outbox frames were added since it was last flushed; nullptr: none.
     Channel* next_to_flush() noexcept;
-    /// When tick() has something to do; std::nullopt: not by itself. The time may be too early, but is never too late.
+    /// When tick() must be called; std::nullopt: no time is set. The time may be too early, but is never too late.
     std::optional<TimePoint> due() const noexcept;
     void tick(TimePoint now);
     /// The same for say_hellos(), which may be called a little later.
     std::optional<TimePoint> hello_due() const noexcept { return hello_due_; }
     void say_hellos(TimePoint now);
 
-    /// The next conflict that began and was not taken yet; for the log.
+    /// The next conflict that began and was not returned yet; for the log.
     std::optional<Conflict> take_conflict();
     struct Claimant {
         LinkId link{};
         std::string peer;    // Channel::peer
     };
-    /// Who claimed the address last; nullptr: nobody.
+    /// The last claimant of the address; nullptr: none.
     const Claimant* claimant(const Conflict& conflict) const;
 
-    /// A frame that came by `from` with this `source` has the address of a device that is at home elsewhere: Router::claims(), of the
-    /// address under which other links see it.
+    /// Whether a frame received on `from` with this `source` has the address of a device that is at home elsewhere:
+    /// Router::claims() for the address under which other links see it.
     bool is_elsewhere(const Channel& from, std::uint8_t source) const noexcept;
 
     /// As in Router; for the log.
     std::optional<Router::Moved> take_move() noexcept { return router_.take_move(); }
 
-    /// Without observers, nothing is copied for them. For an observer that is registered already, this changes `wants`.
+    /// Without observers, nothing is copied for them. If the observer is already registered, this changes its `wants`.
     void add_observer(Observer& observer, Observer::Wants wants);
     void add_observer(Observer& observer) { add_observer(observer, Observer::Wants{}); }
     void remove_observer(Observer& observer);
     bool is_observed() const noexcept { return observers_.size() > always_.size(); }
-    /// Gives the port id to the open channel alone.
+    /// Assigns the port id to the open channel alone.
     void bear(const Channel& channel, std::uint8_t port_id) { router_.bear(channel.id, port_id); }
-    /// Changes whenever a link or a channel was added or removed.
+    /// Changes whenever a link or a channel is added or removed.
     std::uint64_t version() const noexcept { return version_; }
 
     const LinkTraffic& traffic(LinkId link) const;
@@ -296,13 +297,13 @@ private:
     ChannelSet to_flush_;
     TunnelPort* tunnel_ = nullptr;
     LinkId tunnel_link_{};
-    LinkSet carried_;    // the links whose tunnel frames the tunnel takes
-    LinkSet ruled_;      // the links with rules, aliases, present_as, a hello, or devices that take few questions
+    LinkSet carried_;    // the links whose tunnel frames are passed to the tunnel
+    LinkSet ruled_;      // the links with rules, aliases, present_as, a hello, or devices that accept few questions at a time
     std::vector<Observer*> observers_;    // all
     std::vector<Observer*> hear_arrivals_, hear_fates_, hear_departures_, always_;
     Own* own_ = nullptr;
     std::uint64_t frame_number_ = 0;
-    bool to_one_place_ = false;    // the frame that is offered now was not spread, so that only an echo brings it back
+    bool to_one_place_ = false;    // the frame now offered goes to one receiver: only an echo returns it
     std::uint64_t version_ = 0;
     TimePoint now_{};
     TimePoint arrived_at_{};    // of the frame being received
@@ -319,8 +320,8 @@ struct Forwarder::LinkEntry {
     std::unique_ptr<Rules> rules;        // nullptr: none
     std::unique_ptr<Aliases> aliases;    // nullptr: none
     PresentAs* present_as = nullptr;     // nullptr: hosts keep their addresses; the links of a group share one
-    std::optional<Hello> hello;          // std::nullopt: it never speaks first
-    bool exclusive = false;              // no frames leave
+    std::optional<Hello> hello;          // std::nullopt: it never sends first
+    bool exclusive = false;              // no frames are sent
     bool has_rules() const noexcept { return rules || aliases || present_as || hello || settings.takes_few_questions; }
 };
 

@@ -1,4 +1,4 @@
-// What the Forwarder must know of a link, and what it counts for it.
+// The settings of a link for the Forwarder, and its counters.
 #pragma once
 #include <ano/parser.hpp>
 #include <ano/time.hpp>
@@ -24,16 +24,16 @@ struct ForwarderLink {
     ano::FrameParser::Options parser;    // for each of its channels
     Outbox::Options outbox;              // for each of its channels
     RuleSettings rules;
-    bool sends_empty = true;             // whether frames without DATA leave by it
-    bool takes_few_questions = false;    // of its devices: further questions wait before the outbox
-    bool takes_probes = true;            // whether the LoopGuard may send probes by it
+    bool sends_empty = true;             // whether frames without DATA are sent on it
+    bool takes_few_questions = false;    // by its devices: further questions wait before the outbox
+    bool takes_probes = true;            // whether the LoopGuard may send probes on it
     std::vector<AliasRule> aliases;      // of its devices; each `as` is pinned to the link
     std::uint8_t present_as = 0;         // the address under which its devices see every host; 0: the host's own
     ano::Duration hello{};               // interval between hellos; zero: never
     ano::EulerSigns attitude{};          // of its devices
 };
 
-/// An address that was noted, for a hint.
+/// An address that is stored for a hint.
 struct NotedAddress {
     static constexpr ano::Duration shown_for = std::chrono::seconds{60};
 
@@ -46,14 +46,14 @@ struct NotedAddress {
 
 /// Counters of a link, in addition to those of its channels.
 struct LinkTraffic {
-    ChannelSet channels;                // the open ones
+    ChannelSet channels;                // the open channels
     ReceiveCounters gone_received;      // of closed channels
     SendCounters gone_sent;             // of closed channels, and of frames for a link that had no channel
-    std::uint64_t came_stale = 0;       // of those counted `stale`: the ones that were stale before they were queued here
-    Untaken untaken;                    // of frames that came for hosts
-    NotedAddress not_sent;              // of a device: a frame that came by this link and acts on it went nowhere
-    NotedAddress nobody;                // 0x00 or 0xFF, from where a device sends
-    NotedAddress answers_for_others;    // the device, alone here, that answered for an address not its own
+    std::uint64_t came_stale = 0;       // of those counted `stale`: frames that were stale before they were queued here
+    Untaken untaken;                    // of received frames for hosts
+    NotedAddress not_sent;              // a device: a frame received here that acts on it was not sent
+    NotedAddress nobody;                // 0x00 or 0xFF, the source address of frames of a device
+    NotedAddress answers_for_others;    // the only device here; it answered for an address that is not its own
     AttitudeWatch attitudes;            // of its devices
     std::bitset<256> replayed;          // addresses that sent in a recording; no frames are routed to them
 };

@@ -1,4 +1,4 @@
-// The key by which a frame is recognised again.
+// The key by which two equal frames are recognised.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -9,9 +9,9 @@
 namespace anogate {
 
 /// A hash of all bytes, in 64 bits: the same bytes always have the same key, and two different frames have the same key with a
-/// probability of 1 in 10^19. The checks are not enough for this: of the pairs of frames with the same header, 1 in 65,536 has the same
-/// checks, as has every pair in which three bytes in a row differ by +1, -2 and +1. The hash is not cryptographic: two frames with the
-/// same key can be constructed.
+/// probability of 1 in 10^19. The check bytes are not enough for this: of the pairs of frames with the same header, 1 in 65,536
+/// has the same checks, and so does every pair in which three consecutive bytes differ by +1, -2 and +1. The hash is not
+/// cryptographic: two frames with the same key can be constructed.
 inline std::uint64_t frame_key(ano::FrameView frame) noexcept {
     const std::uint8_t* bytes = frame.bytes().data();
     const std::size_t size = frame.bytes().size();
@@ -27,7 +27,7 @@ inline std::uint64_t frame_key(ano::FrameView frame) noexcept {
     };
     std::uint64_t hash = mix(0, size);
     std::size_t at = 0;
-    if (size >= 64) {    // four chains, so that a large frame does not wait for each multiplication
+    if (size >= 64) {    // four chains, so that the multiplications of a large frame overlap
         std::array<std::uint64_t, 4> lanes{hash, hash + 1, hash + 2, hash + 3};
         for (; at + 32 <= size; at += 32)
             for (std::size_t lane = 0; lane < 4; ++lane) lanes[lane] = mix(lanes[lane], word(at + 8 * lane));

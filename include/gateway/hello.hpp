@@ -1,4 +1,4 @@
-// When to send first on a link whose other end sends nothing before it has received something.
+// When to send first on a link whose other end sends nothing before it has received a frame.
 #pragma once
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
@@ -13,15 +13,15 @@
 
 namespace anogate {
 
-/// For one link. Asks for the device info, as a host would, while nothing comes in: not in the first second after
-/// the link came up or after the last frame, when a boot loader may listen, and not while a firmware update may be
-/// under way.
+/// For one link. Requests the device info, as a host does, while nothing is received. It sends nothing in the first second after
+/// the link came up or after the last frame, when a boot loader may listen, and nothing while a firmware update may be in
+/// progress.
 class Hello {
 public:
     static constexpr ano::Duration first_silence = std::chrono::seconds{1};
     static constexpr ano::Duration min_interval = std::chrono::seconds{1};
     static constexpr ano::Duration update_pause = std::chrono::seconds{60};
-    /// After so many hellos without an answer the device may be deaf: its parser waits inside a damaged frame.
+    /// After this number of hellos without an answer the parser of the device may be waiting inside a damaged frame.
     static constexpr unsigned until_deaf = 2;
 
     /// `interval` between two hellos, at least min_interval.
@@ -32,9 +32,9 @@ public:
         said_at_.reset();
     }
     void went_down() noexcept { up_at_.reset(); }
-    /// A firmware frame (0xF0) passed, to the link or from it.
+    /// A firmware frame (0xF0) was forwarded to or from the link.
     void saw_firmware(ano::TimePoint now) noexcept { firmware_at_ = now; }
-    /// Whether the parser of the device is to be flushed before the next hello: before the third of three without an answer.
+    /// Whether to flush the parser of the device before the next hello: before the third of three without an answer.
     bool may_be_deaf(ano::TimePoint heard_at) const noexcept {
         return said_at_ && heard_at < *said_at_ && unanswered_ % (until_deaf + 1) == until_deaf;
     }
@@ -43,8 +43,8 @@ public:
         said_at_ = now;
     }
 
-    /// When the next hello is due if nothing is heard until then; std::nullopt while the link is down. `heard_at` is the time of
-    /// the last good frame that the link brought, zero for none.
+    /// When the next hello is due if nothing is received until then; std::nullopt while the link is down. `heard_at` is the time
+    /// of the last valid frame from the link, zero for none.
     std::optional<ano::TimePoint> due(ano::TimePoint heard_at) const noexcept {
         if (!up_at_) return std::nullopt;
         ano::TimePoint at = std::max(*up_at_, heard_at) + first_silence;
@@ -57,11 +57,11 @@ private:
     ano::Duration interval_;
     std::optional<ano::TimePoint> up_at_;
     std::optional<ano::TimePoint> said_at_;    // since it came up
-    unsigned unanswered_ = 0;                  // hellos since the last good frame came
+    unsigned unanswered_ = 0;                  // hellos since the last valid frame
     std::optional<ano::TimePoint> firmware_at_;
 };
 
-/// 0xE0 0 as 0xFE to `destination`: are you there?
+/// 0xE0 0 from 0xFE to `destination`: the request for the device info.
 constexpr auto device_info_question(std::uint8_t destination) noexcept {
     constexpr std::array<std::uint8_t, 3> device_info{};    // command 0, value 0
     std::array<std::uint8_t, ano::overhead + device_info.size()> frame{};
@@ -69,7 +69,7 @@ constexpr auto device_info_question(std::uint8_t destination) noexcept {
     return frame;
 }
 
-/// To 0xFF: who is there?
+/// The same to 0xFF, for all devices.
 inline constexpr auto hello_frame = device_info_question(ano::address::broadcast);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Finds out from the counters of a link what is wrong with it, and what to do (tools/README.md, "Troubleshooting").
+// Derives from the counters of a link what is wrong with it, and what to do (tools/README.md, "Troubleshooting").
 #pragma once
 #include <ano/attitude.hpp>
 #include <ano/parser.hpp>
@@ -25,15 +25,15 @@ struct Hint {
     std::vector<std::pair<std::string_view, Value>> args{};    // the variable parts of the text, by name
 };
 
-/// A source that is heard on this link and on a link of another group, or from two peers of this link.
+/// A source received on this link and on a link of another group, or from two peers of this link.
 enum class SharedSource : std::uint8_t {
     none,
-    one_device,       // on two cables, as far as is known
+    one_device,       // connected by two cables, as far as is known
     two_devices,      // with the same id
     two_peers,        // of this link
     claims_pinned,    // another link claims an address that is pinned
 };
-/// What to do about it, for hints and the log alike.
+/// What to do about it, for hints and for the log.
 std::string_view advice_on(SharedSource shared);
 
 /// The texts that depend on the kind of a link, each with its id.
@@ -47,54 +47,56 @@ struct LinkHints {
     Words no_frames_any_more{"no_frames_any_more", ": does the sender still use ANO V8?"};
 };
 
-/// What is known of a link at a moment.
+/// The state of a link at one moment.
 struct LinkFigures {
     LinkHints words;
     bool up = false;
     bool is_over = false;            // a recording that is at its end
-    bool listens = false;            // has a channel for each peer, and waits for peers
+    bool listens = false;            // has a channel per peer, and waits for peers
     bool has_connections = false;    // its peers connect; otherwise they are known by their frames
     bool waits_to_hear = false;      // sends no hello, but could be configured to
-    bool for_hosts = false;          // of hosts alone, by what was heard or by a route: the other end may only listen
+    bool for_hosts = false;          // of hosts only, by the received frames or by a route: the other end may only receive
     std::size_t channels = 0;
-    ReceiveCounters received;    // of all channels, and what belongs to no channel
+    ReceiveCounters received;    // of all channels, and bytes that belong to no channel
     SendCounters sent;
-    std::uint64_t came_stale = 0;    // the part of `sent.stale` that had waited before, while the gateway stood still
+    std::uint64_t came_stale = 0;    // the part of `sent.stale` that became stale while the gateway stood still
     std::uint64_t v7_frames = 0;
-    std::string_view ring_out, ring_back;    // names of links: frames sent by the first come back by the second; empty: no ring
-    std::vector<std::uint8_t> skipped{};     // the newest bytes that belong to no frame, of one parser
-    std::uint64_t gateways = 0;              // other gateways' listening ports that were refused
-    std::uint64_t no_place = 0;              // datagrams of strangers that were refused because all places were taken
-    std::uint64_t no_memory = 0;             // the same: there was too little memory
-    std::uint64_t outsiders = 0;             // the same: they are outside `allow`
-    std::uint64_t handshakes = 0;            // connections that lately gave way to others within their TLS handshake
+    std::string_view ring_out, ring_back;    // names of links: frames sent on the first return on the second; empty: no loop
+    std::vector<std::uint8_t> skipped{};     // the last bytes outside of any frame, of one parser
+    std::uint64_t gateways = 0;              // refused listening ports of other gateways
+    std::uint64_t no_place = 0;              // datagrams of unknown senders, refused because all places were in use
+    std::uint64_t no_memory = 0;             // the same, refused for lack of memory
+    std::uint64_t outsiders = 0;             // the same, refused because the sender is outside `allow`
+    std::uint64_t handshakes = 0;            // connections closed lately for others, during their TLS handshake
     ano::Duration up_for{};
-    std::optional<ano::Duration> silent_for;     // since the last good frame; std::nullopt: there was none
-    std::uint64_t skipped_since = 0;             // bytes that belong to no frame, since then
+    std::optional<ano::Duration> silent_for;     // since the last valid frame; std::nullopt: there was none
+    std::uint64_t skipped_since = 0;             // bytes outside of any frame, since then
     std::optional<ano::Duration> bytes_ago;      // since the last byte; std::nullopt: there was none
-    std::optional<ano::Duration> untaken_for;    // for how long frames to hosts have had no receiver; std::nullopt: not so
-    std::string_view hosts_link;                 // the link where hosts were heard last, when all such links are down; else empty
+    std::optional<ano::Duration> untaken_for;    // how long frames to hosts have had no receiver; std::nullopt: they have one
+    std::string_view hosts_link;                 // the link on which hosts were last received, if all such links are down; else
+                                                 // empty
     SharedSource shared = SharedSource::none;
     std::uint8_t shared_address = 0;                   // of that source; 0: not known
-    std::optional<std::uint8_t> not_sent;              // a frame from here that acts on this device went nowhere
-    ToUtf8 to_utf8 = nullptr;                          // for text that is shown
-    bool echoes = false;                               // what is sent by it comes back by it
+    std::optional<std::uint8_t> not_sent;              // a frame from here that acts on this device was not sent
+    ToUtf8 to_utf8 = nullptr;                          // for texts that are displayed
+    bool echoes = false;                               // sent frames are received again on it
     std::optional<std::uint8_t> answers_for_others;    // the device here that answers for addresses that are not its own
-    std::optional<std::uint8_t> nobody;                // 0x00 or 0xFF, from where a device here sends
+    std::optional<std::uint8_t> nobody;                // 0x00 or 0xFF, the source address of frames of a device here
     std::uint8_t contradictory = 0;                    // address of a device here, see AttitudeWatch; 0: none
     ano::EulerSigns attitude{};                        // the setting of the link
     std::uint8_t hidden = 0;    // address of a device here that is also the port id of another link; 0: none
 };
 
-/// Frames that act on the device `address` are not sent, as it is not known where it is.
+/// Frames that act on the device `address` are not sent, as its link is not known.
 Hint unknown_device(std::uint8_t address);
-/// Where bytes were skipped by `parser`, they are added: for the first parser that has some.
+/// Adds the last bytes skipped by `parser`, if there are any and no other parser added some before.
 void add_skipped(LinkFigures& link, const ano::FrameParser& parser);
 
 /// The most important hint; empty when there is none.
 Hint find_hint(const LinkFigures& link);
 inline std::string hint(const LinkFigures& link) { return find_hint(link).text; }
-/// The same without hints of silence, which may be normal on a good link, and without durations, which change with every call.
+/// The same without hints about silence, which may be normal on a working link, and without durations, which change with every
+/// call.
 std::string hint_of_trouble(const LinkFigures& link);
 
 }    // namespace anogate

@@ -12,13 +12,14 @@
 
 namespace anogate {
 
-/// Letters, digits, '-', '_' and dots, as DNS limits them. Digits and dots alone are none: that is a mistyped IP address.
+/// Letters, digits, '-', '_' and dots, within the limits of DNS. False for digits and dots alone, which are a mistyped IP
+/// address.
 bool is_host_name(std::string_view text) noexcept;
 
 /// The addresses of names, as far as they are known.
 using HostAddresses = std::map<std::string, std::vector<IpAddress>, std::less<>>;
 
-/// With a `host`, `address` is empty and `port` counts.
+/// If `host` is set, `address` is empty and only `port` is used.
 struct HostSpec : EndpointSpec {
     std::string host{};
 
@@ -28,7 +29,7 @@ struct HostSpec : EndpointSpec {
     /// As EndpointSpec::parse(), or "flow.local:8888".
     static std::optional<HostSpec> parse(std::string_view text);
     std::string text() const;
-    /// Whether its packets stay on this computer, as far as the text tells.
+    /// Whether its packets stay on this computer, as far as the text shows.
     bool is_here() const noexcept { return host.empty() ? address.is_loopback() : host == "localhost"; }
     friend bool operator==(const HostSpec&, const HostSpec&) = default;
 };

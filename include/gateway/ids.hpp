@@ -1,4 +1,4 @@
-// Small numbers that name links and channels, and sets of them.
+// Small numbers for links and channels, and sets of them.
 #pragma once
 #include <bit>
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-/// A configured link; 0 to 63. The number of a link that was removed is used again.
+/// A configured link; 0 to 63. The number of a removed link is used again.
 enum class LinkId : std::uint8_t {};
 /// A channel of a link, see Channel; 0 to 63. The number of a closed channel is used again.
 enum class ChannelId : std::uint8_t {};

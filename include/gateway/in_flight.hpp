@@ -1,4 +1,4 @@
-// The questions that a device has not answered yet. Small devices lose questions when many come at a time.
+// The unanswered questions to a device. Small devices lose questions when too many arrive at a time.
 #pragma once
 #include <ano/conversation.hpp>
 #include <ano/frame.hpp>
@@ -17,38 +17,37 @@ using ano::answers;
 using ano::Question;
 using ano::question_in;
 
-/// The questions on their way to one channel: those that wait in its outbox, and those that have left and were neither
-/// answered nor left more than `patience` ago. Room for `max_questions`, of which one is kept for the gateway itself; no allocation.
+/// The questions to one channel: those that wait in its outbox, and those sent at most `patience` ago and not answered. At most
+/// `max_questions`, of which one is reserved for the gateway itself; no allocation.
 class InFlight {
 public:
     static constexpr std::size_t max_questions = 8;
     static constexpr std::size_t max_of_others = max_questions - 1;
     static constexpr ano::Duration patience = std::chrono::milliseconds{500};
-    /// A question that was not answered within this time gives its place to a sender that has none, if its own sender has several.
+    /// A question not answered within this time loses its place to a sender that has none, if its own sender has several.
     static constexpr ano::Duration early = std::chrono::milliseconds{100};
 
-    /// Forgets questions that were not answered in time.
+    /// Removes questions that were not answered in time.
     void expire(ano::TimePoint now) noexcept;
-    /// Whether the sender may have one more.
+    /// Whether the sender may add one more.
     bool has_place(ChannelId from) const noexcept;
-    /// How many the sender has.
+    /// The number of questions of the sender.
     std::size_t places(ChannelId from) const noexcept;
-    /// Gives up the oldest question that has left by `now` - `early`, of a sender that has several. False: there is none.
+    /// Removes the oldest question, sent by `now` - `early`, of a sender that has several. False: there is none.
     bool give_up_one(ano::TimePoint now) noexcept;
-    /// When give_up_one() will find one; std::nullopt: no sender has several.
+    /// When give_up_one() can remove one; std::nullopt: no sender has several.
     std::optional<ano::TimePoint> next_early() const noexcept;
     std::size_t size() const noexcept;
-    /// When the oldest question that has left is given up; std::nullopt when none has left.
+    /// When the oldest sent question is removed as unanswered; std::nullopt: none was sent.
     std::optional<ano::TimePoint> next_given_up() const noexcept;
 
-    /// Called by the outbox for every frame: it waits there, has left, or was dropped. Frames that are not questions
-    /// are ignored.
+    /// Called by the outbox for each frame: it waits there, was sent, or was dropped. Frames that are not questions are ignored.
     void queued(ano::FrameView frame, ChannelId from) noexcept;
     void left(ano::FrameView frame, ano::TimePoint now) noexcept;
     void dropped(ano::FrameView frame) noexcept;
-    /// A frame came in by the channel. True: it answers a question; the oldest one that it answers is removed.
+    /// A frame was received on the channel. True: it answers a question; the oldest one that it answers is removed.
     bool hear(ano::FrameView frame) noexcept;
-    /// To be called when the channel is closed: no question will be answered.
+    /// Call when the channel is closed: no question will be answered.
     void clear() noexcept { slots_ = {}; }
 
 private:

@@ -1,4 +1,4 @@
-// A switch that blocks commands to the vehicle: which frames are commands, and from which links they are blocked.
+// A switch that blocks commands to the vehicle.
 #pragma once
 #include <gateway/ids.hpp>
 
@@ -7,10 +7,10 @@
 
 namespace anogate {
 
-/// Inhibit switches and the links they block. A switch is on until it is set off: one that can't be read is on.
+/// Inhibit switches and the links they block. A switch is on until set() sets it off, so a switch that can't be read is on.
 class Inhibit {
 public:
-    /// Returns the index of the switch, the lowest that is free.
+    /// Returns the index of the switch, the lowest free one.
     std::size_t add(LinkSet links) {
         std::size_t place = 0;
         while (place < switches_.size() && switches_[place].used) ++place;
@@ -19,7 +19,7 @@ public:
         gather();
         return place;
     }
-    /// Removes the switch: it blocks no links any more.
+    /// Removes the switch: it no longer blocks links.
     void remove(std::size_t place) noexcept {
         switches_[place] = {};
         gather();
@@ -33,7 +33,7 @@ public:
         switches_[place].on = on;
         gather();
     }
-    /// To be called when the link is removed, so that no switch blocks the next link with its number.
+    /// Call when the link is removed, so that no switch blocks the next link with its number.
     void remove_link(LinkId link) noexcept {
         for (Switch& s : switches_) s.links.erase(link);
         gather();

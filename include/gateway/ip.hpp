@@ -1,5 +1,5 @@
-// IP addresses, networks and endpoints as values, read from text and written as text. No host names, no sockets; the name of an
-// interface may stand behind a link-local address.
+// IP addresses, networks and endpoints as values, parsed from text and written as text. No host names, no sockets. A link-local
+// address may have the name of an interface.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace anogate {
 
-/// IPv4 or IPv6. An IPv4 address mapped into IPv6 (::ffff:a.b.c.d) is kept as the IPv4 address it means.
+/// IPv4 or IPv6. An IPv4 address mapped into IPv6 (::ffff:a.b.c.d) is stored as the IPv4 address.
 struct IpAddress {
     bool v6 = false;
-    std::array<std::uint8_t, 16> bytes{};    // in reading order; IPv4 uses the first four
+    std::array<std::uint8_t, 16> bytes{};    // in network byte order; IPv4 uses the first four
     std::uint32_t scope = 0;                 // interface index of a link-local IPv6 address, 0 for none
 
     static IpAddress v4(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) noexcept {
@@ -41,8 +41,8 @@ struct Endpoint {
     friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
-/// An endpoint as it is configured. The interface of a link-local address is kept by name, since interfaces come and go, and their
-/// numbers change. `address.scope` is 0.
+/// An endpoint as it is configured. The interface of a link-local address is stored by name, since interfaces appear and
+/// disappear, and their numbers change. `address.scope` is 0.
 struct EndpointSpec : Endpoint {
     std::string interface {};    // 1 to 15 bytes, or its number; empty for none
 
@@ -52,7 +52,7 @@ struct EndpointSpec : Endpoint {
     friend bool operator==(const EndpointSpec&, const EndpointSpec&) = default;
 };
 
-/// An address and how many of its leading bits count.
+/// An address and the number of its leading bits that count.
 struct Network {
     IpAddress address;
     std::uint8_t prefix = 0;    // 0 to 32, or 0 to 128
@@ -64,7 +64,7 @@ struct Network {
     friend bool operator==(const Network&, const Network&) = default;
 };
 
-/// IPv4: 255.255.255.255, or the first or last address of one of `networks`, which stand for every host there.
+/// IPv4: 255.255.255.255, or the first or last address of one of `networks`, which address every host there.
 bool is_broadcast(const IpAddress& address, const std::vector<Network>& networks) noexcept;
 
 bool contains(const std::vector<Network>& networks, const IpAddress& address) noexcept;

@@ -1,9 +1,9 @@
-// The frames that wait to leave by one channel: bounded, whole frames only, every drop counted by cause.
+// The frames that wait to be sent on one channel: bounded, whole frames only, every drop counted by cause.
 //
 // Flow:    outbox.push(frame, policy, arrived_at)       // from the router
-//          outbox.gather(pieces, now, budget)              // when the wire can take something
+//          outbox.gather(pieces, now, budget)              // when the wire accepts bytes
 //          outbox.sent(bytes), or outbox.sent_frame() / outbox.drop_frame(cause) for datagrams
-//          outbox.set_congested()                          // when the wire took no more and frames still wait
+//          outbox.set_congested()                          // when the wire accepts no more and frames still wait
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/image_length.hpp>
@@ -27,52 +27,53 @@ namespace anogate {
 
 class InFlight;
 
-/// How long a line of `rate` bytes/s is busy with the zero bytes of a flush; zero when the rate is not known (0).
+/// How long a line of `rate` bytes/s needs for the zero bytes of a flush; zero if the rate is not known (0).
 constexpr ano::Duration time_of_flush(std::size_t bytes, std::uint32_t rate) noexcept {
     return rate > 0 ? ano::Duration{std::chrono::seconds{bytes}} / rate : ano::Duration{};
 }
 
-/// Urgent frames leave first, then telemetry, then bulk, but each class that waits gets at least a tenth of the bytes.
-/// Within a class, each channel by which frames come has the same share, and within a channel each sender. Frames of one sender
-/// leave in the order in which they came, except that sticks overtake. A frame that has left in part is dropped by close()
-/// only. Neither throws nor allocates after construction; constant time a frame, amortised over its bytes.
+/// Urgent frames are sent first, then telemetry, then bulk, but each waiting class gets at least a tenth of the bytes. Within a
+/// class, each channel on which frames are received has the same share, and within a channel each sender. Frames of one sender
+/// are sent in the order of their arrival, except that sticks overtake. A partly sent frame is dropped only by close(). Neither
+/// throws nor allocates after construction. Constant time per frame, amortised over its bytes.
 class Outbox {
 public:
     struct Options {
-        std::size_t bytes = 32 * 1024;    // maximum that waits; at least overhead + max_data, at most 1 GiB
+        std::size_t bytes = 32 * 1024;    // maximum of waiting bytes; at least overhead + max_data, at most 1 GiB
         std::size_t max_data = 4096;      // frames with more DATA are counted too_big; images may have more (image_length.hpp)
         AgeLimits age{};
         std::size_t flush_bytes = 0;          // zero bytes of a flush_parser(), at most max_flush; 0: none, the wire is no UART
         std::size_t flush_again_bytes = 0;    // the same if there was one within flushed_soon; fewer than flush_bytes: as many
     };
-    static constexpr std::size_t usual_flush = 206;    // the most DATA of vendor devices, and a frame around it
-    static constexpr std::size_t max_flush = 306;      // the same of older ones
+    static constexpr std::size_t usual_flush = 206;    // the maximum DATA of vendor devices, plus overhead
+    static constexpr std::size_t max_flush = 306;      // the same for older devices
     static constexpr std::size_t zeros_at_once = 32;
     static constexpr ano::Duration between_flushes = std::chrono::seconds{1};
     static constexpr ano::Duration flushed_soon = std::chrono::seconds{10};
 
     explicit Outbox(const Options& options);
 
-    /// Queues a frame that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
-    /// the queue is full, the oldest frame of the sender with the most bytes waiting is dropped, in the lowest class that has more
-    /// than is reserved for each class: a tenth of the room, or one frame of up to a quarter. That may be the frame itself.
-    /// nullptr: it waits; otherwise the counter for the reason why it does not.
+    /// Queues a frame that arrived on the channel `from`; its bytes are copied. While closed, it is counted link_down. If the
+    /// queue is full, the oldest frame of the sender with the most waiting bytes is dropped. It is taken from the lowest class
+    /// that has more than the reserve of each class: a tenth of the room, or one frame of up to a quarter. That may be the frame
+    /// itself. nullptr: it waits; otherwise the counter for the reason why it does not.
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
     /// The same for a frame of the lowest class that is never dropped as stale.
     SendCause push(ano::FrameView frame) noexcept { return store(frame, {}, ano::TimePoint::max(), ourselves); }
-    /// Queues zero bytes, which leave before the next frame and are not part of one: a device whose parser waits inside a damaged frame
-    /// gets its end, and a parser that searches for a header skips them. They end when a second frame waits. False, and nothing is queued,
-    /// while frames wait, within between_flushes of the last time, or without Options::flush_bytes.
+    /// Queues zero bytes, which are sent before the next frame and are not part of one. They complete a damaged frame in which
+    /// the parser of a device waits; a parser that searches for a header skips them. Sending them ends when a second frame waits.
+    /// Returns false and queues nothing while frames wait, within between_flushes of the last time, or without
+    /// Options::flush_bytes.
     bool flush_parser(ano::TimePoint now) noexcept;
-    /// In which time flush_parser() may succeed that does not because of between_flushes; zero: it does, or another reason prevents it.
+    /// The time until between_flushes no longer prevents flush_parser(); zero: now, or another reason prevents it.
     ano::Duration until_flush(ano::TimePoint now) const noexcept;
-    /// The zero bytes that have not left yet; a stream gets them by gather() and sent().
+    /// The unsent zero bytes; a stream gets them by gather() and sent().
     std::size_t zeros() const noexcept { return zeros_; }
-    /// Whether a frame waits that came by the channel `from`.
+    /// Whether a frame waits that was received on the channel `from`.
     bool has_waiting(ChannelId from) const noexcept;
-    /// Whether a frame of this age may not be sent any more.
+    /// Whether a frame of this age must not be sent any more.
     bool is_stale(QueuePolicy policy, ano::Duration age) const noexcept;
-    /// The clock that ages are measured by did not count `time` (the machine was suspended): all waiting frames become that much older.
+    /// The clock of all ages did not count `time` (the machine was suspended): adds it to the age of all waiting frames.
     void grow_older(ano::Duration time) noexcept;
     /// Counts a frame that was refused before it was queued, for `cause` (limited, denied_out, link_down), and returns the cause.
     SendCause refuse(SendCause cause) noexcept {
@@ -81,37 +82,37 @@ public:
         return cause;
     }
 
-    /// The frame that leaves next: the bytes of it that are left (0: nothing waits), and whether an urgent one waits.
+    /// The frame to be sent next: its unsent bytes (0: none waits), and whether an urgent frame waits.
     struct Next {
         std::size_t size = 0;
         bool urgent = false;
-        bool is_zeros = false;    // `size` zero bytes, of which any number may leave
+        bool is_zeros = false;    // `size` zero bytes, of which any number may be sent
     };
     Next next(ano::TimePoint now) noexcept;
-    /// The frames that leave next, in order, one piece each; the first piece is the rest of a frame that has left in part. Drops
-    /// frames that are stale at `now`. At most `budget` bytes; a frame that has not begun is given whole or not at all. Returns how
-    /// many pieces were filled in; they stay valid until the next call of another member.
+    /// The frames to be sent next, in order, one piece each. The first piece is the rest of a partly sent frame, if there is one.
+    /// Drops frames that are stale at `now`. At most `budget` bytes; a frame of which nothing was sent is included whole or not
+    /// at all. Returns the number of pieces filled in; they stay valid until the next call of another member.
     std::size_t gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now = ano::TimePoint::min(),
                        std::size_t budget = SIZE_MAX) noexcept;
-    /// A stream took the first `bytes` of what gather() gave.
+    /// A stream accepted the first `bytes` of the pieces of gather().
     void sent(std::size_t bytes) noexcept;
-    /// A datagram took the first frame of what gather() gave.
+    /// The first frame of gather() was sent as a datagram.
     void sent_frame() noexcept;
-    /// The first frame of what gather() gave can't be sent, for `cause`. Must not be called for a frame that has begun to leave.
+    /// The first frame of gather() can't be sent, for `cause`. Must not be called for a partly sent frame.
     void drop_frame(SendCause cause) noexcept;
-    /// Drops all that waits, for `cause`: only the rest of a frame that has left in part is still sent.
+    /// Drops all waiting frames, for `cause`. The rest of a partly sent frame is still sent.
     void drop_waiting(SendCause cause) noexcept;
-    /// The wire takes no more for now: from now on, newer frames replace older ones of their kind, until nothing waits.
+    /// The wire accepts no more for now. Until nothing waits, newer frames replace older ones of their kind.
     void set_congested() noexcept { congested_ = frames_ > 0; }
 
     /// The wire is connected. An outbox starts closed.
     void open() noexcept { open_ = true; }
-    /// The wire is gone: all waiting frames are dropped and counted link_down.
+    /// The wire is disconnected: all waiting frames are dropped and counted link_down.
     void close() noexcept;
 
-    /// `in_flight` is called for every frame that is queued, leaves or is dropped, except by close(). It must outlive this.
+    /// `in_flight` is called for each frame that is queued, sent or dropped, except by close(). It must outlive this.
     void tell(InFlight* in_flight) noexcept { in_flight_ = in_flight; }
-    /// `watch` is called when a frame leaves or is dropped, with `channel`; it must outlive this. nullptr: nobody is called.
+    /// `watch` is called when a frame is sent or dropped, with `channel`; it must outlive this. nullptr: no call.
     void watch(OutboxWatch* watch, ChannelId channel) noexcept {
         watch_ = watch;
         watched_as_ = channel;
@@ -124,10 +125,10 @@ public:
 
     void set_age_limits(const AgeLimits& age) noexcept { options_.age = age; }
     bool is_open() const noexcept { return open_; }
-    /// Whether a frame has left in part: nothing may be written before its rest.
+    /// Whether a frame is partly sent: nothing else may be written before its rest.
     bool has_begun() const noexcept { return partly_sent_ > 0; }
     bool congested() const noexcept { return congested_; }
-    /// Nothing waits, no zero bytes either.
+    /// Neither frames nor zero bytes wait.
     bool empty() const noexcept { return frames_ == 0 && zeros_ == 0; }
     std::size_t waiting() const noexcept { return frames_; }
     std::size_t waiting_bytes() const noexcept { return bytes_; }
@@ -138,7 +139,7 @@ private:
     static constexpr Index none = no_frame;
     static constexpr std::size_t bucket_count = 256;
 
-    // The frame of each class that leaves next, and what the classes have sent.
+    // The next frame of each class, and the bytes sent by the classes.
     struct Schedule {
         std::array<Index, traffic_classes> next;
         ClassShares::Sizes sizes;
@@ -156,8 +157,8 @@ private:
     void leave_bucket(Index i) noexcept;
     void release(Index i) noexcept;
     void drop(Index i, SendCause cause) noexcept;
-    // The only queue that holds frames, if they leave in the order in which they came, else nullptr. Then no frame has to be chosen;
-    // this is usual when the line keeps up.
+    // The only non-empty queue, if its frames are sent in the order of their arrival, else nullptr. Then no choice between frames
+    // is necessary; this is usual when the line is fast enough.
     FairQueue* in_order() noexcept {
         const bool one_class = waiting_classes_ != 0 && (waiting_classes_ & (waiting_classes_ - 1)) == 0;
         FairQueue* const queue = one_class ? &queues_[static_cast<std::size_t>(std::countr_zero(waiting_classes_))] : nullptr;
@@ -183,25 +184,25 @@ private:
     std::size_t end_ = 0;    // where the next frame's bytes go
 
     std::array<FairQueue, traffic_classes> queues_;
-    std::uint32_t waiting_classes_ = 0;    // a bit for each
+    std::uint32_t waiting_classes_ = 0;    // one bit per class
     ClassShares shares_;
     FrameList in_arena_ = no_frames;                 // every frame, in the order of its bytes
     std::array<FrameList, bucket_count> buckets_;    // frames that may be replaced, by hash, oldest first
 
-    Index begun_ = none;             // the frame that has left in part; it is not in a queue
-    std::size_t partly_sent_ = 0;    // how many of its bytes have left
+    Index begun_ = none;             // the partly sent frame; it is not in a queue
+    std::size_t partly_sent_ = 0;    // how many of its bytes were sent
     std::size_t frames_ = 0;
     std::size_t bytes_ = 0;
     std::size_t zeros_ = 0;
-    std::uint64_t zeros_before_ = 0;    // the number of the frame before which they leave
+    std::uint64_t zeros_before_ = 0;    // the number of the frame before which they are sent
     ano::TimePoint flush_again_at_ = ano::TimePoint::min();
     std::uint64_t pushed_ = 0;
     bool open_ = false;
     bool congested_ = false;
-    InFlight* in_flight_ = nullptr;    // nullptr: nobody is called
+    InFlight* in_flight_ = nullptr;    // nullptr: no call
     OutboxWatch* watch_ = nullptr;     // the same
     ChannelId watched_as_{};
-    ano::TimePoint gathered_at_{};    // the time of the last gather(), at which frames leave
+    ano::TimePoint gathered_at_{};    // the time of the last gather(), which counts as the time of sending
     SendCounters counters_;
 };
 

@@ -1,4 +1,4 @@
-// The interface by which outboxes report what happens to waiting frames.
+// The interface through which outboxes report the result for waiting frames.
 #pragma once
 #include <ano/frame.hpp>
 #include <gateway/counters.hpp>
@@ -6,10 +6,10 @@
 
 namespace anogate {
 
-/// Called once for every frame that was queued: it left, or was dropped. The frame is valid during the call.
+/// Called once for each queued frame: it was sent, or dropped. The frame is valid during the call.
 class OutboxWatch {
 public:
-    /// The whole frame left by `channel`.
+    /// The whole frame was sent on `channel`.
     virtual void left(ChannelId channel, ano::FrameView frame) noexcept = 0;
     virtual void dropped(ChannelId channel, ano::FrameView frame, SendCause cause) noexcept = 0;
 

@@ -1,5 +1,5 @@
-// Comes before the outbox of a device that takes few questions at a time: further questions wait here, and all other
-// traffic passes.
+// The queue before the outbox of a device that accepts few questions at a time. Further questions wait here; all other traffic
+// passes.
 //
 // Flow:    questions.push(frame, policy, now)    // every frame for the channel; then flush it
 //          if (questions.hear(frame, now)) ...      // every frame from the channel; true: flush it
@@ -18,36 +18,36 @@
 
 namespace anogate {
 
-/// The sender with the fewest unanswered questions is next, and of those the one that was so longest ago; a sender is the channel by
-/// which questions came, and they leave in the order in which they came. While a sender waits that has no place, the unanswered
-/// questions of another hold no more than one for long (InFlight::early). One place is kept for the gateway itself.
-/// When full, the oldest question of the channel with the most bytes waiting is dropped. Their age counts as in the outbox; drops
-/// here are counted here. Neither throws nor allocates after construction; a time for each question that depends on the number of
-/// channels, and is amortised over its bytes.
+/// A sender is a channel on which questions are received; its questions are sent in the order of their arrival. The sender with
+/// the fewest unanswered questions is next. Among equals it is the one that was served longest ago. While a waiting sender has no
+/// place, another sender with several unanswered questions soon loses all but one (InFlight::early). One place is reserved for
+/// the gateway itself. When the queue is full, the oldest question of the channel with the most waiting bytes is dropped. The
+/// same age limit applies as in the outbox; drops here are counted here. Neither throws nor allocates after construction. The
+/// time per question depends on the number of channels, and is amortised over its bytes.
 class QuestionQueue {
 public:
     struct Options {
-        std::size_t bytes = 32 * 1024;                  // maximum that waits here
+        std::size_t bytes = 32 * 1024;                  // maximum of bytes waiting here
         ano::Duration age = std::chrono::seconds{5};    // questions that waited longer are dropped
     };
-    /// `outbox` must not move while this is used; it reports to this what happens to its frames.
+    /// `outbox` must not move while this is used; it reports the results of its frames here.
     QuestionQueue(Outbox& outbox, const Options& options);
     QuestionQueue(const QuestionQueue&) = delete;
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
-    /// Passes a frame to the outbox; a question waits here while its sender can have no place. Like Outbox::push(), it returns
-    /// why the frame does not wait.
+    /// Passes a frame to the outbox. A question waits here while there is no place for its sender. Like Outbox::push(), it
+    /// returns why the frame does not wait.
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
         return push(frame, policy, now, from, now);
     }
     /// The same for a frame that arrived earlier.
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
                    ano::TimePoint arrived_at) noexcept;
-    /// A frame came in by the channel. True: it was an answer, and a waiting question was passed to the outbox.
+    /// A frame was received on the channel. True: it was an answer, and a waiting question was passed to the outbox.
     bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
     /// Passes the questions that may be sent to the outbox and drops stale ones. True: some were passed.
     bool release(ano::TimePoint now) noexcept;
-    /// When release() may have something to do; std::nullopt while nothing waits.
+    /// When to call release(); std::nullopt: nothing waits.
     std::optional<ano::TimePoint> next_look(ano::TimePoint now) const noexcept;
     /// As Outbox::grow_older(), for the questions that wait here.
     void grow_older(ano::Duration time) noexcept;
@@ -57,7 +57,7 @@ public:
     void close() noexcept;
 
     std::size_t waiting() const noexcept { return turns_.count(); }
-    /// Whether a question waits here that came by the channel `from`.
+    /// Whether a question waits here that was received on the channel `from`.
     bool has_waiting(ChannelId from) const noexcept;
     std::size_t in_flight() const noexcept { return in_flight_.size(); }
     /// Counts the questions that wait or were dropped here; those passed to the outbox are counted there.
@@ -81,12 +81,12 @@ private:
     ano::Room<std::uint8_t> room_;    // twice Options::bytes, so that compacting is rare
     std::size_t end_ = 0;             // where the bytes of the next question go
     ano::Room<WaitingFrame> frames_;
-    FrameIndex used_ = 0;              // frames_[0, used_) have been used since nothing waited last
+    FrameIndex used_ = 0;              // frames_[0, used_) have been used since the queue was last empty
     FrameIndex free_ = no_frame;       // of those, the free ones
-    FrameList in_room_ = no_frames;    // all questions, in the order in which they came, which is that of their bytes
-    FairQueue turns_;                  // what waits of each sender, and who has the most
+    FrameList in_room_ = no_frames;    // all questions, in the order of their arrival, which is that of their bytes
+    FairQueue turns_;                  // the waiting questions of each sender, and the sender with the most
     static constexpr std::size_t senders = max_channels + 1;
-    std::array<std::uint64_t, senders> served_{};    // the number of its last question that was handed over
+    std::array<std::uint64_t, senders> served_{};    // the number of its last question that was passed on
     std::uint64_t handed_over_ = 0;
     SendCounters counters_;
 };

@@ -1,4 +1,4 @@
-// How a frame is treated on a slow line (protocol text, section 5), by the message table.
+// How a frame is treated on a slow line (protocol text, section 5), derived from the message table.
 #pragma once
 #include <ano/schema.hpp>
 #include <ano/time.hpp>
@@ -11,7 +11,7 @@
 
 namespace anogate {
 
-/// In the order in which they leave.
+/// In the order of sending.
 using ano::TrafficClass;
 inline constexpr std::size_t traffic_classes = ano::traffic_class_names.size();
 
@@ -54,21 +54,21 @@ constexpr ano::Duration limit(const AgeLimits& limits, QueuePolicy policy) noexc
     return policy.age_limit != 0 ? std::chrono::milliseconds{policy.age_limit} : limit(limits, policy.age);
 }
 
-/// By id, as in the message table.
+/// By id, from the message table.
 extern const std::array<QueuePolicy, 256> policies;
 inline QueuePolicy policy_of(std::uint8_t id) noexcept { return policies[id]; }
 
-/// What the user says of the frames of one id.
+/// The configured class of the frames of one id.
 enum class FrameClass : std::uint8_t { control, urgent, telemetry, bulk };
 struct ClassSettings {
     std::uint8_t id = 0;
     FrameClass frame_class{};
-    std::optional<bool> replaces{};        // a newer frame replaces an older one that waits; std::nullopt: only of `control`
-    std::optional<ano::Duration> age{};    // std::nullopt: as the link has it for the class
+    std::optional<bool> replaces{};        // a newer frame replaces an older one that waits; std::nullopt: only for `control`
+    std::optional<ano::Duration> age{};    // std::nullopt: the limit of the link for the class
     bool operator==(const ClassSettings&) const = default;
 };
 QueuePolicy policy_of(const ClassSettings& of_id) noexcept;
-/// Whether a ClassSettings may be about frames of `id`: not commands, parameters and their answers, each of which must arrive.
+/// Whether frames of `id` may have a ClassSettings. False for commands, parameters and their answers, each of which must arrive.
 bool may_have_class(std::uint8_t id) noexcept;
 
 }    // namespace anogate

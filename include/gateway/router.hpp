@@ -1,4 +1,4 @@
-// Decides who gets a frame. Uses no bytes, no sockets and no clock (protocol text, section 2; config/README.md, "Where frames go").
+// Decides to which channels a frame is sent. No I/O and no clock (protocol text, section 2; config/README.md, "Where frames go").
 #pragma once
 #include <ano/address.hpp>
 #include <ano/conversation.hpp>
@@ -20,28 +20,28 @@ namespace anogate {
 enum class Via : std::uint8_t { nobody, own, broadcast, port, pinned, learned, unknown };
 std::string_view text(Via via) noexcept;
 
-/// Where one frame goes: to every channel of `channels`. `absent` are links that were meant but have no channel now.
+/// Where one frame goes: to all `channels`. `absent` are the links of the route that have no channel now.
 struct Route {
     ChannelSet channels;
     LinkSet absent;
     Via via = Via::nobody;
-    bool new_conflict = false;    // Router::take_claimant() and take_new_conflict() have news
-    bool host_is_down = false;    // the destination is a host, heard only where the wire is gone now
-    /// The channels by which the frame may come back, for the loop guard. Empty for a frame that goes to one place only,
-    /// unless its destination is a host.
+    bool new_conflict = false;    // Router::take_claimant() and take_new_conflict() return news
+    bool host_is_down = false;    // the destination is a host, received only on channels whose wire is disconnected
+    /// The channels on which the frame may return, for the loop guard. Empty for a frame with only one receiver, unless its
+    /// destination is a host.
     ChannelSet guarded{};
 };
 
-/// A source speaks in two places: two devices with one id, one device by two ways, or a forged address.
+/// A source is received in two places: two devices with one id, one device by two paths, or a forged address.
 struct Conflict {
     std::uint8_t address = 0;
     LinkSet links;
-    bool claimed = false;    // Router::take_claimant() has the claimant
+    bool claimed = false;    // Router::take_claimant() returns the claimant
     TimePoint last{};
-    std::uint64_t count = 0;    // how often it was noticed: refused claims, and the same frames by two links
+    std::uint64_t count = 0;    // how often it was detected: refused claims, and equal frames on two links
 };
 
-/// Constant time a frame; no allocation after the links are known.
+/// Constant time per frame; no allocation after the links are known.
 class Router {
 public:
     struct LinkRule {
@@ -49,14 +49,14 @@ public:
         bool flood = true;
         bool broadcast = true;
         std::uint8_t group = 0;           // 1 to 64: links with the same number lead to the same place; 0: none
-        bool teaches = true;              // sources that speak by it are learned. False: a replay
+        bool teaches = true;              // sources of its frames are learned. False: a replay
         bool acts_for_others = false;     // its devices act on frames for any address
-        bool may_have_devices = false;    // also when it was never heard: it does not wait for hosts
+        bool may_have_devices = false;    // even if nothing was received on it: it does not wait for hosts
     };
 
-    /// If several channels have heard a device, those that heard it within this time get its frames.
+    /// If a device was received on several channels, the ones on which it was received within this time get its frames.
     static constexpr Duration moved_after = std::chrono::seconds{3};
-    /// When no link of a group was heard for this long, none is known to work: all of them get its frames.
+    /// If nothing was received on any link of a group for this time, no link is known to work: frames go to all of them.
     static constexpr Duration group_silence = std::chrono::seconds{1};
 
     explicit Router(const GatewaySettings& settings);
@@ -65,93 +65,99 @@ public:
 
     /// Returns the lowest free number; one must be free.
     LinkId add_link(const LinkRule& rule);
-    /// A device there answered for another address: from now on it is as if its rule had acts_for_others.
+    /// A device there answered for another address: treat the link as if its rule had acts_for_others.
     void note_acts_for_others(LinkId link) { links_[index(link)].acts_for_others = true; }
-    /// Its channels must be closed. Forgets what leads to it and every conflict that does not exist without it.
+    /// Its channels must be closed. Erases the routes to it, and each conflict with fewer than two links left.
     void remove_link(LinkId link);
-    /// Frames to `first`…`last` go to `link`; to every such link when called for several.
+    /// Frames to `first`…`last` go to `link`. If called for several links, they go to all of them.
     void pin(std::uint8_t first, std::uint8_t last, LinkId link);
     void unpin(std::uint8_t first, std::uint8_t last, LinkId link);
-    /// Where frames to unheard addresses go, for Unknown::link.
+    /// Where frames to unknown addresses go, for Unknown::link.
     void set_unknown_link(LinkId link) { unknown_links_ = link; }
 
     void open(ChannelId channel, LinkId link);
-    /// Forgets everything that was learned from it. An address that was at home only there goes to its claimant.
+    /// Erases all that was learned from it. An address that was at home only there moves to its claimant.
     void close(ChannelId channel);
-    /// Gives the port id to this channel alone, until it is closed, without the other channels of its link.
+    /// Assigns the port id to this channel until it is closed, and not to the other channels of its link.
     void bear(ChannelId channel, std::uint8_t port_id) { port_channels_[port_id].insert(channel); }
-    /// Its wire is gone, the channel stays open: a device that is heard elsewhere has moved, without a question to the holder.
+    /// Its wire is disconnected, the channel stays open. A device that is received elsewhere then has moved; its old place is not
+    /// asked.
     void went_down(ChannelId channel);
     /// Its wire is connected again.
     void came_up(ChannelId channel) { down_.erase(channel); }
     bool are_all_down(ChannelSet channels) const noexcept { return (channels - down_).empty(); }
-    /// What was sent by this link was refused: its group uses another link until this one is heard again.
+    /// Frames sent on this link were refused: its group uses another link until a frame is received on this one.
     void report_unreachable(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 
-    /// Learns that `source` is behind `from`, or begins to test its claim, and returns who gets the frame; never `from` itself.
+    /// Learns that `source` is behind `from`, or begins to test its claim. Returns the channels for the frame, never `from`
+    /// itself.
     Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now,
                 ano::Intent intent = ano::Intent::informs);
 
     /// As route(), but learns nothing.
     Route spread(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now,
                  ano::Intent intent = ano::Intent::informs);
-    /// The part of route() without learning, for frames of the gateway itself: as if it had come by `from` and by none of its channels.
+    /// The part of route() without learning, for frames of the gateway itself: as if received on `from`, but on none of its
+    /// channels.
     Route find(LinkId from, std::uint8_t destination, TimePoint now, ano::Intent intent = ano::Intent::informs);
 
-    /// A host is behind the channel, though it uses another address than hosts do.
+    /// A host is behind the channel, although its address is not one of the host addresses.
     void note_host(ChannelId channel) noexcept { hosts_.insert(channel); }
-    /// No other device than `source`, and no host, was heard by the channel.
+    /// Only `source` was received on the channel: no other device and no host.
     bool is_alone(std::uint8_t source, ChannelId channel) const noexcept;
 
-    /// Forgets where `address` was heard, and every claim and conflict about it. False: it was not known.
+    /// Erases the route of `address`, and each claim and conflict about it. False: it had no route.
     bool forget(std::uint8_t address);
 
     /// The learning part of route(), for a frame that is not routed.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
 
-    /// When `address` was heard by `channel`; std::nullopt: it is not at home there.
+    /// When `address` was received on `channel`; std::nullopt: it is not at home there.
     std::optional<TimePoint> heard_at(std::uint8_t address, ChannelId channel) const noexcept;
-    /// The addresses that are at home at this link alone, or were until its channels were closed.
+    /// The addresses that are at home only on this link, or were until its channels were closed.
     std::bitset<256> last_homes(LinkId link) const noexcept;
-    /// Restores that these addresses were last at home at `link`, except those that are at home now.
+    /// Restores that these addresses were last at home on `link`, except those that are at home now.
     void restore_last_homes(const std::bitset<256>& addresses, LinkId link) noexcept;
-    /// Whether it was at home there before it moved: when it speaks there again, it has come back.
+    /// Whether it was at home there before it moved: a frame received there then means that it has returned.
     bool was_first(std::uint8_t source, ChannelId channel) const noexcept;
-    /// Restores that `source` was at home there when the program ran before, and was heard at `at`. Ignored if it was learned since.
+    /// Restores from an earlier run that `source` was at home there and was received at `at`. Ignored if it was learned since.
     void restore(std::uint8_t source, ChannelId channel, TimePoint at);
     /// Restores was_first().
     void restore_first(std::uint8_t source, ChannelId channel) { first_[source].insert(channel); }
 
-    /// A frame that is dropped still shows that its source is alive, where that is at home or was first. True: there is a new
-    /// conflict.
+    /// Call for a dropped frame too: it shows that its source is active, if that is at home there or was first. True: there is a
+    /// new conflict.
     bool heard_again(ChannelId from, std::uint8_t source, TimePoint now);
 
-    /// `source` is at home behind `channel`: learned there; or pinned to its link, and not at home behind another channel of it.
+    /// `source` is at home behind `channel`: learned there; or pinned to its link, and not at home behind another of its
+    /// channels.
     bool holds(std::uint8_t source, ChannelId channel) const noexcept;
-    /// A frame of `source` by `channel` is a claim: `source` is at home elsewhere, and that place is not known to be down. Links of
-    /// one group are one place; hosts are at home everywhere. A pinned address has a home on each of its links, and never another.
+    /// Whether a frame of `source` on `channel` is a claim: `source` is at home elsewhere, and that place is not known to be
+    /// down. The links of one group are one place; hosts are at home everywhere. A pinned address has a home on each of its
+    /// links, and on no other.
     bool claims(std::uint8_t source, ChannelId channel) const noexcept;
 
-    /// A question to the holder of an address, whether it is still there. It goes to `channels`; only an answer from there counts.
+    /// A question to the holder of an address, to test whether it still answers. It is sent on `channels`; only an answer from
+    /// there counts.
     struct Question {
         std::uint8_t address = 0;
         ChannelSet channels;
     };
     bool has_question(TimePoint now) const noexcept { return claims_.is_due(now); }
-    /// The next question that is due; std::nullopt: none. If the holder has answered none of them, the address moves.
+    /// The next question that is due; std::nullopt: none. If the holder answers none of them, the address moves.
     std::optional<Question> take_question(TimePoint now);
-    /// When to call take_question(); std::nullopt: no test is under way.
+    /// When to call take_question(); std::nullopt: no test is in progress.
     std::optional<TimePoint> next_question() const noexcept { return claims_.next(); }
 
-    /// Notes that `links`, of no common group, have brought the same source, one of them by `claimant`. route() itself finds only
-    /// the refused claims of the frames that it is given.
+    /// Records that the same source was received on `links`, which are not of one group, on one of them by `claimant`. route()
+    /// detects only refused claims of the frames it routes.
     void note_conflict(std::uint8_t source, LinkSet links, std::optional<ChannelId> claimant, TimePoint now);
 
     struct Learned {
         LinkSet links;
         TimePoint last{};
     };
-    /// For the status: what is known of `address` at `now`; `links` is empty when it is not known.
+    /// For the status: the route of `address` at `now`; `links` is empty if there is none.
     Learned learned(std::uint8_t address, TimePoint now) const;
     LinkSet pinned(std::uint8_t address) const { return pinned_[address]; }
     LinkSet group(std::uint8_t number) const { return groups_[number]; }
@@ -165,9 +171,9 @@ public:
         std::uint8_t address = 0;
         ChannelId channel{};
     };
-    /// The next refused claim that was not taken yet. To be called before the channel can be closed.
+    /// The next refused claim that was not returned yet. Call it before the channel can be closed.
     bool take_claimant(Claimant& claimant);
-    /// The next conflict that began and was not taken yet; for the log.
+    /// The next conflict that began and was not returned yet; for the log.
     bool take_new_conflict(Conflict& conflict);
     /// A device that is at home on another link than before.
     struct Moved {
@@ -175,9 +181,9 @@ public:
         LinkSet from;
         LinkId to{};
     };
-    /// The next move that was not taken yet; for the log.
+    /// The next move that was not returned yet; for the log.
     std::optional<Moved> take_move() noexcept;
-    /// The links where the address was at home before it moved, as long as it has not come back.
+    /// The links where the address was at home before it moved, until it returns.
     LinkSet moved_from(std::uint8_t address) const { return moved_from_[address]; }
     std::uint64_t own_frames() const { return own_frames_; }
 
@@ -250,35 +256,35 @@ private:
 
     std::array<LinkId, max_channels> link_of_{};
     std::array<ChannelSet, max_links> channels_of_link_{};
-    ChannelSet flooded_;      // channels whose link takes floods
-    ChannelSet broadcast_;    // channels whose link takes broadcasts
-    ChannelSet down_;         // channels whose wire is gone
+    ChannelSet flooded_;      // channels whose link accepts floods
+    ChannelSet broadcast_;    // channels whose link accepts broadcasts
+    ChannelSet down_;         // channels whose wire is disconnected
     ChannelSet hosts_;        // channels of note_host()
     ChannelSet devices_;      // channels where a device is at home, or was last; valid unless homes_changed_
     ChannelSet heard_any_;    // channels where any address is at home; valid as devices_
-    ChannelSet silent_;       // those of devices_ that have heard nobody since
+    ChannelSet silent_;       // those of devices_ on which nothing was received since
     bool homes_changed_ = false;
 
-    // Where an address is at home, and when it was heard there. This is kept however long ago it was: a silent device may still be
-    // there, and is asked. Exact times need no periodic sweep, and a frame touches only the words of its two addresses and one
-    // time for each channel that heard them.
+    // Where an address is at home, and when it was received there. This is kept for any time: a silent device may still be there,
+    // and is asked. Exact times need no periodic sweep. A frame accesses only the words of its two addresses, and one time per
+    // channel on which they were received.
     std::array<ChannelSet, 256> known_{};
     std::array<std::array<TimePoint, max_channels>, 256> heard_{};
-    // The link where an address was at home until its channel was closed; for addresses that are at home nowhere.
+    // The link where an address was at home until its channel was closed; for addresses without a home.
     std::array<LinkSet, 256> left_{};
     LinkSet remade_;    // links of restore_last_homes()
-    // Where an address was at home before it moved, as long as it is elsewhere: when it speaks there again, it has come back.
+    // Where an address was at home before it moved, while it is elsewhere. A frame received there means that it has returned.
     std::array<ChannelSet, 256> first_{};
 
-    // The links of that, and the addresses whose last move was not taken yet.
+    // The links of first_, and the addresses whose last move was not returned yet.
     std::array<LinkSet, 256> moved_from_{};
     std::bitset<256> new_moves_;
 
-    // Where an address was heard though it is at home elsewhere: a host and a device that have the same address.
+    // Where an address was received while it is at home elsewhere: a host and a device that have the same address.
     std::array<ChannelSet, 256> also_{};
 
     Claims claims_;
-    // When a claim of a pinned address by another link is counted next.
+    // The earliest time at which the next claim of a pinned address by another link is counted.
     std::array<TimePoint, 256> next_refusal_{};
     std::array<Conflict, 256> conflicts_{};
     std::bitset<256> new_conflicts_;

@@ -1,4 +1,4 @@
-// Distinguishes one device on two links from two devices with one id: one device sends the same frames by both links.
+// Distinguishes one device on two links from two devices with one id: one device sends the same frames on both links.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -10,14 +10,14 @@
 
 namespace anogate {
 
-/// Looks at samples of what each source sends: at most two frames a second. Constant time, no allocation.
+/// Compares samples of the frames of each source: at most two frames per second. Constant time, no allocation.
 class SameDevice {
 public:
-    /// How much later another link may bring the same frame.
+    /// The maximum delay of the same frame on another link.
     static constexpr ano::Duration window = std::chrono::milliseconds{500};
 
-    /// `source` sent the frame `key` (frame_key()) by `link`. Returns the other link that brought the same frame within the window;
-    /// std::nullopt: it is not the current sample, or came by no other link.
+    /// `source` sent the frame `key` (frame_key()), received on `link`. Returns the other link on which the same frame was
+    /// received within the window; std::nullopt: it is not the current sample, or was received on no other link.
     std::optional<LinkId> heard(std::uint8_t source, LinkId link, std::uint64_t key, ano::TimePoint now) noexcept {
         Sample& sample = samples_[source];
         sample.links.insert(link);
@@ -31,14 +31,14 @@ public:
         take(sample, link, key, now);
         return std::nullopt;
     }
-    /// The link is removed: the sources that it brought are sampled from the beginning.
+    /// The link is removed: its sources are sampled from the beginning.
     void remove_link(LinkId link) noexcept {
         for (Sample& sample : samples_)
             if (sample.links.contains(link)) sample = {};
     }
-    /// Whether two links have brought the same frame of `source`.
+    /// Whether the same frame of `source` was received on two links.
     bool met(std::uint8_t source) const noexcept { return samples_[source].met_before > 0; }
-    /// Whether two links bring frames of `source` that are hardly ever the same.
+    /// Whether the frames of `source` on two links are hardly ever the same.
     bool differ(std::uint8_t source) const noexcept {
         const Sample& sample = samples_[source];
         return sample.missed >= enough && sample.met_before * 4 < sample.missed;
@@ -50,15 +50,15 @@ private:
     struct Sample {
         std::uint64_t key = 0;
         ano::TimePoint at = ano::TimePoint::min();
-        LinkSet links;    // all that brought frames of the source
+        LinkSet links;    // all on which frames of the source were received
         LinkId link{};
-        bool elsewhere = false;                 // another link brought frames meanwhile
-        bool met = false;                       // and the sample itself
+        bool elsewhere = false;                 // another link received frames of the source meanwhile
+        bool met = false;                       // another link received the sample itself
         unsigned met_before = 0, missed = 0;    // numbers of samples with `elsewhere`
     };
 
-    // What the later of two links brings will not come by the other one any more, so samples are taken from both in turn. A frame
-    // that is repeated, as by a sensor at rest, says nothing.
+    // A frame that the slower of two links receives will not arrive on the other one any more. So samples are taken from both in
+    // turn. A repeated frame, as from a sensor at rest, shows nothing and is not sampled.
     static void take(Sample& sample, LinkId link, std::uint64_t key, ano::TimePoint now) noexcept {
         const bool others_turn = sample.elsewhere && link == sample.link && now < sample.at + 2 * window;
         if (others_turn || key == sample.key) return;

@@ -1,8 +1,8 @@
-// Whose turn it is when several channels have received more than can be processed at once: each gets the same share of the time.
+// Which channel is next when several have received more than can be processed at once: each gets the same share of the time.
 //
-// Flow:    shares.begins(id)                    // something waits of a channel of which nothing waited
+// Flow:    shares.begins(id)                    // data waits again on this channel
 //          const auto id = shares.next(waiting)
-//          shares.charge(id, time)              // how long that took
+//          shares.charge(id, time)              // the time that it took
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -12,8 +12,8 @@
 
 namespace anogate {
 
-/// A channel that receives little goes before those that always have something waiting: it has used the least time. What a
-/// channel does not use while nothing of it waits is not saved for later.
+/// A channel that receives little goes before those that always have waiting data, because it has used the least time. Time that
+/// a channel does not use while none of its data waits is not saved for later.
 class TurnShares {
 public:
     void begins(ChannelId id) noexcept { used_[index(id)] = std::max(used_[index(id)], least_); }
@@ -29,7 +29,7 @@ public:
 
 private:
     std::array<ano::Duration, max_channels> used_{};
-    ano::Duration least_{};    // what the channel of the last turn had used before it
+    ano::Duration least_{};    // the time used by the channel of the last turn, before that turn
 };
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// For how long frames that a link brings have had no receiver.
+// How long frames that are received on a link have had no receiver.
 #pragma once
 #include <ano/time.hpp>
 
@@ -8,7 +8,7 @@ namespace anogate {
 
 class Untaken {
 public:
-    /// Frames further apart than this do not belong to the same series.
+    /// Frames further apart than this belong to different series.
     static constexpr ano::Duration pause = std::chrono::seconds{3};
 
     /// A frame had no receiver.
@@ -18,8 +18,8 @@ public:
     }
     /// A frame had a receiver.
     void taken() noexcept { last_ = ano::TimePoint::min(); }
-    /// The time from the first to the last frame without a receiver in the present series; std::nullopt: there was none lately, or a
-    /// frame had a receiver since.
+    /// The time from the first to the last frame without a receiver in the present series; std::nullopt: there was none lately,
+    /// or a later frame had a receiver.
     std::optional<ano::Duration> duration(ano::TimePoint now) const noexcept {
         return lasts(now) ? std::optional{last_ - since_} : std::nullopt;
     }

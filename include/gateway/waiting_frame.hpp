@@ -1,4 +1,4 @@
-// A frame that waits in an outbox, and the lists it is in, which use array indices instead of pointers.
+// A frame that waits in an outbox, and the lists that contain it, which use array indices instead of pointers.
 #pragma once
 #include <ano/time.hpp>
 
@@ -24,7 +24,7 @@ struct WaitingFrame {
     std::uint32_t size : 28;
     std::uint32_t traffic : 2;
     std::uint32_t replaceable : 1;    // it is in a bucket
-    std::uint32_t overtakes : 1;      // it leaves before the other frames of its sender
+    std::uint32_t overtakes : 1;      // it is sent before the other frames of its sender
     std::uint64_t number;             // in the order of push()
     std::uint64_t turn;               // the number of the oldest frame that it has replaced, else its own
     ano::Duration stale_at;           // since the clock's epoch

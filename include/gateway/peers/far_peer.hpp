@@ -1,5 +1,5 @@
-// Limits what is sent to a peer outside our networks before it has shown that it receives: a datagram of 8 bytes with a forged
-// source must not cause a stream to the owner of that address.
+// Limits what is sent to a peer outside of our networks before it has shown that it receives. Otherwise a datagram of 8 bytes
+// with a forged source could start a stream of data to the owner of that address.
 #pragma once
 #include <ano/conversation.hpp>
 #include <ano/frame.hpp>
@@ -17,7 +17,8 @@ using ano::Duration;
 using ano::TimePoint;
 
 /// A peer shows it by acknowledging (0x00) a frame that was sent to it, or by two answers (0xE3) to our questions. Each question
-/// comes from another randomly chosen address, to which the answer must go: an attacker with a forged source does not know it.
+/// is sent from another randomly chosen address, to which the answer must go. An attacker with a forged source does not know that
+/// address.
 class FarPeer {
 public:
     static constexpr Duration window = std::chrono::seconds{10};
@@ -25,25 +26,25 @@ public:
     static constexpr Duration answer_within = std::chrono::seconds{3};
     static constexpr Duration acknowledged_within = std::chrono::seconds{10};
     static constexpr int answers_needed = 2;
-    static constexpr int max_wrong_acknowledgements = 4;    // in a window; later ones are ignored
+    static constexpr int max_wrong_acknowledgements = 4;    // per window; later ones are ignored
 
     using Question = std::array<std::uint8_t, ano::overhead + 3>;
 
     explicit FarPeer(TimePoint now) : window_began_{now} {}
 
-    /// A datagram came from the peer.
+    /// A datagram of the peer was received.
     void came(std::size_t bytes, TimePoint now) noexcept;
     /// How many bytes may be sent to it now.
     std::size_t allowance(TimePoint now) noexcept;
     void left(std::size_t bytes) noexcept { out_ += bytes; }
 
-    /// 0xE0 0, if a question is due and within the allowance: once in a window, and again at once after a right answer.
+    /// 0xE0 0, if a question is due and within the allowance: once per window, and again immediately after a correct answer.
     std::optional<Question> question(const std::function<std::uint64_t()>& random, TimePoint now);
     /// A frame is being sent to it.
     void sent(ano::FrameView frame, TimePoint now) noexcept;
-    /// A frame came from it. True: it is an answer to a question of ours, and is not forwarded.
+    /// A frame of the peer was received. True: it answers one of our questions and is not forwarded.
     bool heard(ano::FrameView frame, TimePoint now) noexcept;
-    /// Whether it has shown that it receives what is sent to it.
+    /// Whether it has shown that it receives our frames.
     bool is_there() const noexcept { return is_there_; }
 
 private:
@@ -58,7 +59,7 @@ private:
     TimePoint window_began_;
     std::size_t in_ = 0, out_ = 0;    // bytes in this window
     bool may_ask_ = true;
-    std::uint8_t asked_as_ = 0;    // our address in the question that is open; 0: none
+    std::uint8_t asked_as_ = 0;    // our address in the open question; 0: none
     TimePoint asked_at_{};
     int answers_ = 0;
     int wrong_ = 0;

@@ -1,5 +1,4 @@
-// The message between listening sockets of gateways: a special frame (0xFB) that is never routed. Devices take it for a
-// special frame that does not concern them.
+// The message between listening sockets of gateways: a special frame (0xFB) that is never routed. Devices ignore it.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -10,10 +9,10 @@
 
 namespace anogate {
 
-/// A question holds a number that only its receiver can repeat.
+/// A question contains a random number that only its receiver can repeat.
 struct ListeningNotice {
     enum class Kind : std::uint8_t {
-        question = 1,    // this socket is a listening one; is yours?
+        question = 1,    // this socket listens for peers; does yours?
         answer = 2,      // yes; repeats the number of the question
     };
     Kind kind{};

@@ -1,12 +1,12 @@
-// Who may be a peer of a listening socket, and for how long.
+// Which senders are accepted as peers of a listening socket, and for how long.
 //
-// Flow:    book.place_for(endpoint, now)           // a stranger: whether there is room, and which peer gives way
+// Flow:    book.place_for(endpoint, now)           // an unknown sender: whether there is room, and which peer it replaces
 //          book.add(id, endpoint, near, now)       // it is a peer now
-//          book.came(id)                           // every datagram of it but the first
-//          book.heard(id, source, now)             // every good frame of it
-//          book.refused(id, now)                   // the network says that nothing listens there
-//          for (id : book.overdue(now)) forget it, book.remove(id)
-//          look again at book.next_look(now)
+//          book.came(id)                           // each of its datagrams except the first
+//          book.heard(id, source, now)             // each of its valid frames
+//          book.refused(id, now)                   // the network reports that the port is closed
+//          for (id : book.overdue(now)) remove the peer, book.remove(id)
+//          check again at book.next_look(now)
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -24,37 +24,39 @@ namespace anogate {
 using ano::Duration;
 using ano::TimePoint;
 
-/// Uses no sockets, and channels only by their numbers. Constant time a frame; no allocation.
+/// Uses no sockets, and channels only by their numbers. Constant time per frame; no allocation.
 class PeerBook {
 public:
     struct Options {
-        Duration timeout = std::chrono::seconds{60};    // a peer silent for so long is forgotten, unless it listens
+        Duration timeout = std::chrono::seconds{60};    // a peer is removed after this silence, unless it only listens
         std::size_t max_peers = max_channels;
         std::size_t max_of_address = max_channels;    // loopback excepted
-        std::size_t kept = 0;                         // places that only hosts that command, and trusted ones, may take
-        std::size_t kept_for_trusted = 0;             // of those, the ones that only trusted ones may take
+        std::size_t kept = 0;                         // places reserved for hosts that send commands, and for trusted ones
+        std::size_t kept_for_trusted = 0;             // of those, the ones reserved for trusted ones
     };
-    /// Who a peer or a stranger is, by its address and what it sent.
+    /// The rank of a peer or an unknown sender, by its address and its frames.
     enum class Rank : std::uint8_t {
-        ordinary,    // it listens, asks, or sends what nobody asked for
+        ordinary,    // it only receives, asks, or sends unrequested frames
         commands,    // a host that has sent a command
         trusted,     // a member of a trusted network
     };
 
-    /// A host in our own networks may listen this long without sending anything.
+    /// A host in our own networks may only receive for this time, without sending.
     static constexpr Duration listener_stays = std::chrono::hours{1};
-    /// A peer in our own networks that sent a single datagram is forgotten after this time: its source may be forged. A host stays, since
-    /// some only listen, but after this time at most max_silent_of_address of an address and max_listeners in all. Nobody forges
-    /// loopback addresses.
+    /// A peer in our own networks that sent a single datagram is removed after this time, because its source may be forged. A
+    /// host stays, since some hosts only receive. After this time at most max_silent_of_address of them stay per address, and
+    /// max_listeners in all. Loopback addresses can't be forged.
     static constexpr Duration once_stays = std::chrono::seconds{10};
     static constexpr std::size_t max_listeners = 8;
-    /// Maximum of silent hosts of one address: a program that starts again has another port, and frames to the old port are lost.
+    /// Maximum of silent hosts per address: a program that restarts has another port, and frames to the old port are lost.
     static constexpr std::size_t max_silent_of_address = 2;
-    /// A peer that sent a single datagram is gone after one refusal, another after this many refusals without a frame of it in between, if the first and the last are `refused_for` apart.
+    /// A peer that sent a single datagram is removed after one refusal. Another peer is removed after this number of refusals
+    /// without a frame from it in between, if the first and the last are at least `refused_for` apart.
     static constexpr std::uint32_t enough_refusals = 3;
     static constexpr Duration refused_for = std::chrono::seconds{5};
 
-    /// How long the last host to come that commands keeps its place at least: a flood of them must cost little.
+    /// The minimum time for which the newest host that sends commands keeps its place, so that a flood of such hosts causes
+    /// little work.
     static constexpr Duration turn = std::chrono::microseconds{500};
     /// Frames within this time belong to one exchange.
     static constexpr Duration exchange = std::chrono::seconds{1};
@@ -65,27 +67,31 @@ public:
         bool free = false;
         std::optional<ChannelId> gives_way;    // the peer that must be closed first
     };
-    /// Whether a stranger may become a peer. A stranger that has come once does not take the place of a peer that was heard within
-    /// the timeout or came more than once. One that comes again, in a later exchange, takes the place of a silent peer, or of one
-    /// that came once from an address that keeps at least as many places as the stranger's address would have. If its address has
-    /// max_of_address places, it takes the place of a peer of that address. Programs of this machine take places from each other,
-    /// the longest silent first, but one that came once does not take that of one that came again. Peers of a lower rank take none of
-    /// the places that are kept for a higher one. Where places are kept, a host that sends a command always gets one: the last to come
-    /// of those that command gives way, so that a crowd of them takes turns, and whoever was there before stays.
+    /// Whether an unknown sender may become a peer.
+    /// - One that sent once does not replace a peer that was received within the timeout or sent more than once.
+    /// - One that sends again, in a later exchange, replaces a silent peer, or one that sent once from an address that keeps at
+    ///   least as many places as the address of the sender would have.
+    /// - If its address has max_of_address places, it replaces a peer of that address.
+    /// - Programs of this machine replace each other, the longest silent first, but one that sent once does not replace one that
+    ///   sent again.
+    /// - Peers of a lower rank do not use places that are reserved for a higher rank.
+    /// - If places are reserved, a host that sends a command always gets one. It replaces the newest peer that sent commands, so
+    ///   that many such hosts take turns, and the older ones stay.
     Place place_for(const Endpoint& stranger, TimePoint now, Rank rank = Rank::ordinary);
 
-    /// `near`: it is in a network of our interfaces. It counts as heard at `now`, since its first frame may be reported a little later.
+    /// `near`: it is in a network of our interfaces. It counts as received at `now`, since its first frame may be reported a
+    /// little later.
     void add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint now, Rank rank = Rank::ordinary);
-    /// Another datagram of the peer came.
+    /// Another datagram of the peer was received.
     void came(ChannelId id) noexcept { peer(id).once = false; }
-    /// A host that sent a command.
+    /// The peer is a host and sent a command.
     void commanded(ChannelId id) noexcept { peer(id).rank = std::max(peer(id).rank, Rank::commands); }
     Rank rank(ChannelId id) const noexcept { return peer(id).rank; }
     void remove(ChannelId id) { used_.erase(id); }
     void clear() { used_.clear(); }
 
     void heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept;
-    /// What is known of a peer in addition to its endpoint, for the next run of the program, which continues with its socket.
+    /// The state of a peer besides its endpoint, for the next run of the program, which continues with its socket.
     struct Memory {
         TimePoint heard_at{};
         bool is_host = false;
@@ -94,19 +100,19 @@ public:
         bool commands = false;
     };
     Memory memory(ChannelId id) const noexcept;
-    /// Restores the memory of a peer that was just added.
+    /// Restores the state of a peer that was just added.
     void remember(ChannelId id, const Memory& memory) noexcept;
 
-    /// ICMP reported that nothing listens at the port. Returns whether the peer is overdue now.
+    /// ICMP reported a closed port. Returns whether the peer is overdue now.
     bool refused(ChannelId id, TimePoint now) noexcept;
 
-    /// The peers that are to be forgotten now.
+    /// The peers to be removed now.
     ChannelSet overdue(TimePoint now) const noexcept;
-    /// When a peer may be overdue next, if none is heard until then; TimePoint::max(): never.
+    /// When a peer may be overdue next, if no frame is received until then; TimePoint::max(): never.
     TimePoint next_look(TimePoint now) const noexcept;
 
     ChannelSet peers() const noexcept { return used_; }
-    /// Since when a host of our networks that sent a single datagram listens; std::nullopt: it is none.
+    /// The time since which a host of our networks that sent a single datagram only receives; std::nullopt: it is none.
     std::optional<TimePoint> listening_since(ChannelId id) const noexcept;
 
 private:
@@ -117,14 +123,14 @@ private:
         bool once = true;        // it sent a single datagram
         Rank rank = Rank::ordinary;
         TimePoint heard_at{};
-        TimePoint exchange_began{};    // when it came
+        TimePoint exchange_began{};    // when it started
         bool came_again = false;       // more than one exchange
-        std::uint32_t refusals = 0;    // since it was last heard
+        std::uint32_t refusals = 0;    // since its last frame
         TimePoint first_refused_at{};
         bool is_gone = false;    // concluded from refusals
     };
 
-    // A stranger for which there was no place.
+    // An unknown sender for which there was no place.
     struct Knock {
         Endpoint endpoint;
         TimePoint first{};
@@ -143,7 +149,7 @@ private:
     std::size_t count(Rank at_least) const noexcept;
     bool may_listen(const Peer& p) const noexcept { return p.near && p.is_host; }
     bool is_silent(const Peer& p, TimePoint now) const noexcept { return now - p.heard_at >= options_.timeout; }
-    // How long it may be silent until it is forgotten, or counts among those that listen.
+    // How long it may be silent before it is removed, or counts as one that only receives.
     Duration patience(const Peer& p) const noexcept;
     bool listens(const Peer& p, TimePoint now) const noexcept {
         return !p.is_gone && may_listen(p) && now - p.heard_at >= patience(p);

@@ -1,9 +1,9 @@
-// 0xB1 and 0xB2: frames of the protocol inside frames of the protocol, carried over IP (protocol text, section 4;
-// config/README.md, "Tunnel"). Bytes in, bytes out; TunnelLink sends and receives them.
+// 0xB1 and 0xB2: protocol frames inside protocol frames, sent over IP (protocol text, section 4; config/README.md, "Tunnel").
+// Bytes in, bytes out; TunnelLink sends and receives them.
 //
-// Out:    tunnel.takes(frame)                    // came by one of `links`
+// Out:    tunnel.takes(frame)                    // received on one of `links`
 //         tunnel.out(frame, …) → Datagram        // to send
-// In:     tunnel.in(frame, sender, …)            // each tunnel frame of a datagram; calls back with the frames inside
+// In:     tunnel.in(frame, sender, …)            // each tunnel frame of a datagram; calls back with the inner frames
 //         tunnel.begin_wrap(rule, …), add(), end_wrap()
 #pragma once
 #include <ano/frame.hpp>
@@ -24,8 +24,8 @@
 
 namespace anogate {
 
-inline constexpr std::uint8_t ip_tunnel = ano::id_of<"ip_tunnel">;                // whole addresses
-inline constexpr std::uint8_t ip_tunnel_short = ano::id_of<"ip_tunnel_short">;    // their last bytes
+inline constexpr std::uint8_t ip_tunnel = ano::id_of<"ip_tunnel">;                // complete addresses
+inline constexpr std::uint8_t ip_tunnel_short = ano::id_of<"ip_tunnel_short">;    // only their last bytes
 inline constexpr std::size_t max_datagram = 65507;                                // of UDP over IPv4
 
 constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept { return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short; }
@@ -44,17 +44,17 @@ struct TunnelContent {
     TunnelHead head;
     std::span<const std::uint8_t> inner;    // in the frame's memory
 };
-/// Takes a tunnel frame apart; std::nullopt when DATA is shorter than the head. 0xB2 leaves out the first three bytes of both
-/// addresses: they are taken from `network`.
+/// Parses a tunnel frame; std::nullopt if DATA is shorter than the head. 0xB2 omits the first three bytes of both addresses: they
+/// are those of `network`.
 std::optional<TunnelContent> unwrap(ano::FrameView frame, const IpAddress& network) noexcept;
 
-/// Reads the frames inside a tunnel frame. It ends at the first byte that does not begin a whole good frame: searching beyond it
-/// could find the frames inside a damaged inner tunnel frame.
+/// Reads the frames inside a tunnel frame. It ends at the first byte that does not begin a complete valid frame: a search beyond
+/// it could find the frames inside a damaged inner tunnel frame.
 class InnerFrames {
 public:
     explicit InnerFrames(std::span<const std::uint8_t> inner) noexcept : rest_{inner}, empty_{inner.empty()} {}
     std::optional<ano::FrameView> next() noexcept;
-    /// After next() returned std::nullopt: the content was only whole good frames, at least one.
+    /// After next() returned std::nullopt: whether the content was only complete valid frames, at least one.
     bool good() const noexcept { return rest_.empty() && !empty_; }
 
 private:
@@ -62,11 +62,11 @@ private:
     bool empty_;
 };
 
-/// Whether this is a tunnel frame that may contain a frame that `is_meant`: one is inside, or the content can't be read (bytes that are
-/// not a whole good frame, another tunnel frame). False for every other frame.
+/// Whether this is a tunnel frame that may contain a frame for which `is_meant` returns true: one is inside, or the content can't
+/// be read (bytes that are not a complete valid frame, another tunnel frame). False for every other frame.
 bool may_contain(ano::FrameView frame, bool (*is_meant)(ano::FrameView inner)) noexcept;
 
-/// Makes one tunnel frame at a time in memory of its own. Allocates once.
+/// Builds one tunnel frame at a time in its own memory. Allocates once.
 class TunnelWriter {
 public:
     TunnelWriter() : buffer_{ano::max_frame_size} {}
@@ -88,15 +88,15 @@ private:
     std::size_t max_end_ = 0;
 };
 
-/// Decides what is carried, opened, wrapped or refused. Neither throws nor allocates after construction.
+/// Decides what is sent, opened, wrapped or refused. Neither throws nor allocates after construction.
 class Tunnel {
 public:
-    /// Whether an inner frame may go on: the filters, limits and switches of the link it came by.
+    /// Whether an inner frame may be forwarded: the filters, limits and switches of its incoming link.
     using Passes = std::function<bool(ano::FrameView)>;
     using Take = std::function<void(ano::FrameView)>;
-    /// What the tunnel needs to know of the machine.
+    /// The properties of the machine that the tunnel needs.
     struct Environment {
-        /// Our address on the route to `there`, or for 0.0.0.0 the default one; std::nullopt when no route leads there.
+        /// Our address on the route to `there`, or for 0.0.0.0 the default one; std::nullopt: no route leads there.
         std::function<std::optional<IpAddress>(const IpAddress& there)> our_address;
         /// Whether the gateway itself listens on this port.
         std::function<bool(std::uint16_t port)> is_own_port;
@@ -105,50 +105,50 @@ public:
     /// `own_id`: the gateway's; 0: none.
     Tunnel(TunnelSettings settings, std::uint8_t own_id, Environment environment);
 
-    /// The port that is open; port 0 in a tunnel frame stands for it.
+    /// The open port; port 0 in a tunnel frame means this port.
     void set_port(std::uint16_t port) noexcept { port_ = port; }
     /// The networks of our interfaces as they are now, loopback included.
     void set_networks(std::vector<Network> networks) { policy_.set_networks(std::move(networks)); }
 
-    /// The addresses of the hosts that the settings name. A host without one is nobody.
+    /// The addresses of the host names in the settings. A host name without an address matches no sender.
     void set_hosts(HostAddresses hosts);
-    /// Our address where the settings have one; its host name may have none now.
+    /// Whether the settings define our address; a host name may have no address now.
     bool has_ip() const noexcept { return settings_.ip || !settings_.ip_host.empty(); }
     std::optional<IpAddress> ip() const noexcept;
 
-    /// Whether `frame`, which came by one of `links`, is a tunnel frame for us: then it is not forwarded, even when it is refused.
+    /// Whether `frame`, received on one of `links`, is a tunnel frame for us. Then it is not forwarded, even if it is refused.
     bool takes(ano::FrameView frame) const noexcept;
 
     struct Datagram {
         Endpoint to;
         std::span<const std::uint8_t> bytes;    // valid until the next call of out()
     };
-    /// What is sent for a tunnel frame of a device; std::nullopt: refused and counted, or no frame in it passed.
+    /// The datagram for a tunnel frame of a device; std::nullopt: refused and counted, or no frame in it passed.
     std::optional<Datagram> out(ano::FrameView frame, const Passes& passes);
     /// The result of sending it.
     void sent() noexcept { ++counters_.out; }
     void refuse(std::uint64_t TunnelCounters::*cause) noexcept { ++(counters_.*cause); }
 
-    /// Whether `sender` may send to the tunnel; counted when not.
+    /// Whether `sender` may send to the tunnel; counted if not.
     bool admits(const Endpoint& sender);
     /// Opens a tunnel frame that `sender` sent us and calls `take` for each frame inside; one for another ip is refused. The
-    /// source address in the frame is not used. True: something was inside.
+    /// source address in the frame is not used. True: there was at least one frame inside.
     bool in(ano::FrameView frame, const IpAddress& sender, const Take& take);
-    /// Counts a datagram of which some frame was taken.
+    /// Counts a datagram with at least one accepted frame.
     void came_in() noexcept { ++counters_.in; }
 
     /// The index in the settings of the first rule that matches `sender`, if any.
     std::optional<std::size_t> wrap_rule(const IpAddress& sender) const noexcept;
-    /// Starts a tunnel frame for the frames of one datagram; false: refused, and counted once for a datagram. `max_data` is that of
+    /// Starts a tunnel frame for the frames of one datagram; false: refused, and counted once per datagram. `max_data` is that of
     /// the rule's link.
     bool begin_wrap(std::size_t rule, std::size_t max_data, const Endpoint& sender);
     /// The rule of begin_wrap(), until end_wrap(); std::nullopt: none has begun.
     std::optional<std::size_t> wrapping() const noexcept { return wrapping_; }
     /// begin_wrap() has not refused this datagram.
     bool can_wrap() const noexcept { return !refused_wrap_; }
-    /// Adds a frame. When it does not fit, the tunnel frame so far is given to `send` first.
+    /// Adds a frame. If it does not fit, `send` is called with the tunnel frame so far first.
     void add_to_wrap(ano::FrameView frame, const Take& send);
-    /// The datagram ends: gives the last tunnel frame to `send`.
+    /// The datagram ends: calls `send` with the last tunnel frame.
     void end_wrap(const Take& send);
 
     const TunnelSettings& settings() const noexcept { return settings_; }

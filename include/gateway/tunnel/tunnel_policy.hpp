@@ -1,4 +1,4 @@
-// Which addresses may be reached through the tunnel, and which may send to it.
+// Which addresses the tunnel may send to, and which may send to it.
 #pragma once
 #include <gateway/ip.hpp>
 #include <gateway/settings.hpp>
@@ -8,9 +8,10 @@
 
 namespace anogate {
 
-/// An ordinary host is allowed by the networks and hosts of `allow`, or when there are none, by the networks of our interfaces. Other
-/// addresses must be listed explicitly: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a broadcast address
-/// or one of our own as a single address (/32); never by a host name, whose address others choose. 0.0.0.0/8 (which on Linux leads to this machine) and 240.0.0.0/4 are never allowed.
+/// An ordinary host is allowed by the networks and hosts of `allow`, or if there are none, by the networks of our interfaces.
+/// Other addresses must be listed explicitly: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a
+/// broadcast address or one of our own as a single address (/32). A host name never allows them, because others choose its
+/// address. 0.0.0.0/8 (which on Linux leads to this machine) and 240.0.0.0/4 are never allowed.
 class TunnelPolicy {
 public:
     explicit TunnelPolicy(const TunnelSettings& settings)
@@ -35,7 +36,7 @@ private:
     std::vector<Network> networks_;
 };
 
-/// The first network of `allow` that allows loopback, or one of the addresses of our interfaces in `own`; nullptr when none does.
+/// The first network of `allow` that allows loopback, or one of the addresses of our interfaces in `own`; nullptr: none does.
 const Network* listed_loopback(const std::vector<Network>& allow) noexcept;
 const Network* listed_own(const std::vector<Network>& allow, const std::vector<Network>& own) noexcept;
 
