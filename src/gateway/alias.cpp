@@ -46,7 +46,7 @@ ano::FrameView Aliases::inbound(ano::FrameView frame, ano::TimePoint now) noexce
 
 std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, ano::TimePoint now) noexcept {
     const std::uint8_t alias = frame.destination();
-    const bool is_for_all = alias == ano::address::broadcast;    // also where a device has this id
+    const bool is_for_all = alias == ano::address::broadcast;    // even if a device has this id
     if (!device_[alias]) return as_[alias] == 0 || is_for_all ? std::optional{frame} : std::nullopt;
     if (frame.bytes().size() > max_size_) return frame;
     const auto bytes = copy(frame, out_.get());
@@ -60,7 +60,7 @@ void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8
     if (acknowledgement.size() < ano::overhead + 3) return;
     const auto data = acknowledgement.subspan(ano::header_size, 3);
     const ano::Checks* original = sent_as_.find(memory_key(requester, alias, data[0], {data[1], data[2]}), now);
-    if (!original) return;    // it acknowledges a broadcast, which is not rewritten, or comes too late
+    if (!original) return;    // it acknowledges a broadcast, which is not rewritten, or is too late
     data[1] = original->sum;
     data[2] = original->add;
 }

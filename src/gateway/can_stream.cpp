@@ -21,7 +21,7 @@ std::string hex(std::uint32_t number) {
     return text;
 }
 
-/// The base in hex; in decimal with a suggestion if the 0x seems to have been forgotten.
+/// The base in hex; in decimal with a suggestion if the 0x is probably missing.
 std::string given_base(std::uint32_t base, std::uint32_t range, std::uint32_t last_base) {
     const std::string digits = std::to_string(base);
     const std::uint64_t meant = std::stoull(digits, nullptr, 16);
@@ -102,7 +102,7 @@ CanStreams::Stream* CanStreams::find(std::uint32_t id) noexcept {
     return nullptr;
 }
 
-// A new id is only accepted with the beginning of a V8 frame, so that noise with ever new ids can't take the places of ids that
+// A new id is only accepted with the beginning of a V8 frame. Otherwise noise with ever new ids could take the places of ids that
 // are in the middle of a frame.
 bool CanStreams::begins_stream(std::uint32_t id, std::span<const std::uint8_t> data) noexcept {
     if (!data.empty() && data[0] == ano::head && ids_.source(id)) return true;

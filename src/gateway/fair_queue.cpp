@@ -6,7 +6,7 @@
 namespace anogate {
 namespace {
 
-// How many senders are compared for the most bytes waiting: 250 forged addresses must not make push() slow.
+// The maximum number of senders that are compared for the most waiting bytes: 250 forged addresses must not make push() slow.
 constexpr int max_flows_searched = 16;
 
 }    // namespace
@@ -51,8 +51,8 @@ FairQueue::Number FairQueue::new_flow(std::uint32_t key) noexcept {
     return n;
 }
 
-// A new flow gets its turn after the others of its channel, a new channel before all others: a channel that sends now and then
-// does not wait for those that always send.
+// A new flow gets its turn after the others of its channel, a new channel before all others. So a channel that sends rarely does
+// not wait for those that always send.
 void FairQueue::enrol(Number flow) noexcept {
     const std::uint32_t from = nodes_[flow].key >> 8;
     const Number channel = first_channel + from;
@@ -111,7 +111,7 @@ void FairQueue::retire(Number flow) noexcept {
     if (flow != sole) nodes_[flow].chained = std::exchange(free_, flow);
 }
 
-// The turn of `n` is after all others of the ring.
+// Adds `n` with the last turn of the ring.
 void FairQueue::join(Number ring, Number n) noexcept {
     nodes_[n].parent = ring;
     Number& turn = nodes_[ring].now.turn;
@@ -144,8 +144,8 @@ FrameIndex FairQueue::next_of_many() noexcept {
 template FrameIndex FairQueue::next_of_many<false>() noexcept;
 template FrameIndex FairQueue::next_of_many<true>() noexcept;
 
-// A channel with nothing waiting keeps its place until its turn comes and its balance is not negative. Otherwise it would be
-// new with every frame, and each would leave first.
+// A channel with nothing waiting keeps its place until its turn comes and its balance is not negative. Otherwise it would be new
+// with every frame, and each frame would be sent first.
 template <bool planned>
 FairQueue::Number FairQueue::in_turn(Number ring) noexcept {
     for (;;) {

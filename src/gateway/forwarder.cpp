@@ -22,8 +22,8 @@ void Forwarder::set_classes(const std::vector<ClassSettings>& classes) {
     for (const ClassSettings& of_id : classes) policies_[of_id.id] = policy_of(of_id);
 }
 
-// Every frame takes these steps: as calls they would take a tenth of the time of a frame of a stream, so those that only receive()
-// uses are inline.
+// All frames pass these steps. As calls they would need a tenth of the time of a stream's frame, so the functions that only
+// receive() uses are inline.
 void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     begin(from, brought, now);
     LinkEntry& link = entry(from.link);
@@ -64,7 +64,8 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
 }
 
-// Not one whose source is its destination: a host and a device may have one address, and the device gives back what the host wrote.
+// A frame whose source is its destination is not an echo: a host and a device may have one address, and the device returns the
+// value that the host wrote.
 bool Forwarder::is_echo(Channel& from, ano::FrameView brought, std::uint64_t key) const {
     if (brought.source() == brought.destination() || ano::intent_of(brought) == ano::Intent::informs) return false;
     return from.echo.is_echo(key, router_.heard_at(brought.source(), from.id).has_value(), now_);
@@ -76,13 +77,13 @@ LoopGuard::Arrival Forwarder::arrival(const Channel& from, ano::FrameView frame,
     return {key, from.id, arrived_at_, at_home, acts};
 }
 
-// Drops a copy that came back by a known loop, of which no address is learned.
+// Drops a copy that returned through a known loop. No address is learned from it.
 void Forwarder::end_loop(Channel& from, ano::FrameView frame, ChannelSet ask) {
     drop(from, frame, &ReceiveCounters::looped);
     send_probes(from.id, ask);
 }
 
-// Whether another link of the group brought the frame already: compared as `brought`, before any rewriting.
+// Whether the frame was already received on another link of the group. Compared as received, before any rewriting.
 [[gnu::always_inline]] inline bool Forwarder::is_duplicate(Channel& from, ano::FrameView brought, std::uint64_t key,
                                                            QueuePolicy policy) {
     const std::uint8_t group = entry(from.link).settings.route.group;
@@ -96,7 +97,8 @@ void Forwarder::end_loop(Channel& from, ano::FrameView frame, ChannelSet ask) {
     return true;
 }
 
-// The same frames of a source by two links are a conflict. Of a frame to its own source, a host and a device may be the two.
+// Equal frames of a source on two links are a conflict. A frame whose source is its destination is excluded: it may be from a
+// host and a device with one address.
 void Forwarder::compare(const Channel& from, ano::FrameView frame, std::uint64_t key) {
     const std::uint8_t source = frame.source();
     if (ano::address::is_host(source) || ano::address::is_nobody(source) || source == frame.destination()) return;
@@ -118,7 +120,7 @@ bool Forwarder::admit(Channel& from, ano::FrameView frame) {
     return true;
 }
 
-// The content of a tunnel frame that is forwarded unopened is checked nowhere else.
+// Checks the content of a tunnel frame that is forwarded unopened; no other step checks it.
 bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
     if (!inhibit_.links().contains(from.link) || !may_contain(frame, ano::is_control)) return true;
     drop(from, frame, &ReceiveCounters::inhibited);
@@ -153,8 +155,8 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
     if (router_.has_question(now_)) ask_holders();
 }
 
-// Keeps a tunnel frame that came inside another one from the tunnel: the next gateway would open it, and the one after that its
-// content.
+// Keeps a tunnel frame that was inside another one out of the tunnel. Otherwise the next gateway would open it, and the one after
+// that its content.
 void Forwarder::keep_from_tunnel(Route& route) {
     const ChannelSet kept = route.channels & entry(tunnel_link_).traffic.channels;
     if (kept.empty()) return;
@@ -182,7 +184,8 @@ void Forwarder::drop_unrouted(Channel& from, ano::FrameView frame) {
         entry(from.link).traffic.not_sent = {frame.destination(), now_};
 }
 
-// The source of the frame answers for another address. Behind a link with several devices, another gateway may have sent it on.
+// The source of the frame answers for another address. If there are several devices on the link, another gateway may have
+// forwarded it.
 void Forwarder::note_device(const Channel& from, ano::FrameView frame) {
     LinkEntry& link = entry(from.link);
     if (link.settings.route.acts_for_others || !router_.is_alone(frame.source(), from.id)) return;
@@ -197,7 +200,7 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
     bool takes_few = false;
     if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(policy, now_ - arrived_at)) {
         ++entry(channel.link).traffic.came_stale;
-        cause = &SendCounters::stale;    // it does not count for limits, and no answer is awaited
+        cause = &SendCounters::stale;    // does not count for limits, and no answer is awaited
     } else {
         channel.hosts_spoke = channel.hosts_spoke || ano::address::is_host(frame.source());
         if (ruled_.contains(channel.link)) {
@@ -228,7 +231,7 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
         }
 }
 
-// Rewrites the frame as the link's devices are to see it; otherwise returns the cause of the refusal.
+// Rewrites the frame for the devices of the link; if it is refused, returns the cause.
 SendCause Forwarder::rewrite(LinkEntry& link, ano::FrameView& frame) {
     if (link.exclusive) return &SendCounters::denied_out;
     if (const SendCause cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr) return cause;
@@ -248,7 +251,7 @@ void Forwarder::drop(Channel& from, ano::FrameView frame, ReceiveCause cause) {
         for (Observer* observer : hear_fates_) observer->dropped(from, frame, cause);
 }
 
-// Counts a frame that was for the link but for none of its channels.
+// Counts a frame for the link that was sent on none of its channels.
 void Forwarder::refuse(LinkId to, ano::FrameView frame, SendCause cause) {
     SendCounters& gone = entry(to).traffic.gone_sent;
     ++gone.offered;

@@ -1,4 +1,4 @@
-// Adding and removing links and channels of the Forwarder.
+// The part of the Forwarder that adds and removes links and channels.
 #include <gateway/forwarder.hpp>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ LinkId Forwarder::add_link(const ForwarderLink& settings) {
     return id;
 }
 
-// The links of a group share one PresentAs: an answer may come by another link than the question left by.
+// The links of a group share one PresentAs: the answer to a question may be received on another link of the group.
 void Forwarder::present(LinkEntry& link) {
     const ForwarderLink& settings = link.settings;
     const std::size_t max_data = largest_data(settings);

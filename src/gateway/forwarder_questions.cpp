@@ -1,4 +1,5 @@
-// The frames that the gateway sends by itself: probes, hellos, questions to holders of claimed addresses; and their times.
+// The frames that the gateway sends without a request: probes, hellos, questions to holders of claimed addresses; and their
+// times.
 #include <gateway/forwarder.hpp>
 
 #include <algorithm>
@@ -60,14 +61,14 @@ ano::Flush Forwarder::flush_parser(ChannelId to) {
     return {.busy = time_of_flush(channel.outbox.zeros(), settings.parser.line_rate)};
 }
 
-// Without alias, loop guard and group, since the frame came by no wire.
+// Without alias, loop guard and group, since the frame was not received on a wire.
 void Forwarder::send_on(Channel& from, ano::FrameView frame, TimePoint now) {
     now_ = now;
     ++frame_number_;
     note_arrival(from);
     if (!hear_arrivals_.empty()) [[unlikely]]
         for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
-    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for a probe of ours
+    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be mistaken for a probe of ours
     if (!admit(from, frame) || !admit_unopened(from, frame)) return;
     const Route route = router_.find(from.link, frame.destination(), now_, ano::intent_of(frame));
     if (!route.guarded.empty()) loop_guard_.remember({frame_key(frame), ourselves, now_}, route.guarded, now_);
@@ -90,17 +91,19 @@ void Forwarder::say_to_heard(ano::FrameView frame, TimePoint now) {
     ChannelSet heard;
     for (const ChannelId id : used_)
         if (router_.heard_at(frame.destination(), id)) heard.insert(id);
-    if (!heard.empty()) loop_guard_.remember({frame_key(frame), ourselves, now_}, heard, now_);    // it may come back by any link
+    if (!heard.empty())
+        loop_guard_.remember({frame_key(frame), ourselves, now_}, heard, now_);    // it may be received again on
+                                                                                   // any link
     for (const ChannelId to : heard) offer(ourselves, to, frame, policy(frame), now_);
 }
 
-// The frame may come back by any link.
+// Stores the frame in the loop guard, since it may be received again on any link.
 void Forwarder::say_and_remember(ChannelId to, ano::FrameView frame) {
     say(to, frame);
     loop_guard_.remember({frame_key(frame), ourselves, now_}, to, now_);
 }
 
-// Probes leave before the frame of `from` that caused them, in whose name they wait: in a loop they come back before it.
+// Probes are sent before the frame of `from` that caused them, and wait under its sender: in a loop they return before it.
 void Forwarder::send_probes(ChannelId from, ChannelSet channels) {
     for (const ChannelId channel : channels& used_) {
         if (!loop_guard_.is_due(channel, now_)) continue;
@@ -110,13 +113,13 @@ void Forwarder::send_probes(ChannelId from, ChannelSet channels) {
     }
 }
 
-// No address is learned from a probe, whoever forwarded it.
+// No address is learned from a probe, since any gateway may have forwarded it.
 void Forwarder::take_probe(Channel& from, ano::FrameView probe) {
     if (!loop_guard_.take(probe, from.id, now_)) return drop(from, probe, &ReceiveCounters::looped);
     const std::uint8_t group = entry(from.link).settings.route.group;
     for (const ChannelId to : (loop_guard_.probed() & used_) - from.id)
         if (group == 0 || entry(channels_[index(to)]->link).settings.route.group != group)
-            offer(from.id, to, probe, probe_policy, now_);    // as well before the frame
+            offer(from.id, to, probe, probe_policy, now_);    // before the frame, too
 }
 
 SendCause Forwarder::ask(ChannelId from, Channel& channel, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at) {
@@ -127,7 +130,7 @@ SendCause Forwarder::ask(ChannelId from, Channel& channel, ano::FrameView frame,
     return cause;
 }
 
-// Questions that were not answered in time make room for waiting ones.
+// Unanswered questions expire here, and waiting ones take their places.
 void Forwarder::release_questions() {
     questions_due_ = TimePoint::max();
     for (const ChannelId id : used_) {
@@ -147,7 +150,7 @@ void Forwarder::ask_holders() {
     }
 }
 
-// Sends a hello by links on which nothing is heard.
+// Sends a hello on links on which nothing is received.
 void Forwarder::say_hellos(TimePoint now) {
     now_ = now;
     for (const LinkId id : added_) {
@@ -163,7 +166,7 @@ void Forwarder::say_hellos(TimePoint now) {
     await_hellos();
 }
 
-// Computes the first time at which a hello can be due: frames that come meanwhile can only make it later.
+// Computes the earliest time at which a hello can be due. Frames that are received meanwhile can only make it later.
 void Forwarder::await_hellos() {
     hello_due_.reset();
     if (!asks_) return;

@@ -1,18 +1,19 @@
-// Frames of a recording that are sent again.
+// Processes the frames of a replayed recording.
 #include <gateway/forwarder.hpp>
 #include <gateway/tunnel/tunnel.hpp>
 
 namespace anogate {
 
-// The frame comes from no wire, so the loop guard does not judge it, but it may come back by one. No address is learned from it,
-// it is not compared with present frames, and it answers no question of the gateway: its source may be alive elsewhere.
+// The frame was not received on a wire, so the loop guard does not judge it, but a loop may return it. Its device may be active
+// elsewhere. So no address is learned from the frame, it is not compared with live frames, and it answers no question of the
+// gateway.
 void Forwarder::replay(Channel& from, ano::FrameView brought) {
     const LinkEntry& link = entry(from.link);
     const ano::FrameView frame = link.aliases ? link.aliases->inbound(brought, now_) : brought;
     if (!admit(from, frame)) return;
     if (carried_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
-    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for a present probe
+    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be mistaken for a live probe
     entry(from.link).traffic.replayed.set(frame.source());
     Route route = router_.find(from.link, frame.destination(), now_, ano::intent_of(frame));
     route.channels.erase(from.id);

@@ -1,4 +1,4 @@
-// The steps for frames that come or leave inside a tunnel frame.
+// The steps for frames that are received or sent inside a tunnel frame.
 #include <gateway/forwarder.hpp>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ bool Forwarder::passes_to_wrap(Channel& from, ano::FrameView frame, LinkId to, T
     return admit(from, frame, now) && admit_unopened(from, frame) && passes_loop_guard(from, frame, to) && may_leave(to, frame);
 }
 
-// The loop guard for frames that leave without Router::route().
+// The loop guard for frames that are sent without Router::route().
 bool Forwarder::passes_loop_guard(Channel& from, ano::FrameView frame, LinkId to) {
     const LoopGuard::Arrival arrival = this->arrival(from, frame, frame_key(frame));
     const LoopGuard::Judgement judgement = loop_guard_.judge(arrival, now_);

@@ -10,11 +10,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t enough_bytes = 64;     // without a frame, before a hint is given
-constexpr std::uint64_t enough_frames = 20;    // before a share of them is judged
-constexpr std::uint64_t enough_long = 5;       // among good frames: noise would damage others as well
+constexpr std::uint64_t enough_bytes = 64;     // minimum without a frame before a hint
+constexpr std::uint64_t enough_frames = 20;    // minimum before a share of them is evaluated
+constexpr std::uint64_t enough_long = 5;       // among valid frames: noise would damage others as well
 constexpr ano::Duration patience = 3s;         // shorter silences are normal
-constexpr ano::Duration still = 2s;            // a link on which bytes came within this time is still receiving
+constexpr ano::Duration still = 2s;            // a link with bytes within this time is still receiving
 
 std::int64_t in_whole_seconds(ano::Duration d) { return std::chrono::duration_cast<std::chrono::seconds>(d).count(); }
 std::string seconds(ano::Duration d) { return std::to_string(in_whole_seconds(d)) + " s"; }
@@ -35,7 +35,7 @@ Hint nothing_at_all(const LinkFigures& link) {
     return {link.words.nothing_yet.id, std::string{link.words.nothing_yet.text}};
 }
 
-/// For how long bytes have come without frames, on a link that had frames before; std::nullopt: not so.
+/// How long bytes have been received without frames on a link that had frames before; std::nullopt: does not apply.
 std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
     if (link.received.frames_in == 0 || link.skipped_since < enough_bytes) return std::nullopt;
     if (!link.bytes_ago || *link.bytes_ago >= still) return std::nullopt;
@@ -43,7 +43,7 @@ std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
     return without >= patience ? std::optional{without} : std::nullopt;
 }
 
-// The time changes with every call: a hint that is reported once is written without it.
+// The duration changes with every call: a hint that is reported once is written without it.
 Hint garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
     std::string text = "data but no valid frames ";
     text += with_time ? "for " : "any more";
@@ -101,7 +101,7 @@ Hint shared_by(SharedSource shared) {
     return {};
 }
 
-// The address: another link may say something else of another address.
+// Names the address: another link may have a different hint for another address.
 Hint shared(const LinkFigures& link) {
     Hint hint = shared_by(link.shared);
     if (link.shared_address == 0) return hint;
@@ -123,7 +123,7 @@ Hint no_taker(std::string_view hosts_link) {
             {{"link", link}}};
 }
 
-// What the bytes are in which no frames are found.
+// Classifies the bytes without valid frames.
 Hint wrong_frames(const LinkFigures& link) {
     switch (find_wrong_frames(link.skipped)) {
     case WrongFrames::none: break;
@@ -146,7 +146,7 @@ Hint wrong_frames(const LinkFigures& link) {
     return {};
 }
 
-// Why no frames are found, or why they are refused.
+// Why no frames are found, or why frames are refused.
 Hint trouble_in(const LinkFigures& link, bool with_time) {
     const ReceiveCounters& in = link.received;
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
@@ -223,7 +223,7 @@ Hint trouble_or_end(const LinkFigures& link, bool with_time) {
 std::string_view advice_on(SharedSource shared) {
     switch (shared) {
     case SharedSource::none: break;
-    // a group would drop what a device sends back that a host with its address has sent
+    // a group would drop the answer of a device that equals the frame of a host with its address
     case SharedSource::two_devices: return "if these are two devices, change the id of one";
     case SharedSource::one_device: return "if it is one device, put both links in one `group`; if two, change the id of one";
     case SharedSource::two_peers: return "see `conflicts` in the status; if these are two devices, change the id of one";

@@ -3,7 +3,7 @@
 namespace anogate {
 namespace {
 
-// Begins another second of a count, if the last one is over.
+// Begins the next second of a count, if the last one is over.
 bool begins_second(LoopGuard::TimePoint& second, LoopGuard::TimePoint now) noexcept {
     if (second != LoopGuard::TimePoint::min() && now - second < std::chrono::seconds{1}) return false;
     second = now;
@@ -22,7 +22,7 @@ void LoopGuard::open(ChannelId channel, LinkId link, std::uint8_t group, bool pr
     if (probed) probed_.insert(channel);
 }
 
-// The loops that it was a part of end.
+// Ends the loops that contained the channel.
 void LoopGuard::close(ChannelId channel) noexcept {
     probed_.erase(channel);
     for (const ChannelId other : loops_)
@@ -35,7 +35,7 @@ LoopGuard::Judgement LoopGuard::look_up(const Arrival& arrival, TimePoint now) n
     const bool in_loop = is_loop(arrival.from, now);
     if (arrival.acts && goes_round(*known, arrival.from, now)) return {.looped = true};
     if (known->from == arrival.from) {
-        if (!in_loop) return {.suspect = known->originals > max_surplus};    // a loop that goes one way looks like this
+        if (!in_loop) return {.suspect = known->originals > max_surplus};    // a loop with one direction looks like this
         if (!comes_back(*known, arrival, now)) return {};
         return {.looped = true, .ask = of(arrival.from).out};
     }
@@ -43,15 +43,15 @@ LoopGuard::Judgement LoopGuard::look_up(const Arrival& arrival, TimePoint now) n
         return {};    // a sender with a new port
     const ChannelSet sent_into = known->channels & loops_;
     if (!in_loop || sent_into.empty()) return judge_copy(*known, arrival, now);
-    if (loops_.size() <= 2)    // the other way round: where both meet, neither comes back
+    if (loops_.size() <= 2)    // the opposite direction: where both meet, neither returns
         known->owed = static_cast<std::int8_t>(std::max(known->owed - 1, -max_ahead));
     return {.looped = true, .ask = of(arrival.from).out};
 }
 
-// Whether a frame came back by the channel that brought it first: as often as it was sent into the loop.
+// Whether a frame returned on the channel on which it was received first. It is expected as often as it was sent into the loop.
 bool LoopGuard::comes_back(Sent& known, const Arrival& arrival, TimePoint now) noexcept {
     if (sent_.put_at(arrival.key) <= of(arrival.from).loop_since && !(known.channels & loops_).empty()) {
-        known.owed = static_cast<std::int8_t>(std::max<int>(known.owed, 1));    // it was sent before that was known
+        known.owed = static_cast<std::int8_t>(std::max<int>(known.owed, 1));    // it was sent before the loop was known
         sent_.put(arrival.key, known, now);
     }
     if (known.owed <= 0) return false;
@@ -59,10 +59,10 @@ bool LoopGuard::comes_back(Sent& known, const Arrival& arrival, TimePoint now) n
     return true;
 }
 
-// By no known loop: of another sender, or of a loop that is not known yet.
+// A copy through no known loop: from another sender, or through a loop that is not known yet.
 LoopGuard::Judgement LoopGuard::judge_copy(Sent& known, const Arrival& arrival, TimePoint now) noexcept {
     const bool has_moved = arrival.at - known.from_at >= window;    // or the other sender is silent
-    if (has_moved || arrival.at_home) {    // whoever sent it first may have sent it in this device's name
+    if (has_moved || arrival.at_home) {                             // the first sender may have used this device's address
         known.from = arrival.from;
         known.copied_by.erase(arrival.from);
         known.copies = 0;
@@ -76,7 +76,7 @@ LoopGuard::Judgement LoopGuard::judge_copy(Sent& known, const Arrival& arrival, 
         .suspect = true, .undecided = undecided, .ask = probed_.contains(arrival.from) ? ChannelSet{arrival.from} : ChannelSet{}};
 }
 
-// Counts a copy. True: there are too many, whatever the probes show. Another sender may be faster than the first one, but not by
+// Counts a copy. True: there are too many, independent of the probes. Another sender may be faster than the first one, but not by
 // `max_surplus`, and no two senders send the same frame `max_same` times in a second.
 bool LoopGuard::storms(Sent& known, ChannelId from, TimePoint now) noexcept {
     if (begins_second(known.second, now)) known.originals = known.copies = 0;
@@ -93,7 +93,7 @@ bool LoopGuard::storms(Sent& known, ChannelId from, TimePoint now) noexcept {
     return true;
 }
 
-// Counts a command by another channel than the one that began with it. True: nobody else sends it so often.
+// Counts a command on another channel than the one that began with it. True: only a loop repeats it so often.
 bool LoopGuard::goes_round(Sent& known, ChannelId from, TimePoint now) noexcept {
     if (from == known.begun_by) return false;
     known.copied_by.insert(from);

@@ -85,7 +85,7 @@ SendCause Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint
     if (!make_room(bytes.size(), policy.traffic)) return refuse(&SendCounters::queue_full);
 
     ++counters_.offered;
-    if (number > zeros_before_) zeros_ = 0;    // no frame waits for more than the one behind them
+    if (number > zeros_before_) zeros_ = 0;    // no frame waits for more than one frame after them
     const Index i = new_entry();
     WaitingFrame& entry = entries_[i];
     entry.at = static_cast<std::uint32_t>(end_);
@@ -195,7 +195,7 @@ void Outbox::sent_frame() noexcept {
 }
 
 void Outbox::drop_frame(SendCause cause) noexcept {
-    assert(frames_ > 0 && begun_ == none);    // otherwise the receiver would take the next frame for the rest of this one
+    assert(frames_ > 0 && begun_ == none);    // otherwise the receiver would read the next frame as the rest of this one
     ++(counters_.*cause);
     const Index i = take_first();
     if (in_flight_) in_flight_->dropped(view(i));
@@ -229,9 +229,9 @@ void Outbox::close() noexcept {
     congested_ = false;
 }
 
-// Removes the newest frame of this key that came by the same channel, and returns its turn; UINT64_MAX when there is none. A
-// frame is not replaced when its turn has come: when all frames of its sender have left that waited when its kind began to
-// wait. Otherwise a kind that comes often would be moved to the end again and again, and never leave.
+// Removes the newest frame of this key from the same channel, and returns its turn; UINT64_MAX: there is none. A frame is not
+// replaced when its turn has come: its sender has sent all frames that waited before the first frame of this key. Otherwise a
+// frequent kind would be moved to the end again and again, and never sent.
 std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
     const auto same = [&](Index i) { return entries_[i].key == key && queues_[entries_[i].traffic].channel_of(i) == from; };
     Index i = bucket(key, from).last;
@@ -245,8 +245,7 @@ std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
     return turn;
 }
 
-// False: the new frame itself is dropped. A frame that has begun to leave may exceed the bound when nothing else is left to
-// drop.
+// False: the new frame itself is dropped. A partly sent frame may exceed the limit if nothing else is left to drop.
 bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
     const std::size_t begun = begun_ != none ? entries_[begun_].size : 0;
     const auto own = static_cast<std::size_t>(traffic);
@@ -262,8 +261,8 @@ bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
     return true;
 }
 
-// The class that drops a frame to make room for one of the class `own`: the lowest that has more than is reserved for it.
-// `entitled`: `own` has not used up its reserve, so that higher classes give way as well.
+// The class that drops a frame to make room for one of the class `own`: the lowest that has more than its reserve. `entitled`:
+// `own` has not used up its reserve, so that higher classes drop frames as well.
 std::size_t Outbox::gives_way(std::size_t own, bool entitled) const noexcept {
     for (std::size_t t = traffic_classes; t-- > (entitled ? 0 : own);)
         if (t == own ? !entitled && !queues_[t].empty() : has_more(queues_[t])) return t;
@@ -304,7 +303,7 @@ void Outbox::leave_bucket(Index i) noexcept {
     unlink<&WaitingFrame::in_bucket>(entries_.get(), bucket(entry.key, queues_[entry.traffic].channel_of(i)), i);
 }
 
-// `i` is no longer in a queue.
+// Frees the entry of a frame, which must have been removed from its queue.
 void Outbox::release(Index i) noexcept {
     unlink<&WaitingFrame::in_arena>(entries_.get(), in_arena_, i);
     bytes_ -= entries_[i].size;

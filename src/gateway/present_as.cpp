@@ -86,7 +86,7 @@ void PresentAs::remember(ano::FrameView sent, ano::FrameView original, ano::Time
 // Finds the question that a frame of `device` answers, and marks it as answered by `device`.
 const PresentAs::Question* PresentAs::asked(ano::Answer answer, std::uint8_t device, ano::TimePoint now) noexcept {
     while (first_ != end_ && now - questions_[first_ % capacity].at >= memory) ++first_;
-    Addresses served;    // askers that have an answer of this device to this question already
+    Addresses served;    // askers to whom this device has already sent an answer to this question
     const auto each = [&](auto visit) {
         for (std::size_t n = first_; n != end_; ++n)
             if (answers_[n % capacity] == answer && reaches(questions_[n % capacity].to, device)) visit(questions_[n % capacity]);
@@ -102,14 +102,14 @@ const PresentAs::Question* PresentAs::asked(ano::Answer answer, std::uint8_t dev
         if (!open) open = &question;
         if (!unserved && !served[question.asker]) unserved = &question;
     });
-    // The steps of a firmware update differ in bytes that the answer does not repeat: each answer is for the oldest question.
+    // The steps of a firmware update differ in bytes that the answer does not repeat: each answer belongs to the oldest question.
     Question* const chosen = unserved && answer.id() != firmware ? unserved : open;
     if (chosen) chosen->answered_by.set(device);
     // A device may acknowledge a frame twice, and no other frame has these checks.
     return chosen || !answer.is_acknowledgement() ? chosen : latest;
 }
 
-// The host that sent firmware to the device last: it gets answers that come in several steps.
+// The host that last sent firmware to the device: it receives the answers that have several steps.
 std::optional<std::uint8_t> PresentAs::updater(std::uint8_t device, ano::TimePoint now) const noexcept {
     const Session* last = nullptr;
     for (unsigned to = 1; to <= address::broadcast; ++to)

@@ -8,7 +8,7 @@ namespace anogate {
 
 namespace {
 
-constexpr std::int32_t one_by_one = ano::overhead;    // bytes of a turn: fewer than a question has, so that each sends one
+constexpr std::int32_t one_by_one = ano::overhead;    // bytes of a turn: less than a question, so that each sends one
 
 std::size_t max_frames(const QuestionQueue::Options& options) noexcept { return options.bytes / ano::overhead + 1; }
 
@@ -32,7 +32,7 @@ SendCause QuestionQueue::push(ano::FrameView frame, QueuePolicy policy, ano::Tim
         return outbox_.push(frame, policy, arrived_at, from);
     }
     const SendCause cause = store(frame, arrived_at, from);
-    if (!cause) release(now);    // it may get the place of another's
+    if (!cause) release(now);    // it may get a place of another sender
     return cause;
 }
 
@@ -58,7 +58,7 @@ bool QuestionQueue::release(ano::TimePoint now) noexcept {
     return released;
 }
 
-// The gateway itself, if it has no place; else who has the fewest, and of those who got one longest ago.
+// The gateway itself, if it has no place. Else the sender with the fewest places, and among equals the one served longest ago.
 std::optional<ChannelId> QuestionQueue::next_sender() const noexcept {
     if (is_waiting(ourselves) && in_flight_.places(ourselves) == 0 && in_flight_.has_place(ourselves)) return ourselves;
     std::optional<ChannelId> best;
@@ -76,7 +76,7 @@ bool QuestionQueue::somebody_has_none() const noexcept {
     return false;
 }
 
-// Questions that wait in the outbox may be dropped there without notice, so look again after a while.
+// Questions that wait in the outbox may be dropped there without notice, so check again after some time.
 std::optional<ano::TimePoint> QuestionQueue::next_look(ano::TimePoint now) const noexcept {
     if (turns_.empty()) return std::nullopt;
     ano::TimePoint room_at = in_flight_.next_given_up().value_or(now + InFlight::patience);

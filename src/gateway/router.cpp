@@ -118,7 +118,7 @@ void Router::went_down(ChannelId channel) {
     if (claims_.next()) settle();
 }
 
-// Ends the tests of addresses whose holder has no channel that is up: the claimant gets the address.
+// Ends the tests of addresses whose holder has no connected channel: the address moves to the claimant.
 void Router::settle() {
     for (unsigned a = 0; a < known_.size(); ++a) {
         const auto address = static_cast<std::uint8_t>(a);
@@ -130,7 +130,7 @@ void Router::settle() {
     }
 }
 
-// The first home is remembered: when the device speaks there again, it gets the address back from the one that took it meanwhile.
+// The first home is stored: a frame of the device received there moves the address back.
 void Router::move(std::uint8_t source, ChannelId to) {
     note_move(source, to);
     ChannelSet& first = first_[source];
@@ -193,15 +193,15 @@ Route Router::find(LinkId from, std::uint8_t destination, TimePoint now, ano::In
     return route;
 }
 
-// A frame to a host is guarded too: hosts may be on several sides of a ring and are never forgotten, so each gateway may know them
-// by another way.
+// A frame to a host is guarded too. Hosts may be on several sides of a loop and never expire, so each gateway may have learned
+// another path to them.
 void Router::guard(Route& route, std::uint8_t destination) const noexcept {
     const bool spread = route.via == Via::broadcast || route.via == Via::unknown || route.channels.has_several() ||
                         (address::is_host(destination) && open_ > 2);
     route.guarded = spread ? route.guarded | route.channels : ChannelSet{};
 }
 
-// Decides who gets the frame; the channel that it came by may be among them.
+// Decides the channels of the frame; the one on which it was received may be among them.
 void Router::decide(Route& route, std::uint8_t destination, ano::Intent intent, TimePoint now) {
     if (destination == address::broadcast) {
         route.via = Via::broadcast;
@@ -222,13 +222,13 @@ void Router::decide(Route& route, std::uint8_t destination, ano::Intent intent, 
         route.via = Via::learned;
         route.channels = heard;
         route.host_is_down = address::is_host(destination) && is_cut_off(heard);
-        if (route.host_is_down) add_unknown(route, destination, intent);    // the host may listen elsewhere now
+        if (route.host_is_down) add_unknown(route, destination, intent);    // the host may use another link now
     } else if (intent != ano::Intent::acts || !to_last_home(route, destination)) {
         add_unknown(route, destination, intent);
     }
 }
 
-// A host and a device have the same address, and the frame came from where that is at home: it is for the other one.
+// A host and a device have the same address. The frame was received where that address is at home, so it is for the other one.
 void Router::to_namesakes(Route& route, std::uint8_t address, ChannelId from, ano::Intent intent) {
     if (route.via != Via::learned && route.via != Via::pinned) return;
     route.channels = (known_[address] | also_[address] | first_[address]) - from;
@@ -237,7 +237,7 @@ void Router::to_namesakes(Route& route, std::uint8_t address, ChannelId from, an
     route.channels.erase(from);
 }
 
-// A frame that acts on a device goes where that was heard last, however long ago that was. False: it was never heard.
+// A frame that acts on a device goes to the last place of the device, at any age. False: the device was never received.
 bool Router::to_last_home(Route& route, std::uint8_t destination) {
     const ChannelSet known = known_[destination];
     if (known.empty() && left_[destination].empty()) return false;
@@ -255,8 +255,8 @@ bool Router::to_last_home(Route& route, std::uint8_t destination) {
     return true;
 }
 
-// Adds to the route the channels for frames to addresses that were never heard. Some devices act on every frame, whatever its
-// address: a flooded frame that acts never gets to places where only other devices are, unless there is only one such place.
+// Adds the channels for frames to addresses that were never received. Some devices act on each frame, whatever its address. So a
+// flooded frame that acts is not sent to places with only other devices, unless there is only one such place.
 void Router::add_unknown(Route& route, std::uint8_t destination, ano::Intent intent) {
     if (unknown_ == Unknown::drop) return;
     route.via = Via::unknown;
@@ -267,8 +267,8 @@ void Router::add_unknown(Route& route, std::uint8_t destination, ano::Intent int
     route.channels |= flooded;
 }
 
-// Returns `devices` if all of them are in one place, whose devices act only on frames for themselves, and an address that was never heard can
-// be nowhere else.
+// Returns `devices` if all of them are in one place, its devices act only on frames for their own address, and an unknown address
+// can't be anywhere else.
 ChannelSet Router::the_only_place(ChannelSet devices) const noexcept {
     const LinkSet links = links_of(devices);
     if (links.empty()) return {};
@@ -284,7 +284,7 @@ ChannelSet Router::the_only_place(ChannelSet devices) const noexcept {
     return devices;
 }
 
-// The channels where a device is at home, and those of remade links with devices that have heard nobody since.
+// The channels where a device is at home, and those of restored links with devices on which nothing was received since.
 ChannelSet Router::devices() {
     if (homes_changed_) {
         ChannelSet heard, silent;
@@ -324,7 +324,7 @@ bool Router::is_alone(std::uint8_t source, ChannelId channel) const noexcept {
     return known_[source].contains(channel);
 }
 
-// With these channels, all that are of the same groups.
+// Adds all channels of the same groups.
 ChannelSet Router::places_of(ChannelSet channels) const noexcept {
     if (!grouped_) return channels;
     for (const LinkId link : links_of(channels)) channels |= channels_of(mates(link));
@@ -412,8 +412,8 @@ void Router::restore(std::uint8_t source, ChannelId channel, TimePoint at) {
     heard_link = std::max(heard_link, at);
 }
 
-// The source speaks again where it was first, or where no other channel is up. If another channel brought it just now, that is a
-// conflict.
+// The source is received again where it was first, or where no other channel is up. If it was also received on another channel
+// just now, that is a conflict.
 void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
     std::optional<ChannelId> other;
     for (const ChannelId channel : rivals(source, from) - down_)
@@ -450,7 +450,7 @@ bool Router::is_outside(std::uint8_t source, ChannelId channel) const noexcept {
     return !pinned.empty() && !pinned.contains(link) && (pinned & mates(link)).empty();
 }
 
-// A claim of a pinned address by another link is refused without a question, and does not take the turn of one by its own.
+// A claim of a pinned address on another link is refused without a question. It does not delay a claim on its own link.
 void Router::claim(std::uint8_t source, ChannelId from, TimePoint now) {
     also_[source].insert(from);
     if (is_outside(source, from)) {
@@ -502,7 +502,7 @@ void Router::note_conflict(std::uint8_t source, LinkSet links, std::optional<Cha
     ++c.count;
 }
 
-// The channels for frames to `a`: every channel that heard it lately, else every one that has not forgotten it.
+// The channels for frames to `a`: those on which it was received lately, else those where its route has not expired.
 ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) const {
     const ChannelSet known = known_[a];
     if (address::is_host(a)) return known;
@@ -515,7 +515,7 @@ ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) const {
     return lately.empty() ? remembered : lately;
 }
 
-// Links of one group are one place; otherwise each channel is a place of its own, since peers of a link are independent.
+// The links of one group are one place. Otherwise each channel is a separate place, since the peers of a link are independent.
 bool Router::leads_to(ChannelSet known, ChannelId channel) const noexcept {
     const std::uint8_t group = links_[index(link_of_[index(channel)])].group;
     return group != 0 && !(links_of(known) & groups_[group]).empty();
@@ -547,7 +547,7 @@ void Router::to_links(Route& route, LinkSet links) const {
         if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
 }
 
-// Of each link the channel where the device is at home, else all.
+// For each link the channel where the device is at home, else all its channels.
 void Router::to_pinned(Route& route, std::uint8_t destination) const {
     to_links(route, pinned_[destination]);
     if (address::is_host(destination)) return;
@@ -559,8 +559,8 @@ void Router::to_pinned(Route& route, std::uint8_t destination) const {
 // The other links of the group of `link`.
 LinkSet Router::mates(LinkId link) const noexcept { return groups_[links_[index(link)].group] - link; }
 
-// A frame leaves a group by one link, and never the group it came from but by the link itself (to its other peers). A
-// port id means that port.
+// A frame is sent to a group on one of its links. It is sent to the group it was received from only on the same link (to its
+// other peers). A port id always means that port.
 void Router::keep_one_of_each_group(Route& route, LinkId from, TimePoint now) const {
     if (route.via == Via::port) return;
     route.channels -= channels_of(mates(from));
@@ -579,7 +579,7 @@ void Router::keep_one_of_each_group(Route& route, LinkId from, TimePoint now) co
     }
 }
 
-// Of a group, the link heard most recently that is up; all that are up when none was heard lately.
+// The link of a group on which a frame was received last, and which is up. If none was received lately, all links that are up.
 LinkSet Router::best_of(LinkSet group, ChannelSet able, TimePoint now) const {
     if (const ChannelSet up = able - down_; !up.empty()) able = up;
     LinkSet links;

@@ -15,7 +15,7 @@ constexpr int max_headers = 64;
 constexpr int enough_wrong_frames = 3;    // each fits by chance once in 65536 headers
 constexpr std::size_t enough_text = 64, shown_text = 40;
 
-/// How a frame would be laid out: where its DATA begins and how long it is.
+/// A frame layout: the start and the length of DATA.
 struct Layout {
     WrongFrames mistake;
     std::size_t header;
@@ -29,7 +29,7 @@ constexpr Layout layouts[] = {
     {WrongFrames::old_body, 4, [](const std::uint8_t* h) { return std::size_t{h[3]}; }},
 };
 
-/// The size of a frame laid out like this at the begin of `bytes`; 0: there is none.
+/// The size of a frame with this layout at the beginning of `bytes`; 0: there is none.
 std::size_t size_of_frame(const Layout& layout, Bytes bytes) noexcept {
     if (bytes.size() < layout.header + 2) return 0;
     const std::size_t end = layout.header + layout.length(bytes.data());
@@ -64,7 +64,7 @@ bool is_space(std::uint8_t byte) noexcept { return byte == '\r' || byte == '\n' 
 
 bool is_line_end(std::uint8_t byte) noexcept { return byte == '\n' || byte == '\r'; }
 
-// How many bytes of a Chinese character begin here: three in UTF-8, two in GB 2312; 0: none does.
+// The size of the Chinese character that begins here: three bytes in UTF-8, two in GB 2312; 0: none does.
 std::size_t chinese_at(Bytes bytes) noexcept {
     const auto is_within = [&](std::size_t i, std::uint8_t first, std::uint8_t last) {
         return i < bytes.size() && bytes[i] >= first && bytes[i] <= last;
@@ -74,7 +74,7 @@ std::size_t chinese_at(Bytes bytes) noexcept {
     return 0;
 }
 
-// Almost nothing but ASCII and Chinese. The first line may have lost its begin.
+// Almost only ASCII and Chinese characters. The beginning of the first line may be missing.
 bool is_chinese_text(Bytes bytes) noexcept {
     const auto begin = std::find_if(bytes.begin(), bytes.end(), is_line_end);
     const auto end = std::find_if(bytes.rbegin(), bytes.rend(), is_line_end).base();
@@ -89,7 +89,7 @@ bool is_chinese_text(Bytes bytes) noexcept {
     return lines.size() >= enough_text / 2 && readable * 10 >= lines.size() * 9;
 }
 
-// Lines of ASCII, perhaps with some UTF-8 or GBK. A third of random bytes is printable, but an eighth is control characters.
+// Lines of ASCII, possibly with some UTF-8 or GBK. A third of random bytes is printable, but an eighth is control characters.
 bool is_text(Bytes bytes) noexcept {
     if (bytes.size() < enough_text) return false;
     std::size_t printable = 0, controls = 0, line_ends = 0;
@@ -101,7 +101,7 @@ bool is_text(Bytes bytes) noexcept {
     return line_ends > 0 && controls * 100 <= bytes.size() && (printable * 2 >= bytes.size() || is_chinese_text(bytes));
 }
 
-// At most shown_text characters; `has_utf8`: what is not ASCII can be read.
+// At most shown_text characters; `has_utf8`: non-ASCII characters can be displayed.
 std::string escaped(Bytes text, bool has_utf8) {
     std::string shown;
     std::size_t characters = 0;
@@ -128,7 +128,7 @@ WrongFrames find_wrong_frames(Bytes bytes) noexcept {
 }
 
 std::string first_characters(Bytes text, ToUtf8 to_utf8) {
-    auto begin = std::find_if(text.begin(), text.end(), is_line_end);    // the first line may have lost its begin
+    auto begin = std::find_if(text.begin(), text.end(), is_line_end);    // the beginning of the first line may be missing
     begin = std::find_if_not(begin, text.end(), is_line_end);
     if (begin == text.end()) begin = text.begin();
     // Whole lines, so that no character is cut.

@@ -5,7 +5,7 @@
 namespace anogate {
 namespace {
 
-// Addresses of user devices; a port id would be taken for the port.
+// Addresses of user devices. A port id would be ambiguous.
 constexpr std::uint8_t first_address = ano::address::last_port_id + 1, last_address = 199;
 
 bool is_user_address(std::uint8_t a) noexcept { return a >= first_address && a <= last_address; }

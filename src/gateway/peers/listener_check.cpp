@@ -40,7 +40,7 @@ ListeningNotice ListenerCheck::ask(Suspect& s, TimePoint now) {
 
 std::optional<ListeningNotice> ListenerCheck::asked(const Endpoint& from, std::uint64_t number, TimePoint now) {
     Suspect& s = row(from, now);
-    if (s.number != 0 && s.number == number) return std::nullopt;    // our own question, sent back
+    if (s.number != 0 && s.number == number) return std::nullopt;    // our own question, returned by the peer
     suspend(from, now);
     if (now - answers_since_ >= 1s) {
         answers_since_ = now;
@@ -95,7 +95,7 @@ ListenerCheck::Suspect* ListenerCheck::find(const Endpoint& endpoint) noexcept {
     return const_cast<Suspect*>(std::as_const(*this).find(endpoint));
 }
 
-// When all rows are taken, the one seen longest ago is reused, preferably one that is not refused.
+// If all rows are used, the one seen longest ago is reused, preferably one that is not refused.
 ListenerCheck::Suspect& ListenerCheck::row(const Endpoint& endpoint, TimePoint now) noexcept {
     Suspect* s = find(endpoint);
     if (!s) {

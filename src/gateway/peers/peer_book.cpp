@@ -42,7 +42,7 @@ bool PeerBook::has_free_place(Rank rank) const noexcept {
     return used_.size() + kept < options_.max_peers;
 }
 
-// The number of peers of higher ranks must not fall below what is kept for them.
+// The number of peers of higher ranks must not fall below their reserve.
 bool PeerBook::may_give_way(const Peer& p, Rank to) const noexcept {
     if (p.rank <= to) return true;
     if (p.rank == Rank::trusted && count(Rank::trusted) <= options_.kept_for_trusted) return false;
@@ -63,7 +63,7 @@ std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
     return count;
 }
 
-// One address gets only a few rows here too, so that it can't take the places of all others.
+// An address may use only few rows here too, so that it can't replace the entries of all others.
 bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
     Knock* oldest = knocks_.data();
     Knock* oldest_of_address = nullptr;
@@ -137,7 +137,7 @@ bool PeerBook::is_overdue(ChannelId id, TimePoint now) const noexcept {
     return listens(p, now) && (exceeds_address(id, now) || exceeds_listeners(id, now));
 }
 
-// Whether others of its address listen that were heard later.
+// Whether max_silent_of_address others of its address only receive and sent their last frame later.
 bool PeerBook::exceeds_address(ChannelId id, TimePoint now) const noexcept {
     const Peer& p = peer(id);
     std::size_t later = 0;
@@ -149,7 +149,8 @@ bool PeerBook::exceeds_address(ChannelId id, TimePoint now) const noexcept {
     return later >= max_silent_of_address;
 }
 
-// Whether others listen that sent a single datagram, and were heard earlier: a new one must not drive out those that are there.
+// Whether max_listeners others that sent a single datagram only receive, and sent it earlier. A new one must not replace existing
+// ones.
 bool PeerBook::exceeds_listeners(ChannelId id, TimePoint now) const noexcept {
     const Peer& p = peer(id);
     if (!p.once || p.endpoint.address.is_loopback()) return false;

@@ -7,7 +7,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t prefix_bytes = 3;    // of an address, that 0xB2 leaves out
+constexpr std::size_t prefix_bytes = 3;    // of an address, omitted by 0xB2
 
 IpAddress ip_at(const std::uint8_t* bytes) noexcept { return IpAddress::v4(bytes[0], bytes[1], bytes[2], bytes[3]); }
 
