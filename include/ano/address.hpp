@@ -6,7 +6,7 @@
 namespace ano::address {
 
 inline constexpr std::uint8_t unassigned = 0x00;    // never a valid source or destination
-inline constexpr std::uint8_t last_port_id = 20;    // 1 to 20 name a device's ports
+inline constexpr std::uint8_t last_port_id = 20;    // 1 to 20 are the ports of a device
 inline constexpr std::uint8_t ros_bridge = 0xD2;
 inline constexpr std::uint8_t flight_controller = 0xDC;
 inline constexpr std::uint8_t data_radio = 0xE6;
@@ -15,10 +15,10 @@ inline constexpr std::uint8_t broadcast = 0xFF;    // never a source
 
 constexpr bool is_port_id(std::uint8_t a) noexcept { return a >= 1 && a <= last_port_id; }
 
-/// No device has it: frames from here say nothing about who sent them.
+/// No device has it: such a source does not identify the sender.
 constexpr bool is_nobody(std::uint8_t a) noexcept { return a == unassigned || a == broadcast; }
 
-/// Several hosts may share these; a host may listen for hours without sending.
+/// Several hosts may share these; a host may receive for hours without sending.
 constexpr bool is_host(std::uint8_t a) noexcept { return a == host || a == ros_bridge; }
 
 /// The usual owner of this id, as text for people.

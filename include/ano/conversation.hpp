@@ -1,5 +1,5 @@
-// Which frame asks a device, which one answers, and which one acts on it or writes to it (protocol text, sections 3 and 4). The only
-// place that says so.
+// Which frames ask a device, which answer, which act on it and which write to it (protocol text, sections 3 and 4). No other file
+// defines this.
 #pragma once
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
@@ -14,14 +14,14 @@
 
 namespace ano {
 
-/// What a frame does to its receiver.
+/// The effect of a frame on its receiver.
 enum class Intent : std::uint8_t {
     informs,    // telemetry, answers, everything else
     asks,       // a question that a device answers with data
     acts,       // a command, sticks, or a write: it moves a vehicle or changes a device
 };
 
-/// Who answers with a check frame (0x00), and when.
+/// Whether a check frame (0x00) answers, and when.
 enum class Acknowledged : std::uint8_t { no, yes, as_write };
 
 namespace conversation {
@@ -29,20 +29,20 @@ namespace conversation {
 enum class Does : std::uint8_t {
     asks,
     acts,
-    writes,    // acts as well; one host at a time may do it
+    writes,    // acts as well; only one host at a time may write
 };
 using enum Does;
 
-/// Frames of one id, or those of it whose DATA begins with `first`.
+/// Frames of one id, or only those whose DATA begins with `first`.
 struct Row {
     std::uint8_t id;
     std::uint16_t first;
     Does does;
     std::uint16_t answer;    // the id of the answer
     std::uint8_t from = 0,
-                 size = 0;    // the bytes of DATA with which DATA of the answer begins; of an acknowledgement: see Answer
+                 size = 0;    // the part of DATA that the DATA of the answer begins with; for an acknowledgement see Answer
 };
-inline constexpr std::uint16_t other = 0x100;      // as `first`: any byte that no row above has, and no byte
+inline constexpr std::uint16_t other = 0x100;      // as `first`: any byte that no row above has, or no DATA
 inline constexpr std::uint16_t nothing = 0x100;    // as `answer`
 
 inline constexpr std::uint8_t check = id_of<"check">, waypoint_read = id_of<"waypoint_read">, waypoint = id_of<"waypoint">,
@@ -55,7 +55,7 @@ inline constexpr Row rows[] = {
     {id_of<"realtime_control">, other, acts, nothing},               // section 3: a stream
     {waypoint_read, 0xFF, asks, waypoint_read},                      // section 4, 0x60: how many
     {waypoint_read, other, asks, waypoint, 0, 1},                    // section 4, 0x60: waypoint n
-    {waypoint, other, writes, check},                                // section 3; as an answer it goes to a host
+    {waypoint, other, writes, check},                                // section 3; a waypoint sent to a host is an answer
     {id_of<"command">, other, acts, check},                          // section 3
     {command_query, 0, asks, command_query, 0, 1},                   // section 4, 0xC1: how many
     {command_query, 1, asks, id_of<"command_info">, 1, 2},           // section 4, 0xC1: describe command val
@@ -64,18 +64,18 @@ inline constexpr Row rows[] = {
     {parameter_command, 2, asks, parameter_value, 1, 2},             // section 4, 0xE0: value of val
     {parameter_command, 3, asks, id_of<"parameter_info">, 1, 2},     // section 4, 0xE0: description of val
     {parameter_command, 0x10, acts, check},                          // section 3
-    {parameter_command, other, acts, nothing},                       // not listed, so it may do anything
-    {parameter_value, other, writes, check},                         // section 3; as an answer it goes to a host
+    {parameter_command, other, acts, nothing},                       // not in the protocol text, so it may do anything
+    {parameter_value, other, writes, check},                         // section 3; a value sent to a host is an answer
     {firmware, other, writes, firmware},                             // section 3: answered by its own codes
 };
 // clang-format on
 
-/// What rows say of all frames of one id.
+/// Summary of the rows of one id.
 struct OfId {
     std::uint8_t first_row = 0, rows = 0;
     bool may_ask = false, may_act = false, may_be_acknowledged = false, answers = false;
     std::uint8_t repeats = 0;    // bytes with which an answer of this id begins
-    std::uint8_t least = 0;      // bytes of DATA; fewer are malformed
+    std::uint8_t least = 0;      // minimum bytes of DATA; fewer are malformed
 };
 consteval std::array<OfId, 256> by_id() {
     std::array<OfId, 256> all{};
@@ -106,8 +106,8 @@ constexpr const Row* row_of(FrameView frame) noexcept {
 
 }    // namespace conversation
 
-/// By what an answer is recognised: its id, and what it repeats of the frame that it answers. That is the number of a parameter, command
-/// or waypoint, nothing where only one answer is possible, or, of an acknowledgement, the id and both check bytes.
+/// Identifies an answer: its id, and the bytes that it repeats of the frame that it answers. These are the number of a parameter,
+/// command or waypoint; nothing if only one answer is possible; or, for an acknowledgement, the id and both check bytes.
 struct Answer {
     std::uint32_t bits = 0;
 
@@ -120,7 +120,7 @@ struct Answer {
     friend constexpr bool operator==(Answer, Answer) noexcept = default;
 };
 
-/// Whether DATA has the fixed part of the base layout: a shorter one is malformed (protocol text, section 4).
+/// Whether DATA is at least as long as the fixed part of the base layout: a shorter one is malformed (protocol text, section 4).
 constexpr bool is_whole(FrameView frame) noexcept { return frame.data().size() >= conversation::of_id[frame.id()].least; }
 
 namespace conversation {
@@ -134,34 +134,34 @@ constexpr std::optional<Answer> answer_by(const Row* row, FrameView frame) noexc
 
 }    // namespace conversation
 
-/// What answers `frame`, which goes to a device; std::nullopt when nothing does, and for a malformed question.
+/// The answer to `frame`, which is for a device; std::nullopt: it is not answered, or is a malformed question.
 constexpr std::optional<Answer> answer_to(FrameView frame) noexcept {
     return conversation::answer_by(conversation::row_of(frame), frame);
 }
 
-/// What `frame`, which comes from a device, answers by its content; std::nullopt when it is no answer.
+/// The answer that `frame`, which is from a device, contains; std::nullopt: it is no answer.
 constexpr std::optional<Answer> answer_in(FrameView frame) noexcept {
     const conversation::OfId& of = conversation::of_id[frame.id()];
     if (!of.answers || frame.data().size() < of.repeats) return std::nullopt;
     return Answer{frame.id(), frame.data().first(of.repeats)};
 }
 
-/// Whether frames of this id may answer something.
+/// Whether frames of this id may be answers.
 constexpr bool may_answer(std::uint8_t id) noexcept { return conversation::of_id[id].answers; }
-/// Whether frames of this id may ask or act; to a host they are answers, or nothing.
+/// Whether frames of this id may ask or act. To a host they are answers, or have no effect.
 constexpr bool is_for_devices(std::uint8_t id) noexcept { return conversation::of_id[id].rows != 0; }
 /// Whether a device may answer frames of this id with a check frame (0x00).
 constexpr bool may_be_acknowledged(std::uint8_t id) noexcept { return conversation::of_id[id].may_be_acknowledged; }
 
-/// A question that a device answers with data: who is asked, and how the answer is recognised.
+/// A question that a device answers with data: the address that is asked, and the expected answer.
 struct Question {
-    std::uint8_t asked = 0;    // 0xFF and port ids stand for any device
+    std::uint8_t asked = 0;    // 0xFF and port ids mean any device
     Answer answer{};
     friend constexpr bool operator==(Question, Question) noexcept = default;
 };
 
-/// The question that `frame` asks: 0x60, 0xC1, and 0xE0 with the commands 0 to 3. std::nullopt for any other frame: a write or a
-/// command is not a question, and a frame to a host is an answer, which in 0x60, 0xC1 and 0xE0 1 looks the same.
+/// The question in `frame`: 0x60, 0xC1, and 0xE0 with the commands 0 to 3. std::nullopt for any other frame. A write or a command
+/// is not a question. A frame to a host is an answer, which for 0x60, 0xC1 and 0xE0 1 looks the same.
 constexpr std::optional<Question> question_in(FrameView frame) noexcept {
     if (!conversation::of_id[frame.id()].may_ask || address::is_host(frame.destination())) return std::nullopt;
     const conversation::Row* row = conversation::row_of(frame);
@@ -179,8 +179,9 @@ constexpr bool answers(FrameView frame, Question question) noexcept {
     return may_answer_for(frame.source(), question.asked) && answer_in(frame) == question.answer;
 }
 
-/// A frame that commands or changes a vehicle: remote and realtime control, a command, a parameter or waypoint written, firmware, and
-/// 0xE0 unless it is one of the listed questions. Whatever its destination is: to a host, the same ids are answers.
+/// A frame that commands or changes a vehicle: remote and realtime control, a command, a parameter or waypoint write, firmware,
+/// and 0xE0 unless it is one of the listed questions. The destination is not considered, although the same ids to a host are
+/// answers.
 constexpr bool is_control(FrameView frame) noexcept {
     const conversation::OfId& of = conversation::of_id[frame.id()];
     if (!of.may_ask) return of.may_act;
@@ -194,7 +195,7 @@ constexpr bool writes(FrameView frame) noexcept {
     return row != nullptr && row->does == conversation::writes && !address::is_host(frame.destination());
 }
 
-/// Frames to a host never ask or act: there the same ids are answers.
+/// The intent of a frame. Frames to a host never ask or act: the same ids to a host are answers.
 constexpr Intent intent_of(FrameView frame) noexcept {
     const conversation::OfId& of = conversation::of_id[frame.id()];
     if (of.rows == 0 || address::is_host(frame.destination())) return Intent::informs;
@@ -205,7 +206,7 @@ constexpr Intent intent_of(FrameView frame) noexcept {
     return is_whole(frame) ? Intent::asks : Intent::informs;
 }
 
-/// A question that can't be an answer: only hosts send it, whatever their address is.
+/// A question that can't be an answer: only hosts send it, even if their address is not a host address.
 constexpr bool is_of_a_host(FrameView frame) noexcept {
     if (!conversation::of_id[frame.id()].may_ask || frame.id() == conversation::waypoint_read) return false;
     const conversation::Row* row = conversation::row_of(frame);

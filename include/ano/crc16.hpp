@@ -1,4 +1,4 @@
-// The CRC-16 of an image. The protocol text does not say which one it is: these are used in the field.
+// The CRC-16 of an image. The protocol text does not define which one; these are used in the field.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,10 +8,11 @@
 
 namespace ano {
 
-/// A CRC-16 as catalogues describe it: `reflected` ones take the lowest bit of a byte first. None of these inverts its result.
+/// A CRC-16 with the parameters of CRC catalogues. `reflected`: the lowest bit of a byte is processed first. None inverts its
+/// result.
 struct Crc16 {
     std::string_view name;
-    std::uint16_t polynomial;    // with the highest bit first, x^16 left out
+    std::uint16_t polynomial;    // with the highest bit first, without x^16
     std::uint16_t initial;
     bool reflected;
 };
@@ -23,14 +24,14 @@ inline constexpr std::array crcs16{
 };
 inline constexpr Crc16 usual_crc16 = crcs16[0];
 
-/// std::nullopt when none of them has this name.
+/// std::nullopt: none of them has this name.
 constexpr std::optional<Crc16> find_crc16(std::string_view name) noexcept {
     for (const Crc16& crc : crcs16)
         if (crc.name == name) return crc;
     return std::nullopt;
 }
 
-/// The CRC of bytes that come in parts.
+/// Computes the CRC of bytes that are added in parts.
 class Crc16Sum {
 public:
     constexpr explicit Crc16Sum(const Crc16& crc = usual_crc16) noexcept : crc_{crc}, value_{crc.initial} {}
@@ -53,7 +54,7 @@ private:
     }
 
     Crc16 crc_;
-    unsigned value_;    // `initial` is the same in both orders; its low 16 bits count
+    unsigned value_;    // `initial` is the same in both bit orders; only its low 16 bits are used
 };
 
 constexpr std::uint16_t crc16_of(std::span<const std::uint8_t> bytes, const Crc16& crc = usual_crc16) noexcept {

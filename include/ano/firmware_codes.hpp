@@ -1,5 +1,5 @@
-// The two-byte codes of a firmware upgrade (0xF0 with iap_cmd 0; protocol text, section 4). Devices exist that send and expect them low
-// byte first, as all other numbers, and devices that do so high byte first, as the text writes them.
+// The two-byte codes of a firmware upgrade (0xF0 with iap_cmd 0; protocol text, section 4). Some devices send and expect them low
+// byte first, like all other numbers. Others use high byte first, as in the protocol text.
 #pragma once
 #include <ano/typed.hpp>
 
@@ -22,16 +22,16 @@ inline constexpr std::uint16_t check_passed = 0x1012;
 
 }    // namespace firmware_code
 
-/// A code that was received. Where it is none of the above in either order: as its bytes are in little-endian order.
+/// A received code. A code that is none of the above in either order is read in little-endian order.
 struct FirmwareCode {
     std::uint16_t code = 0;
-    ByteOrder order = ByteOrder::little;    // `little` as well for a code that reads the same in both orders
+    ByteOrder order = ByteOrder::little;    // also `little` for a code that is equal in both orders
     bool is_of_frame = false;               // "frame failed" and "frame written"
     std::uint16_t frame_num = 0;
 };
 
-/// The code in a frame, whatever its order; std::nullopt for a frame without one. A single frame is enough to tell: the bytes 01 10 and
-/// 10 01 are "erase" in one order and "frame failed" in the other, but only the latter has a frame number.
+/// The code in a frame, in either byte order; std::nullopt: the frame has none. One frame is enough to determine the order: the
+/// bytes 01 10 and 10 01 are "erase" in one order and "frame failed" in the other, but only the latter has a frame number.
 constexpr std::optional<FirmwareCode> firmware_code_in(FrameView frame) noexcept {
     constexpr auto little = ByteOrder::little, big = ByteOrder::big;
     if (const auto view = as<"firmware">(frame)) return FirmwareCode{view->get<"code">(), little, false, 0};
@@ -44,7 +44,7 @@ constexpr std::optional<FirmwareCode> firmware_code_in(FrameView frame) noexcept
     return std::nullopt;
 }
 
-/// The message with `code` in that order, but not one with a frame number.
+/// The message with `code` in that byte order; not for codes with a frame number.
 inline Draft<"firmware"> firmware_step(std::uint16_t code, ByteOrder order) noexcept {
     Draft<"firmware"> draft;
     const auto swapped = static_cast<std::uint16_t>(code << 8 | code >> 8);

@@ -17,13 +17,13 @@ namespace ano {
 struct FlexibleField {
     std::string name;
     Type type = Type::u8;    // u8 to i32, or f32
-    double scale = 1;        // value = what is on the wire × scale; not 0
+    double scale = 1;        // value = number on the wire × scale; not 0
     std::string unit;
-    std::uint16_t count = 1;    // more: an array
+    std::uint16_t count = 1;    // above 1: an array
     bool operator==(const FlexibleField&) const = default;
 };
 
-/// What a user wrote for a message.
+/// The definition of a message in the configuration.
 struct FlexibleSpec {
     std::uint8_t id = 0;
     std::optional<std::uint8_t> source{};    // as FlexibleLayout::source()
@@ -36,9 +36,9 @@ struct FlexibleSpec {
 class FlexibleLayout {
 public:
     std::uint8_t id() const noexcept { return id_; }
-    /// The only source whose frames have this layout; std::nullopt: the frames of every source have it.
+    /// Only frames of this source have this layout; std::nullopt: frames of every source.
     std::optional<std::uint8_t> source() const noexcept { return source_; }
-    /// Only frames whose first field has this value have this layout; std::nullopt: whatever its value.
+    /// Only frames whose first field has this value have this layout; std::nullopt: frames with any value.
     std::optional<std::uint32_t> when() const noexcept { return when_; }
     std::span<const Field> fields() const noexcept { return fields_; }
     /// Its index in FlexibleLayouts::all().
@@ -65,7 +65,7 @@ public:
     explicit FlexibleLayouts(std::span<const FlexibleSpec> specs) {
         for (const FlexibleSpec& spec : specs) add(spec);
     }
-    FlexibleLayouts(FlexibleLayouts&&) = default;    // a moved layout stays where it is
+    FlexibleLayouts(FlexibleLayouts&&) = default;    // a moved layout keeps its address
     FlexibleLayouts& operator=(FlexibleLayouts&&) = default;
     FlexibleLayouts(const FlexibleLayouts&) = delete;
     FlexibleLayouts& operator=(const FlexibleLayouts&) = delete;
@@ -74,9 +74,9 @@ public:
     enum class Fault : std::uint8_t {
         none,
         id,           // not 0xF1 to 0xFA
-        duplicate,    // the same id, source and value of the first field have a layout already
+        duplicate,    // there is already a layout for this id, source and value of the first field
         no_fields,
-        name,        // empty, with '=' or a control character in it, or given twice
+        name,        // empty, not unique, or with '=' or a control character
         type,        // not one of u8 i8 u16 i16 u32 i32 f32
         scale,       // 0, or not finite
         count,       // 0
@@ -95,24 +95,24 @@ public:
         return add({.id = id, .source = source, .fields = {fields.begin(), fields.end()}});
     }
 
-    /// The layout of `data` in a frame `id` of `source`: one for this source before one for every source, and of these one for the value
-    /// of the first field before one for every value; null: there is none. Valid as long as this object.
+    /// The layout of `data` in a frame `id` of `source`. A layout for this source precedes one for every source. Among these, one
+    /// for the value of the first field precedes one for every value. nullptr: there is none. Valid as long as this object.
     const FlexibleLayout* find(std::uint8_t id, std::uint8_t source, std::span<const std::uint8_t> data) const noexcept;
     /// The layouts of `id` for frames of `source`, in the order of find().
     std::vector<const FlexibleLayout*> layouts_for(std::uint8_t id, std::uint8_t source) const;
     bool has_layout_for(std::uint8_t id, std::uint8_t source) const noexcept;
-    /// A field by its name, with an integer as its value.
+    /// The name of a field and its integer value.
     struct Named {
         std::string_view name;
         std::uint32_t value = 0;
     };
-    /// Those of them that the first field selects if it is one of `fields`, and those that no field selects. Takes no longer for many
-    /// layouts.
+    /// The layouts_for(id, source) that are selected by the first field, if that is one of `fields`, and those without a
+    /// selecting field. The time does not depend on the number of layouts.
     std::vector<const FlexibleLayout*> layouts_for(std::uint8_t id, std::uint8_t source, std::span<const Named> fields) const;
     const std::deque<FlexibleLayout>& all() const noexcept { return layouts_; }
 
 private:
-    // The layouts of an id and source whose first fields are read in the same way, by the value of that; or the only one for every value.
+    // The layouts of an id and source with the same type of first field, by its value; or the only one for every value.
     struct Group {
         std::uint8_t id = 0;
         std::optional<std::uint8_t> source;
@@ -128,7 +128,7 @@ private:
     Group& group_of(const FlexibleLayout& layout);
 
     std::deque<FlexibleLayout> layouts_;
-    std::vector<Group> groups_;    // few: a few ways to read a first field
+    std::vector<Group> groups_;    // few: there are only a few types of first fields
 };
 
 std::string_view text_of(FlexibleLayouts::Fault fault) noexcept;

@@ -6,12 +6,12 @@
 
 namespace ano {
 
-/// What became of zero bytes that were wanted before a frame.
+/// The result of a request to send zero bytes before a frame.
 struct Flush {
-    Duration busy{};     // the line sends them for so long; zero also when none are sent
-    Duration later{};    // none are sent, but they may be in so long; zero: waiting for that is of no use
+    Duration busy{};     // how long the line needs to send them; zero also if none are sent
+    Duration later{};    // none are sent now, but may be after this time; zero: waiting has no use
 
-    /// Of a frame that leaves by several lines.
+    /// For a frame that is sent on several lines.
     friend Flush operator|(const Flush& one, const Flush& other) noexcept {
         return {std::max(one.busy, other.busy), std::max(one.later, other.later)};
     }

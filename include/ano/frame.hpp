@@ -22,7 +22,7 @@ struct Checks {
     friend constexpr bool operator==(Checks, Checks) = default;
 };
 
-/// checks_of() for many bytes: computes several bytes at a time.
+/// checks_of() for many bytes: processes several bytes at a time.
 Checks checks_of_many(std::span<const std::uint8_t> bytes) noexcept;
 
 /// The checks over `bytes`, which are HEAD to the end of DATA. Takes linear time and never fails.
@@ -37,11 +37,11 @@ constexpr Checks checks_of(std::span<const std::uint8_t> bytes) noexcept {
     return {static_cast<std::uint8_t>(sum), static_cast<std::uint8_t>(add)};
 }
 
-/// A view of one whole frame whose checks hold. As cheap to copy as a span; valid as long as the memory it refers to
-/// (for a frame from FrameParser: until its next prepare()).
+/// A view of one complete frame with valid checks. As cheap to copy as a span. Valid as long as the memory it refers to (for a
+/// frame from FrameParser: until its next prepare()).
 class FrameView {
 public:
-    /// `bytes` must be exactly one frame whose checks hold: use frame_at() or FrameParser to find out.
+    /// `bytes` must be exactly one frame with valid checks. frame_at() and FrameParser verify that.
     constexpr explicit FrameView(std::span<const std::uint8_t> bytes) noexcept : bytes_{bytes} {}
 
     constexpr std::uint8_t source() const noexcept { return bytes_[1]; }
@@ -63,7 +63,8 @@ constexpr std::size_t data_length(const std::uint8_t* header) noexcept {
     return static_cast<std::size_t>(header[4] | header[5] << 8);
 }
 
-/// The frame at the beginning of `bytes`; std::nullopt unless it is whole, its LEN is at most `max_data` and both checks hold.
+/// The frame at the beginning of `bytes`; std::nullopt unless it is complete, its LEN is at most `max_data` and both checks are
+/// right.
 constexpr std::optional<FrameView> frame_at(std::span<const std::uint8_t> bytes, std::size_t max_data = max_len) noexcept {
     if (bytes.size() < overhead || bytes[0] != head) return std::nullopt;
     const std::size_t length = data_length(bytes.data());
@@ -80,7 +81,7 @@ constexpr void seal(std::span<std::uint8_t> frame) noexcept {
     frame[frame.size() - 1] = checks.add;
 }
 
-/// Writes HEAD to LEN to the front of `frame`, which has header_size bytes or more; `length`: bytes of DATA, at most max_len.
+/// Writes HEAD to LEN to the beginning of `frame`, which has header_size bytes or more; `length`: bytes of DATA, at most max_len.
 constexpr void write_header(std::span<std::uint8_t> frame, std::uint8_t source, std::uint8_t destination, std::uint8_t id,
                             std::size_t length) noexcept {
     frame[0] = head;
@@ -91,8 +92,8 @@ constexpr void write_header(std::span<std::uint8_t> frame, std::uint8_t source, 
     frame[5] = static_cast<std::uint8_t>(length >> 8);
 }
 
-/// Writes one frame to the front of `out` and returns its size; 0, and nothing written, when `out` has not
-/// overhead + data.size() bytes or the data exceed max_len. `data` may not overlap `out`.
+/// Writes one frame to the beginning of `out` and returns its size. Returns 0 and writes nothing if `out` has fewer than overhead
+/// + data.size() bytes or the data exceed max_len. `data` must not overlap `out`.
 constexpr std::size_t encode(std::span<std::uint8_t> out, std::uint8_t source, std::uint8_t destination, std::uint8_t id,
                              std::span<const std::uint8_t> data) noexcept {
     if (data.size() > max_len || out.size() < overhead + data.size()) return 0;

@@ -1,4 +1,4 @@
-// Images (0xB0) are longer than all other frames. Where frames may have the usual 4096 bytes of DATA, images may have 20,000: a camera
+// Images (0xB0) are longer than all other frames. With the default limit of 4096 bytes of DATA, images may have 20,000: a camera
 // sends 160x120 pixels as one frame with LEN 19,217.
 #pragma once
 #include <ano/frame.hpp>
@@ -12,8 +12,8 @@ namespace ano {
 inline constexpr std::uint8_t image_id = 0xB0;
 inline constexpr std::size_t usual_max_data = 4096, max_image_data = 20'000;
 
-/// The maximum of DATA in an image where all other frames have `max_data` at most. A smaller `max_data` than the usual one, for small
-/// devices, applies to images too.
+/// The maximum of DATA in an image if other frames have at most `max_data`. A `max_data` below the default, for small devices,
+/// applies to images too.
 constexpr std::size_t max_image_data_at(std::size_t max_data) noexcept {
     return max_data < usual_max_data ? max_data : std::max(max_data, max_image_data);
 }
@@ -25,8 +25,8 @@ constexpr std::size_t max_data_of(std::uint8_t id, std::size_t max_data) noexcep
 /// Bytes of a frame before the first pixel: the header, flag, color, width, height, val.
 inline constexpr std::size_t image_head_size = header_size + 17;
 
-/// Whether LEN agrees with the colour, width and height: whole rows, not more than the image has. `begin` has image_head_size bytes.
-/// A false header with a large LEN is refused by this at once.
+/// Whether LEN matches the colour, width and height: complete rows, and not more than the image has. `begin` has image_head_size
+/// bytes. This check refuses a false header with a large LEN immediately.
 constexpr bool is_plausible_image(const std::uint8_t* begin) noexcept {
     const auto u16_at = [begin](std::size_t at) { return static_cast<std::size_t>(begin[at] | begin[at + 1] << 8); };
     constexpr std::size_t color = header_size + 2, width = color + 1, height = width + 2, colors = 7;

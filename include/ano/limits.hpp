@@ -5,9 +5,9 @@
 
 namespace ano {
 
-/// The most bytes of DATA that its parser takes.
+/// The maximum bytes of DATA that its parser accepts.
 inline constexpr std::uint16_t vendor_max_data = 198;
-/// The most bytes of a text parameter that it keeps.
+/// The maximum bytes of a text parameter that it stores.
 inline constexpr std::size_t vendor_max_text = 29;
 
 }    // namespace ano

@@ -1,5 +1,5 @@
-// Every message of the protocol (protocol text, section 4). The only place that defines payloads: encoding, decoding,
-// JSON, text, the reference and the Wireshark dissector are loops over these rows.
+// Every message of the protocol (protocol text, section 4). No other file defines payloads: encoding, decoding, JSON, text, the
+// reference and the Wireshark dissector are loops over these rows.
 #pragma once
 #include <ano/schema.hpp>
 
@@ -67,7 +67,7 @@ inline constexpr Meaning default_port[]{{0, "default"}};
 
 // clang-format off
 inline constexpr Message messages[] = {
-    // id, name, what it says, traffic, fields, variant
+    // id, name, description, traffic, fields, variant
 
     {0x00, "check", "Acknowledges a frame by its check bytes", urgent, {
         {"id_get", u8, Role::code}, {"sc_get", u8, Role::code}, {"ac_get", u8, Role::code}}},
@@ -232,7 +232,8 @@ inline constexpr Message messages[] = {
 
     {0xF0, "firmware", "A step of a firmware upgrade", urgent, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, firmware_codes}}},
-    // Some devices send codes high byte first. 01 10 is "erase" then, and "frame failed" of all others: the length tells.
+    // Some devices send codes high byte first. 01 10 is "erase" in this order, and "frame failed" in the other: the length
+    // decides.
     {0xF0, "firmware", "A step of a firmware upgrade, with the code high byte first", urgent, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, ByteOrder::big, only(0x0102, 0x0112), firmware_codes}},
         Variant{"reading", 3}},
@@ -252,7 +253,7 @@ inline constexpr Message messages[] = {
     {0xF0, "firmware", "A frame of the image", urgent, {
         {"iap_cmd", u8, only(0x10), firmware_commands}, {"frame_num", u16}, {"data", bytes}}, Variant{"image"}},
 
-    // Their layouts come from the configuration: see flexible.hpp.
+    // Their layouts are configured: see flexible.hpp.
     {0xF1, "flexible1", "Values the user defines", bulk, {}},
     {0xF2, "flexible2", "Values the user defines", bulk, {}},
     {0xF3, "flexible3", "Values the user defines", bulk, {}},
@@ -278,12 +279,12 @@ constexpr std::span<const Message> layouts_of(std::uint8_t id) noexcept {
     return messages.subspan(table::index.first[id], table::index.count[id]);
 }
 
-/// The base layout of a message; null for an id that is not listed.
+/// The base layout of a message; nullptr for an id that is not listed.
 constexpr const Message* find_message(std::uint8_t id) noexcept {
     return table::index.count[id] == 0 ? nullptr : &messages[table::index.first[id]];
 }
 
-/// The base layout of the message with this name; null when there is none.
+/// The base layout of the message with this name; nullptr: there is none.
 constexpr const Message* find_message(std::string_view name) noexcept {
     for (const Message& row : messages)
         if (row.name == name) return &row;
@@ -301,7 +302,7 @@ constexpr std::uint8_t id_called(std::string_view name) {
 
 }    // namespace table
 
-/// The id of a message, known when the program is compiled: id_of<"command">. A name that no message has does not compile.
+/// The id of a message, computed at compile time: id_of<"command">. An unknown name does not compile.
 template <Name M>
 inline constexpr std::uint8_t id_of = table::id_called(M.view());
 

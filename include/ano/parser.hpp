@@ -3,9 +3,9 @@
 // Flow:    auto room = parser.prepare();              // read into it
 //          parser.commit(n, now);
 //          while (auto frame = parser.next()) …       // each view is valid until the next prepare()
-//          arm a timer for parser.deadline(); when it is due: if (parser.expire(now)) call next() again
+//          set a timer for parser.deadline(); when it is due: if (parser.expire(now)) call next() again
 //
-// Call begin_datagram() before the bytes of a datagram are put in: it decides whether the unfinished rest of the previous
+// Call begin_datagram() before the bytes of a datagram are written: it decides whether the incomplete rest of the previous
 // datagram is kept.
 #pragma once
 #include <ano/frame.hpp>
@@ -23,58 +23,58 @@
 
 namespace ano {
 
-/// What became of the bytes. bytes_in = the bytes of good frames + skipped_bytes + those still waiting.
+/// Counters of the bytes. bytes_in = the bytes of valid frames + skipped_bytes + the waiting bytes.
 struct ParserCounters {
     std::uint64_t frames_in{};
     std::uint64_t bytes_in{};
-    std::uint64_t bad_check{};        // candidates whose checks do not hold
+    std::uint64_t bad_check{};        // candidates with a wrong checksum
     std::uint64_t bad_length{};       // candidates whose LEN is above max_data
-    std::uint64_t skipped_bytes{};    // bytes that belong to no good frame
-    std::uint64_t expired{};          // candidates whose end never came, or came after a good frame behind them
-    std::uint64_t v7_frames{};        // frames of the previous protocol version seen among the skipped bytes: an estimate
+    std::uint64_t skipped_bytes{};    // bytes outside of valid frames
+    std::uint64_t expired{};          // candidates whose end was not received, or only after a valid frame that follows them
+    std::uint64_t v7_frames{};        // frames of the previous protocol version among the skipped bytes: an estimate
 };
 
-/// After a refused candidate it looks again one byte later, so that a damaged frame costs no other frame; any input costs
-/// linear time. A candidate whose rest is not there yet waits. One that is not credible by what was heard (heard.hpp) gives way
-/// to two good frames in a row from sources that were heard; while the credit for that search (frame_pairs.hpp) is used up,
-/// it waits as well, until expire() gives it up. Neither throws nor allocates after construction.
+/// After a refused candidate the search continues one byte later, so that a damaged frame never takes others with it. The time is
+/// linear for any input. A candidate whose rest is missing waits. One that is not credible by the received frames (heard.hpp) is
+/// given up if two consecutive valid frames from known sources follow. While the credit for that search (frame_pairs.hpp) is used
+/// up, it waits as well, until expire() gives it up. Neither throws nor allocates after construction.
 class FrameParser {
 public:
     struct Options {
-        // 0 to 65535: larger LEN is refused from the header alone; of an image above it (max_image_data_at()), from the first bytes
-        // of its DATA
+        // 0 to 65535. A larger LEN is refused by the header alone; for an image above it (max_image_data_at()), by the first
+        // bytes of DATA.
         std::size_t max_data = usual_max_data;
-        std::uint32_t line_rate = 0;                       // bytes/s the line carries; 0: unknown
-        Duration quiet = std::chrono::milliseconds{50};    // after this long without a byte, waiting candidates may give way
+        std::uint32_t line_rate = 0;                       // bytes/s of the line; 0: unknown
+        Duration quiet = std::chrono::milliseconds{50};    // after this time without a byte, waiting candidates may be given up
         Duration
             frame_gap{};    // pauses of this length are normal inside a frame, and only there: replaces `quiet`; zero: not set
-        bool zero_padding = false;    // 0x00 behind a good frame, committed together with its end, is padding and is not counted
+        bool zero_padding = false;    // 0x00 after a valid frame, committed together with its end, is padding and is not counted
     };
 
     explicit FrameParser(Options options);
 
-    /// Room for the next bytes, at least one if next() was called until it returned std::nullopt. Every view becomes invalid.
+    /// Room for the next bytes, at least one byte if next() was called until it returned std::nullopt. Invalidates all views.
     std::span<std::uint8_t> prepare() noexcept;
     /// `n` bytes of that room were filled at `now`.
     void commit(std::size_t n, TimePoint now) noexcept;
-    /// The next good frame; std::nullopt when none is whole.
+    /// The next valid frame; std::nullopt: none is complete.
     std::optional<FrameView> next() noexcept;
 
-    /// Call before the bytes of a datagram are put in. The rest of the previous one is kept only if it is younger than 100 ms (or
-    /// frame_gap) and `datagram` does not itself start with a whole good frame.
+    /// Call before the bytes of a datagram are written. The rest of the previous one is kept only if it is younger than 100 ms
+    /// (or frame_gap) and `datagram` does not itself start with a complete valid frame.
     void begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept;
-    /// The input ends here: next() no longer waits for the rest of a candidate. What is committed later begins anew.
+    /// The input ends here: next() no longer waits for the rest of a candidate. Bytes committed later are parsed separately.
     void finish() noexcept { barrier_ = end_; }
-    /// Gives up candidates that hold a good frame back or whose rest is overdue. True: call next() again.
+    /// Gives up candidates that delay a valid frame or whose rest is overdue. True: call next() again.
     bool expire(TimePoint now) noexcept;
-    /// When expire() may next have something to do; std::nullopt while no candidate waits for its rest.
+    /// When to call expire(); std::nullopt: no candidate waits for its rest.
     std::optional<TimePoint> deadline() const noexcept;
 
     /// Bytes that wait for the rest of their frame.
     std::size_t waiting() const noexcept { return end_ - pos_; }
     /// Those bytes; valid until the next prepare().
     std::span<const std::uint8_t> rest() const noexcept { return {buffer_.get() + pos_, end_ - pos_}; }
-    /// The newest of the bytes that belong to no good frame, in their order: copied, as many as there are and fit. Returns how many.
+    /// Copies the newest bytes outside of valid frames, in their order, as many as there are and fit. Returns their number.
     std::size_t copy_skipped(std::span<std::uint8_t> into) const noexcept;
     static constexpr std::size_t kept_skipped = 1024;
     const ParserCounters& counters() const noexcept { return counters_; }
@@ -83,7 +83,7 @@ public:
 private:
     enum class Verdict { good, bad, too_long, incomplete };
 
-    // Finds frames of the previous version among the skipped bytes, which come in pieces.
+    // Finds frames of the previous version among the skipped bytes, which arrive in pieces.
     struct V7Matcher {
         bool take(std::uint8_t byte) noexcept;    // true: it is the last byte of such a frame
 
@@ -116,27 +116,27 @@ private:
     Options options_;
     std::size_t max_image_;         // DATA of an image; at least max_data
     std::size_t capacity_;          // of the buffer, for two of the longest images
-    std::size_t usual_capacity_;    // for two of the longest other frames: what lies behind is touched by images only
+    std::size_t usual_capacity_;    // for two of the longest other frames: only images access the part after it
     Room<std::uint8_t> buffer_;
-    std::size_t pos_ = 0;        // first byte not yet judged
-    std::size_t end_ = 0;        // end of the bytes put in
-    std::size_t barrier_ = 0;    // a candidate that begins before this may not extend beyond it: its rest will not come
+    std::size_t pos_ = 0;        // first byte not yet checked
+    std::size_t end_ = 0;        // end of the committed bytes
+    std::size_t barrier_ = 0;    // the rest of a candidate that begins before this was not received: it ends here
 
-    // Sums are made only behind a refused candidate: with them, checking any further candidate that begins before sums_until_
-    // takes constant time. They begin at pos_ or before; when they end before the candidate, they start again there.
+    // Sums are computed only after a refused candidate. With them, checking any further candidate that begins before sums_until_
+    // takes constant time. They begin at pos_ or before. If they end before the candidate, they start again there.
     PrefixSums sums_;
     std::size_t sums_until_ = 0;
 
     Heard heard_;
     FramePairs pairs_;
 
-    bool behind_frame_ = false;       // pos_ is the end of a good frame, and padding may follow
+    bool behind_frame_ = false;       // pos_ is the end of a valid frame, and padding may follow
     bool candidate_waits_ = false;    // the candidate at pos_ waits for its rest
-    bool none_behind_ = false;        // no good frame was found behind it since the last byte came
+    bool none_behind_ = false;        // no valid frame was found after it since the last byte arrived
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
     V7Matcher v7_;
-    std::size_t v7_budget_ = 0;                   // bytes it may still look at: each commit adds some
+    std::size_t v7_budget_ = 0;                   // bytes it may still examine: each commit adds some
     Room<std::uint8_t> skipped_{kept_skipped};    // a ring: byte N of skipped_bytes is at N % kept_skipped
     ParserCounters counters_;
 };

@@ -1,4 +1,4 @@
-// Both checks of any stretch of a buffer in constant time, after each of its bytes was summed once.
+// Both checks of any range of a buffer in constant time, after each of its bytes was added once.
 #pragma once
 #include <ano/room.hpp>
 
@@ -8,7 +8,7 @@
 
 namespace ano {
 
-/// Sums over a buffer from the place that begin() sets. Allocates only at construction.
+/// Sums over a buffer from the position set by begin(). Allocates only at construction.
 class PrefixSums {
 public:
     explicit PrefixSums(std::size_t capacity);
@@ -17,11 +17,11 @@ public:
         end_ = at;
         sum_[at] = add_[at] = 0;
     }
-    /// Sums the bytes before `to`, and up to 256 more if they are there; `bytes` is the filled part of the buffer.
+    /// Adds the bytes before `to`, and up to 256 more if available; `bytes` is the filled part of the buffer.
     void extend(std::span<const std::uint8_t> bytes, std::size_t to) noexcept;
-    /// The buffer's content moved to its front by `distance` bytes; what was summed stays summed.
+    /// The content of the buffer was moved to its beginning by `distance` bytes; the sums are kept.
     void move_front(std::size_t distance) noexcept;
-    /// The bytes before this are summed.
+    /// The sums include the bytes before this.
     std::size_t end() const noexcept { return end_; }
 
     /// Whether SC at `to` is the sum over [from, to); begin() <= from <= to < end(). This check alone refuses 255 of 256 bad frames.
@@ -38,8 +38,8 @@ private:
     void extend_to(const std::uint8_t* bytes, std::size_t to) noexcept;
 
     Room<std::uint8_t> sum_;    // sum_[i]: the sum of the bytes before i
-    Room<std::uint8_t> add_;    // add_[i]: the sum of sum_[k + 1] for the places k before i
-    Room<std::uint8_t> gap_;    // gap_[i]: sum_[i] minus byte i, the sum before a frame whose SC stands at i
+    Room<std::uint8_t> add_;    // add_[i]: the sum of sum_[k + 1] for all k < i
+    Room<std::uint8_t> gap_;    // gap_[i]: sum_[i] minus byte i, the sum before a frame whose SC is at i
     std::size_t end_ = 0;
 };
 

@@ -1,9 +1,9 @@
-// The fields of a frame, for code that learns at run time which message it is: tools, taps, filters.
+// Access to the fields of a frame for code that finds out at run time which message it is: tools, taps, filters.
 //
 // Flow:    const ano::Reading reading = ano::read(frame);
 //          if (reading) for (const ano::Field& field : reading.fields()) use(field.name, reading.value(field));
 //
-// Code that knows its message when it is compiled: see typed.hpp.
+// For messages that are known at compile time: see typed.hpp.
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano/frame.hpp>
@@ -25,14 +25,14 @@ struct Nothing {
 };
 using Bytes = std::span<const std::uint8_t>;
 
-/// `Nothing` for the wire value that says "no data". Integers without scale as such, other numbers as double, in the unit of
-/// the field; text up to its first NUL, in whatever encoding the sender uses; the bytes of everything else.
+/// `Nothing` for the wire value for "no data". Unscaled integers as integers, other numbers as double, in the unit of the field;
+/// text up to its first NUL, in the encoding of the sender; all other types as bytes.
 using Value = std::variant<Nothing, std::int64_t, std::uint64_t, double, std::string_view, Bytes>;
 
 enum class Readable : std::uint8_t {
     yes,
     unknown_id,
-    unknown_layout,    // a mode or a length that no layout has, or a flexible message without a configured layout
+    unknown_layout,    // a mode or a length without a layout, or a flexible message without a configured layout
     too_short,         // malformed: fewer bytes than the layout has
 };
 
@@ -46,9 +46,9 @@ constexpr bool is_padded_text(Bytes bytes) noexcept {
     return true;
 }
 
-/// Whether `data` is plausible in this layout: it is long enough, integers are in their documented range, and no text of
-/// fixed size begins with a byte that is not a printable character. In a layout that is taken by its look, such a text is text to its
-/// end, and `min` is not above `max`.
+/// Whether `data` is plausible in this layout: it is long enough, integers are in their documented range, and each text of fixed
+/// size begins with a printable character. In a layout that is selected by plausibility (Variant::by_look), such a text is valid
+/// to its end, and `min` is not above `max`.
 constexpr bool is_plausible(const Message& row, Bytes data) noexcept {
     if (data.size() < row.fixed_size) return false;
     if (row.variant.by_look) {
@@ -72,10 +72,10 @@ constexpr bool is_plausible(const Message& row, Bytes data) noexcept {
     return true;
 }
 
-/// The row of `layouts` (all of one message, the base first) that `data` is laid out by; null when none of them fits.
+/// The row of `layouts` (all of one message, the base first) that matches `data`; nullptr: none of them does.
 constexpr const Message* select_layout(std::span<const Message> layouts, Bytes data) noexcept {
     const auto matches = [&](const Message& row) {
-        // Fewer bytes than the base layout has are malformed, whatever its length.
+        // DATA shorter than the base layout is malformed, even if its length differs.
         const std::size_t length = row.variant.length;
         if (length != 0 && (row.is_base() ? data.size() > length : data.size() != length)) return false;
         if (row.is_exact() && data.size() > row.fixed_size) return false;
@@ -116,20 +116,20 @@ inline Value value_at(const Field& field, const std::uint8_t* at) noexcept {
     });
 }
 
-/// Refers to the memory of the frame, and to the layouts it was read by.
+/// The result of read(). Refers to the memory of the frame, and to its layout.
 class Reading {
 public:
     constexpr Reading(Readable readable, const Message* message, std::span<const Field> fields, std::size_t fixed_size,
                       Bytes data) noexcept
         : fields_{fields}, data_{data}, message_{message}, fixed_size_{fixed_size}, readable_{readable} {}
 
-    /// False: only message(), readable(), fixed_size() and data() have a meaning.
+    /// False: only message(), readable(), fixed_size() and data() are meaningful.
     explicit operator bool() const noexcept { return readable_ == Readable::yes; }
     Readable readable() const noexcept { return readable_; }
-    /// The row; the base layout when no layout fits; null for an id that is not listed.
+    /// The row; the base layout if no layout matches; nullptr for an id that is not listed.
     const Message* message() const noexcept { return message_; }
     Bytes data() const noexcept { return data_; }
-    /// Bytes of DATA that the layout has at least.
+    /// The minimum bytes of DATA of the layout.
     std::size_t fixed_size() const noexcept { return fixed_size_; }
 
     std::span<const Field> fields() const noexcept { return fields_; }
@@ -139,7 +139,7 @@ public:
         return nullptr;
     }
 
-    /// `field` is one of fields(). An array and a list are given as their bytes.
+    /// `field` is one of fields(). The value of an array or a list is its bytes.
     Value value(const Field& field) const noexcept {
         if (is_number(field.type) && field.count == 1) return value_at(field, data_.data() + field.offset);
         const Bytes bytes = bytes_of(field);
@@ -153,12 +153,12 @@ public:
         if (field.no_data && std::holds_alternative<Nothing>(value(field))) return std::nan("");
         return number_at(field, data_.data() + field.offset);
     }
-    /// All bytes of a field as they stand on the wire.
+    /// All bytes of a field as on the wire.
     Bytes bytes_of(const Field& field) const noexcept {
         return field.is_open() ? data_.subspan(field.offset, open_size()) : data_.subspan(field.offset, field.size());
     }
 
-    /// The fields of each element of the list that stands last.
+    /// The fields of each element of the list at the end.
     std::span<const Field> element_fields() const noexcept {
         return message_ == nullptr ? std::span<const Field>{} : message_->element();
     }
@@ -168,7 +168,7 @@ public:
         return value_at(field, data_.data() + fixed_size_ + i * message_->element_size + field.offset);
     }
 
-    /// The bytes behind the layout: legal, their meaning is not known.
+    /// The bytes after the layout: they are legal, and their meaning is not known.
     Bytes extra() const noexcept {
         const bool open = !fields_.empty() && fields_.back().is_open();
         return data_.subspan(fixed_size_ + (open ? open_size() : 0));
@@ -187,7 +187,7 @@ private:
     Readable readable_;
 };
 
-/// Reads DATA of `id`. `flexible` are the layouts of flexible messages, looked up by `source`.
+/// Reads DATA of `id`. `flexible` contains the layouts of flexible messages, which depend on `source`.
 inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible = nullptr, std::uint8_t source = 0) noexcept {
     const auto fitting = [&](const Message* row, std::span<const Field> fields, std::size_t size) {
         return Reading{data.size() < size ? Readable::too_short : Readable::yes, row, fields, size, data};
@@ -202,7 +202,7 @@ inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible
     const Message* row = select_layout(layouts, data);
     if (row != nullptr) return fitting(row, row->fields(), row->fixed_size);
     const Message& base = layouts.front();
-    // Without its selecting field it is malformed, whatever the mode would have been.
+    // Without its selecting field it is malformed in any mode.
     const bool has_mode = data.size() > base.fields().front().offset;
     return {has_mode ? Readable::unknown_layout : Readable::too_short, &base, {}, base.fixed_size, data};
 }

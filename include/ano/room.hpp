@@ -1,4 +1,4 @@
-// Memory that is large and mostly never touched.
+// An array whose memory is large and mostly never accessed.
 #pragma once
 #include <cstddef>
 #include <memory_resource>
@@ -7,12 +7,13 @@
 
 namespace ano {
 
-/// Uninitialised memory for `count` of T, from the default memory resource, which a program may set. Memory that is mapped for
-/// one room alone costs only the pages that are touched. A piece of the C library's heap may consist of pages that were touched before.
+/// Uninitialised memory for `count` of T, from the default memory resource, which a program may set. Memory that is mapped only
+/// for this costs only the pages that are accessed. Memory from the heap of the C library may consist of pages that were accessed
+/// before.
 template <class T>
 class Room {
     static_assert(std::is_trivially_default_constructible_v<T> &&
-                  std::is_trivially_destructible_v<T>);    // else construction or destruction would touch all of it
+                  std::is_trivially_destructible_v<T>);    // otherwise construction or destruction would access all of it
 
 public:
     explicit Room(std::size_t count) : size_{count * sizeof(T)}, memory_{static_cast<T*>(from_->allocate(size_, alignof(T)))} {}

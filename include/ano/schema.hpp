@@ -1,5 +1,5 @@
-// How a row of the message table is written: fields, their types, scales, units and meanings. An error in a row is a compile
-// error that names it.
+// The types for a row of the message table: fields, their types, scales, units and meanings. A mistake in a row is a compile
+// error whose text names it.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -12,7 +12,8 @@
 
 namespace ano {
 
-/// Faults of a table, as functions that a constant expression can't call: the compiler's error names the function.
+/// Faults of a table, as functions that a constant expression can't call: the error of the compiler contains the name of the
+/// function.
 namespace table_error {
 void two_messages_share_an_id();
 void one_name_stands_for_two_messages();
@@ -68,12 +69,12 @@ struct Shape {
     consteval Shape operator[](std::uint16_t n) const { return {type, n}; }
 };
 
-/// `wire` on the wire means `value` in the unit: {100, 1} is ×100.
+/// The number `wire` on the wire means `value` in the unit: {100, 1} is ×100.
 struct Scale {
     double wire = 1;
     double value = 1;
     constexpr bool is_one() const noexcept { return wire == value; }
-    /// The factor for a wire number, for people to read; the library divides instead, which rounds once only.
+    /// The factor for a wire number, for display; the library divides instead, which rounds only once.
     constexpr double factor() const noexcept { return value / wire; }
     friend constexpr bool operator==(const Scale&, const Scale&) = default;
 };
@@ -81,24 +82,24 @@ struct Scale {
 /// The order of the bytes of a number on the wire.
 enum class ByteOrder : std::uint8_t { little, big };
 
-/// What one value of an enumeration means.
+/// The meaning of one value of an enumeration.
 struct Meaning {
     std::uint32_t value;
     std::string_view text;
 };
 using Meanings = std::span<const Meaning>;
 
-/// The documented range, in the unit; it is shown, not enforced.
+/// The documented range, in the unit; it is displayed, not enforced.
 struct Range {
     double first = 0;
     double last = 0;
     constexpr explicit operator bool() const noexcept { return first != last; }
 };
-/// The wire value that says "no data".
+/// The wire value for "no data".
 struct NoData {
     std::int64_t wire;
 };
-/// The layout applies only when the field holds one of first to last.
+/// The layout applies only if the value of the field is from `first` to `last`.
 struct Only {
     std::uint32_t first;
     std::uint32_t last;
@@ -106,7 +107,7 @@ struct Only {
 struct Note {
     std::string_view text;
 };
-/// What the value belongs to, when the name alone does not say it; shown beside the name.
+/// The object that the value belongs to, if the name is not enough; displayed beside the name.
 struct Label {
     std::string_view text;
 };
@@ -114,10 +115,10 @@ struct Label {
 /// The role of a field, in addition to its type.
 enum class Role : std::uint8_t {
     plain,
-    code,           // a hardware id, a function code or a check byte: people see it in hex
-    value,          // bytes: one value, whose type parameter_info gives
-    values,         // bytes: packed values, whose types command_info gives
-    value_types,    // the types of such values; the meaning of 7 depends on the device (values.hpp)
+    code,           // a hardware id, a function code or a check byte: displayed in hex
+    value,          // bytes: one value, whose type is in parameter_info
+    values,         // bytes: packed values, whose types are in command_info
+    value_types,    // the types of the values of a command; the meaning of 7 depends on the device (values.hpp)
 };
 
 consteval Scale times(double wire, double value = 1) { return {wire, value}; }
@@ -133,7 +134,7 @@ struct Field {
     std::uint16_t offset = 0;    // in DATA, or in the element of a list
     Scale scale{};
     std::optional<std::int64_t> no_data{};
-    std::optional<Only> selects{};    // the values with which this layout is taken
+    std::optional<Only> selects{};    // the values that select this layout
     std::string_view name{};
     std::string_view unit{};
     std::string_view note{};
@@ -152,9 +153,9 @@ struct Field {
     }
 
     constexpr bool is_open() const noexcept { return count == 0; }
-    /// Bytes on the wire; 0 for one of open length.
+    /// Bytes on the wire; 0 for a field of open length.
     constexpr std::size_t size() const noexcept { return width(type) * count; }
-    /// The meaning of `value`; empty when it has none.
+    /// The meaning of `value`; empty: it has none.
     constexpr std::string_view meaning(std::uint64_t value) const noexcept {
         for (const Meaning& m : meanings)
             if (m.value == value) return m.text;
@@ -215,15 +216,15 @@ struct Traffic {
     friend constexpr bool operator==(Traffic, Traffic) = default;
 };
 
-/// A second layout of a message: taken at exactly `length` bytes of DATA (0: any), and where its selecting fields
-/// match. A base layout with a length, exactly(), has nothing behind it: a longer DATA has an unknown layout.
+/// A second layout of a message. It is used for exactly `length` bytes of DATA (0: any length), if its selecting fields match. A
+/// base layout with a length, exactly(), has no bytes after it: a longer DATA has an unknown layout.
 struct Variant {
     std::string_view label{};
     std::uint16_t length = 0;
-    bool by_look = false;    // taken where is_plausible() refuses the base layout and accepts this one
+    bool by_look = false;    // used if is_plausible() refuses the base layout and accepts this one
 };
 
-/// Of a base layout beside which another length has the fields in other places: a third length could be either of them.
+/// For a base layout if another length has the fields at other offsets: a third length could be either of them.
 consteval Variant exactly(std::uint16_t length) { return {"", length, false}; }
 
 inline constexpr std::size_t max_fields = 12;
@@ -232,8 +233,8 @@ inline constexpr std::size_t max_fields = 12;
 struct Message {
     std::uint8_t id = 0;
     std::uint8_t size = 0;             // fields
-    std::uint8_t elements = 0;         // fields of each element of the list that stands last
-    bool selective = false;            // some field has to hold a certain value
+    std::uint8_t elements = 0;         // fields of each element of the list at the end
+    bool selective = false;            // some field must have a certain value
     std::uint16_t fixed_size = 0;      // bytes of DATA without the field of open length
     std::uint16_t element_size = 0;    // bytes of each element
     Traffic traffic{};
@@ -250,12 +251,12 @@ struct Message {
     }
 
     constexpr std::span<const Field> fields() const noexcept { return {storage.data(), size}; }
-    /// The fields of each element of the list that stands last; empty when there is none.
+    /// The fields of each element of the list at the end; empty: there is none.
     constexpr std::span<const Field> element() const noexcept { return {storage.data() + size, elements}; }
     constexpr bool is_base() const noexcept { return variant.label.empty(); }
     constexpr bool is_open() const noexcept { return size > 0 && storage[size - 1u].is_open(); }
-    /// Whether longer DATA has an unknown layout: in a message that is sent again and again, some devices put other fields before these, so
-    /// that all are shifted. What is longer by its nature ends in a field of open length.
+    /// Whether longer DATA has an unknown layout. In periodic messages, some devices insert other fields before these, so that
+    /// all are shifted. A message of variable length ends in a field of open length.
     constexpr bool is_exact() const noexcept { return size > 0 && traffic.replaces != Replaces::nothing && !is_open(); }
     constexpr bool ends_in_list() const noexcept { return size > 0 && storage[size - 1u].type == Type::list; }
     constexpr const Field* field(std::string_view field_name) const noexcept {
@@ -287,7 +288,7 @@ private:
     }
 };
 
-/// Whether the layout of one row continues that of the other, so that the fields of both keep their places.
+/// Whether one layout continues the other, so that the common fields have the same offsets.
 consteval bool keep_their_places(const Message& one, const Message& other) {
     for (std::size_t i = 0; i < one.fields().size() && i < other.fields().size(); ++i) {
         const Field &a = one.fields()[i], &b = other.fields()[i];
@@ -296,7 +297,7 @@ consteval bool keep_their_places(const Message& one, const Message& other) {
     return true;
 }
 
-/// Where the rows of each id stand.
+/// The position of the rows of each id.
 struct MessageIndex {
     std::array<std::uint8_t, 256> first{};
     std::array<std::uint8_t, 256> count{};    // 0: the id is not listed

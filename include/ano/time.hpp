@@ -1,4 +1,4 @@
-// The one clock type of the library. Nothing here reads a clock: every function that needs the time is given it.
+// The clock type of the library. The library reads no clock: each function that needs the time gets it as an argument.
 #pragma once
 #include <chrono>
 

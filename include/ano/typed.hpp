@@ -1,11 +1,11 @@
-// Messages known when the program is compiled: as fast as a packed struct, and a wrong name does not compile.
+// Access to messages known at compile time: as fast as a packed struct, and a wrong name does not compile.
 //
 //          if (const auto euler = ano::as<"euler">(frame)) use(euler->get<"rol">());     // degrees
 //
 //          ano::Draft<"euler"> draft;
 //          if (draft.set<"rol">(1.23)) size = draft.encode(out, source, destination);
 //
-// Of a message with several layouts, the name alone means the base layout; the others need their label: as<"power", "field">.
+// If a message has several layouts, the name alone means the base layout; the others need their label: as<"power", "field">.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/reading.hpp>
@@ -70,8 +70,8 @@ public:
 
     static constexpr const Message& message() noexcept { return detail::row<M, Label>; }
 
-    /// A field in its unit: integers without scale as they are, scaled ones as double, text up to its first NUL as
-    /// string_view, everything else as its bytes. Where the field has a "no data" value: an optional of that.
+    /// A field in its unit: unscaled integers as they are, scaled ones as double, text up to its first NUL as string_view, all
+    /// other types as bytes. If the field has a "no data" value: an optional of that.
     template <Name F>
     constexpr auto get() const noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();
@@ -86,7 +86,7 @@ public:
             return bytes<F>();
         }
     }
-    /// The bytes of a field as they stand on the wire.
+    /// The bytes of a field as on the wire.
     template <Name F>
     constexpr Bytes bytes() const noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();
@@ -108,7 +108,7 @@ private:
     Bytes data_;
 };
 
-/// `frame` as that message; std::nullopt when it is another one, in another layout, or too short.
+/// `frame` as that message; std::nullopt: it is another message, has another layout, or is too short.
 template <Name M, Name Label = "">
 constexpr std::optional<View<M, Label>> as(FrameView frame) noexcept {
     constexpr const Message& row = detail::row<M, Label>;
@@ -119,7 +119,7 @@ constexpr std::optional<View<M, Label>> as(FrameView frame) noexcept {
     return View<M, Label>{data};
 }
 
-/// A message to be filled in: all fields are 0 or empty at first, except those that select the layout.
+/// A message to be filled in. All fields are 0 or empty at first, except those that select the layout.
 template <Name M, Name Label = "">
 class Draft {
 public:
@@ -133,8 +133,8 @@ public:
 
     static constexpr const Message& message() noexcept { return detail::row<M, Label>; }
 
-    /// A number in the unit of the field, rounded to the nearest step of the wire. False, and nothing changed, when the
-    /// wire type can't carry it, or when the frame would then be read in another layout.
+    /// Sets a number in the unit of the field, rounded to the nearest step of the wire. Returns false and changes nothing if the
+    /// wire type can't represent it, or if the frame would then have another layout.
     template <Name F, class T>
     requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) [[nodiscard]] bool set(T value) noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();
@@ -151,8 +151,8 @@ public:
                    Stored::ok;
         }
     }
-    /// Text, bytes or an address. A field of fixed size takes a copy and is filled up with 0; for a field of open length, `value`
-    /// must stay valid until encode(). False, and nothing changed, when it is longer than the field.
+    /// Sets text, bytes or an address. A field of fixed size stores a copy, padded with 0. For a field of open length, `value`
+    /// must stay valid until encode(). Returns false and changes nothing if it is longer than the field.
     template <Name F>
     [[nodiscard]] bool set(Bytes value) noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();
@@ -181,7 +181,8 @@ public:
     }
 
     std::size_t data_size() const noexcept { return data_.size() + rest_.size(); }
-    /// Writes the whole frame to the front of `out` and returns its size; 0, and nothing written, when it has no room.
+    /// Writes the complete frame to the beginning of `out` and returns its size. Returns 0 and writes nothing if `out` is too
+    /// small.
     std::size_t encode(std::span<std::uint8_t> out, std::uint8_t source, std::uint8_t destination) const noexcept {
         const std::size_t size = data_size();
         if (out.size() < overhead + size) return 0;

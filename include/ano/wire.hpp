@@ -1,4 +1,4 @@
-// Numbers as they stand on the wire: little-endian unless their field says otherwise, packed, scaled.
+// Numbers in the format of the wire: packed, scaled, little-endian unless their field specifies otherwise.
 #pragma once
 #include <ano/schema.hpp>
 
@@ -15,7 +15,7 @@
 
 namespace ano {
 
-/// The T that begins at `at`; sizeof(T) bytes must be there.
+/// The T at `at`; sizeof(T) bytes must be readable.
 template <class T>
 constexpr T load(const std::uint8_t* at) noexcept {
     if (std::endian::native == std::endian::little && !std::is_constant_evaluated()) {
@@ -77,11 +77,11 @@ using Number = std::variant<std::int64_t, std::uint64_t, double>;
 
 enum class Stored : std::uint8_t {
     ok,
-    out_of_range,    // the wire type can't hold it
+    out_of_range,    // the wire type can't represent it
     not_whole,       // a fraction for an integer without scale
 };
 
-/// Smallest and largest value that the wire type of `field` can carry, in its unit.
+/// Smallest and largest value that the wire type of `field` can represent, in its unit.
 inline std::pair<double, double> limits_of(const Field& field) noexcept {
     return with_type(field.type, [&]<class T>(T) {
         const double k = field.scale.value / field.scale.wire;
@@ -102,7 +102,7 @@ Stored store_double(std::uint8_t* at, double value, Scale scale, ByteOrder order
     } else {
         if (scale.is_one() && std::isfinite(value) && value != std::trunc(value)) return Stored::not_whole;
         const double wire = std::round(value * scale.wire / scale.value);
-        // 2^n is exact as a double; the maximum of T may not be.
+        // 2^n has an exact double; the maximum of T may not.
         const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
         const double first = std::is_signed_v<T> ? -end : 0.0;
         if (!(wire >= first && wire < end)) return Stored::out_of_range;
@@ -113,8 +113,8 @@ Stored store_double(std::uint8_t* at, double value, Scale scale, ByteOrder order
 
 }    // namespace detail
 
-/// Writes `number` at `at`, scaled and rounded to the nearest step; writes nothing when the wire type can't carry it.
-/// Only for fields that are numbers.
+/// Writes `number` at `at`, scaled and rounded to the nearest step. Writes nothing if the wire type can't represent it. Only for
+/// fields that are numbers.
 inline Stored store_number(const Field& field, const Number& number, std::uint8_t* at) noexcept {
     return with_type(field.type, [&]<class T>(T) {
         return std::visit(
@@ -132,8 +132,7 @@ inline Stored store_number(const Field& field, const Number& number, std::uint8_
     });
 }
 
-/// Writes the wire value that says "no data": the sentinel of the field, or NaN. False, and nothing written, when it
-/// has none.
+/// Writes the wire value for "no data": the one of the field, or NaN. Returns false and writes nothing if the field has none.
 inline bool store_no_data(const Field& field, std::uint8_t* at) noexcept {
     if (field.type == Type::f32) {
         store(at, std::numeric_limits<float>::quiet_NaN(), field.order);
