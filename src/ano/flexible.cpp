@@ -16,14 +16,14 @@ bool is_name(std::string_view name) noexcept {
     return !name.empty() && std::none_of(name.begin(), name.end(), wrong);
 }
 
-// A scale of 0.01 means a hundredth: dividing by 100 gives the nearest double, multiplying by 0.01 does not.
+// A scale of 0.01 means a hundredth: dividing by 100 results in the nearest double, multiplying by 0.01 does not.
 Scale scale_of(double factor) noexcept {
     const double inverse = std::round(1 / factor);
     if (std::abs(factor) < 1 && std::abs(inverse * factor - 1) < 1e-12) return {inverse, 1};
     return {1, factor};
 }
 
-// Whether `field`, the first one, can select a layout by this value.
+// Whether the first field `field` can select a layout by this value.
 bool may_select(const Field& field, std::uint32_t value) noexcept {
     if (field.count != 1 || !field.scale.is_one()) return false;
     if (field.type == Type::u8) return value <= 0xFF;
@@ -31,7 +31,7 @@ bool may_select(const Field& field, std::uint32_t value) noexcept {
     return field.type == Type::u32;
 }
 
-// The narrower a layout is, the higher.
+// More specific layouts have a higher rank.
 int rank_of(const FlexibleLayout& layout) noexcept { return (layout.source() ? 2 : 0) + (layout.when() ? 1 : 0); }
 
 bool comes_before(const FlexibleLayout* a, const FlexibleLayout* b) noexcept {
@@ -83,7 +83,8 @@ FlexibleLayouts::Refusal FlexibleLayouts::add(const FlexibleSpec& spec) {
         layout.fields_.front().selects = Only{*spec.when, *spec.when};
     }
     layout.place_ = layouts_.size();
-    const FlexibleLayout& added = layouts_.emplace_back(std::move(layout));    // a moved deque keeps its strings where they are
+    const FlexibleLayout& added = layouts_.emplace_back(std::move(layout));    // the strings of a moved deque keep their
+                                                                               // addresses
     group_of(added).by_value.emplace(spec.when.value_or(0), &added);
     return {};
 }

@@ -2,8 +2,8 @@
 
 namespace ano {
 
-// Both checks of 16 interleaved strands at once, all mod 256. A step of a strand is 16 bytes of the frame: its sum counts 16
-// times, but in the step of a byte of strand j it does not count for the j bytes before it.
+// Both checks of 16 interleaved strands at once, all mod 256. Each step of a strand is 16 bytes of the frame, so its sum is
+// counted 16 times. A byte of strand j does not count for the j bytes before it in its step.
 Checks checks_of_many(std::span<const std::uint8_t> bytes) noexcept {
     using Strands [[gnu::vector_size(16)]] = std::uint8_t;
     Strands sums{};

@@ -7,11 +7,11 @@
 namespace ano {
 namespace {
 
-// Two frames inside a third: the LEN of each is at least this much less than that of the third, for one byte stands before
-// them and one behind.
+// Two frames inside a third: the LEN of each is at least this much less than that of the third. The other one has at least
+// `overhead` bytes, and one byte of the third precedes them and one follows.
 constexpr std::size_t shorter_at_least = overhead + 2;
 
-// Most places are empty: they are skipped a machine word at a time.
+// Most positions are empty, so they are skipped one machine word at a time.
 std::uint64_t load_word(const void* from) noexcept {
     std::uint64_t word;
     std::memcpy(&word, from, sizeof word);
@@ -29,7 +29,7 @@ std::uint64_t heads_among(const std::uint8_t* eight) noexcept {
 
 }    // namespace
 
-// A search covers less than the size of the largest frame, and its candidates end less than that size behind it.
+// A search covers less than the size of the largest frame, and its candidates end less than that size after it.
 FramePairs::FramePairs(std::size_t max_data)
     : max_data_{max_data},
       mask_{std::bit_ceil(std::max<std::size_t>(1, 2 * std::min(max_data, max_len))) - 1},
@@ -41,7 +41,7 @@ bool FramePairs::stand_behind(std::size_t at, std::span<const std::uint8_t> byte
                               const Heard& heard) noexcept {
     const Place place = origin_ + at;
     const Place end = origin_ + bytes.size();
-    if (judged_until_ != end) {    // otherwise no byte has come since the last search
+    if (judged_until_ != end) {    // otherwise no byte arrived since the last search
         forget_until(place);
         headers_until_ = std::max(headers_until_, place + 1);
         judged_until_ = std::max(judged_until_, place);
@@ -64,11 +64,11 @@ void FramePairs::forget_until(Place place) noexcept {
     }
 }
 
-// False: there is not enough credit. No candidate may be checked before all headers are noted.
+// False: the credit is not enough. No candidate may be checked before all headers are stored.
 bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                               const Heard& heard) noexcept {
     const std::size_t max_length = std::min(data_length(bytes.data() + waiting), max_data_);
-    const std::size_t whole = bytes.size() - (header_size - 1);    // no whole header begins there or behind
+    const std::size_t whole = bytes.size() - (header_size - 1);    // no complete header begins here or later
     auto at = static_cast<std::size_t>(headers_until_ - origin_);
     for (; at < whole; at += 8) {
         std::uint64_t heads = heads_among(bytes.data() + at);
@@ -85,7 +85,7 @@ bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t>
             if (!heard.source(header[1]) || length + shorter_at_least > max_length || begin + length >= waiting + max_length)
                 continue;
             const std::size_t sum_place = begin + header_size + length;
-            if (sum_place + 2 <= bytes.size() && !sums.sum_holds(begin, sum_place)) continue;    // bad already
+            if (sum_place + 2 <= bytes.size() && !sums.sum_holds(begin, sum_place)) continue;    // the sum is already wrong
             const Place place = origin_ + begin;
             std::uint16_t& first = size_at(place + overhead + length);
             nexts_[in_ring(place)] = first;
@@ -109,7 +109,7 @@ void FramePairs::check_until(Place end, Place behind, std::span<const std::uint8
     }
 }
 
-// Candidates that begin at `behind` or before are no longer needed, and their bytes may be gone.
+// Candidates that begin at `behind` or before are no longer needed, and their bytes may be overwritten.
 void FramePairs::check_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {
     const auto sum_place = static_cast<std::size_t>(end - origin_) - 2;
     std::uint16_t good = 0;

@@ -11,8 +11,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t read_room = 4096;
-constexpr std::size_t sums_ahead = 1024;    // bytes summed beyond those that were needed: the next candidate will need them
-constexpr std::size_t sums_slack = 64;      // a candidate this close behind a refused one is likely to be refused too
+constexpr std::size_t sums_ahead = 1024;    // bytes summed beyond the needed ones: the next candidate will need them
+constexpr std::size_t sums_slack = 64;      // a candidate this close after a refused one is likely to be refused too
 constexpr Duration datagram_patience = 100ms;
 constexpr Duration overdue_unknown_rate = 1s;
 constexpr Duration overdue_grace = 200ms;
@@ -23,8 +23,9 @@ constexpr unsigned v7_header_size = 4;
 constexpr std::size_t v7_bytes_per_commit = 64;
 
 constexpr std::size_t block = 64;
-constexpr std::size_t length_of_heads = head << 8 | head;    // LEN where its two bytes are HEADs
-constexpr int worth_a_block = 16;    // from this many candidates of one LEN on, refusing them together is cheaper than one by one
+constexpr std::size_t length_of_heads = head << 8 | head;    // LEN if its two bytes are HEADs
+constexpr int worth_a_block = 16;    // from this number of candidates with one LEN on, refusing them together is cheaper than one
+                                     // by one
 constexpr std::uint64_t ones = 0x0101010101010101;
 
 inline std::uint64_t load_word(const std::uint8_t* bytes) noexcept {
@@ -33,7 +34,7 @@ inline std::uint64_t load_word(const std::uint8_t* bytes) noexcept {
     return std::endian::native == std::endian::big ? __builtin_bswap64(word) : word;
 }
 
-// A bit for each zero byte of a block, whose words difference(0), difference(8)... gives.
+// A bit for each zero byte of a block, whose words are difference(0), difference(8)...
 template <class Difference>
 inline std::uint64_t zeros_among(Difference difference) noexcept {
     constexpr std::uint64_t low = 0x7F * ones;
@@ -61,13 +62,13 @@ inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::siz
 
 }    // namespace
 
-// Twice the largest frame: never more bytes are moved to the front than have come in since the last move.
+// Twice the largest frame: a move to the beginning never moves more bytes than have arrived since the last move.
 FrameParser::FrameParser(Options options)
     : options_{options},
       max_image_{std::min(max_image_data_at(options.max_data), max_len)},
       capacity_{2 * (overhead + max_image_) + read_room},
       usual_capacity_{2 * (overhead + std::min(options.max_data, max_len)) + read_room},
-      buffer_{capacity_ + block},    // HEADs are looked for by whole blocks
+      buffer_{capacity_ + block},    // the search for HEADs reads complete blocks
       sums_{capacity_},
       pairs_{options.max_data} {
     options_.max_data = std::min(options.max_data, max_len);
@@ -94,7 +95,7 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
     assert(n <= capacity_ - end_);
     if (n == 0) return;
     end_ += n;
-    std::memset(buffer_.get() + end_, 0, block);    // is read together with the last bytes, and must be initialised
+    std::memset(buffer_.get() + end_, 0, block);    // read together with the last bytes, so it must be initialised
     counters_.bytes_in += n;
     last_arrival_ = now;
     none_behind_ = false;
@@ -165,7 +166,7 @@ bool FrameParser::expire(TimePoint now) noexcept {
         }
         none_behind_ = true;
     }
-    // While bytes still come, a candidate behind this one may be a good frame on its way: only this one is given up.
+    // While bytes still arrive, a candidate after this one may be an incomplete valid frame: only this one is given up.
     if (overdue) barrier_ = quiet ? first_not_overdue(now) : pos_ + 1;
     return overdue;
 }
@@ -176,18 +177,18 @@ std::optional<TimePoint> FrameParser::deadline() const noexcept {
     return none_behind_ ? overdue : std::min(overdue, last_arrival_ + quiet());
 }
 
-// The next HEAD from `from` on, or end_. Candidates that are refused by their LEN or by the sums made so far are
-// skipped and counted here, since crafted input may have one at every byte.
+// The next HEAD from `from` on, or end_. Candidates that are refused by their LEN or by the existing sums are skipped and counted
+// here, since crafted input may have one at every byte.
 std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
     const std::uint8_t* const bytes = buffer_.get();
     const std::uint8_t* const sums = sums_.sums();
     const std::uint8_t* const gaps = sums_.gaps();
     const std::size_t max_data = options_.max_data;
-    const std::size_t whole = end_ - std::min(end_, header_size - 1);    // no whole header begins there or behind
-    const std::size_t sums_end = std::min(sums_.end(), end_ - 1);        // SC must stand before this place
+    const std::size_t whole = end_ - std::min(end_, header_size - 1);    // no complete header begins here or later
+    const std::size_t sums_end = std::min(sums_.end(), end_ - 1);        // SC must be before this position
     const std::size_t last = sums_end - std::min(sums_end, header_size);
     const std::uint8_t* const gaps_behind = gaps + std::min(sums_end, header_size);
-    std::uint64_t passed = 0;    // counted a block at a time, so that the common case costs nothing per candidate
+    std::uint64_t passed = 0;    // counted per block, so that the common case costs nothing per candidate
     std::uint64_t too_long = 0;
     const auto stop_at = [&](std::size_t at) {
         counters_.bad_check += passed - too_long;
@@ -201,7 +202,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
             from = find_head(bytes, std::min(from + block, whole), end_);
             continue;
         }
-        // Candidates whose LEN consists of two HEADs: the majority where HEADs are dense.
+        // Candidates whose LEN consists of two HEADs: the majority in dense HEADs.
         std::uint64_t refused = heads & heads >> 4 & heads >> 5;
         if (refused != 0) [[unlikely]]
             refused = refused_together(refused, from, sums_end);
@@ -227,9 +228,9 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
     return stop_at(find_head(bytes, from, end_));
 }
 
-// The next three functions are not inlined, since they would slow down the loop above. This one returns the refused ones of
-// `candidates`, which are in the block at `from` and have a LEN of two HEADs; 0 where checking them one by one is cheaper or
-// where the sums end too early.
+// The next three functions are not inlined, because that would slow down the loop above. This one returns the refused ones of
+// `candidates`, which are in the block at `from` and have a LEN of two HEADs. It returns 0 if checking them one by one is
+// cheaper, or if the sums end too early.
 [[gnu::noinline]] std::uint64_t FrameParser::refused_together(std::uint64_t candidates, std::size_t from,
                                                               std::size_t sums_end) const noexcept {
     if (std::popcount(candidates) < worth_a_block) return 0;
@@ -244,7 +245,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
                                          : counters_.bad_check) += static_cast<unsigned>(std::popcount(heads));
 }
 
-// Called when the first check holds, which is rare.
+// Called if the first check is right, which is rare.
 [[gnu::noinline]] bool FrameParser::add_is_wrong(std::size_t at, std::size_t to) const noexcept {
     return sums_.add(at, to) != buffer_[to + 1];
 }
@@ -277,25 +278,25 @@ bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     return false;
 }
 
-// Whether an incomplete candidate is refused before its rest is there: it is not credible by what was heard, and two
-// good frames stand in a row behind its first byte. In a flood of headers it is not refused: the search would cost more than
-// the frames it finds are worth.
+// Whether an incomplete candidate is refused before its rest arrives: it is not credible by the received frames, and two
+// consecutive valid frames follow its first byte. In a flood of headers it is not refused, because the search would cost more
+// than the frames it finds are worth.
 [[gnu::noinline]] bool FrameParser::gives_way(std::size_t at) noexcept {
     if (end_ - at <= overhead || counters_.frames_in == 0 || !pairs_.can_look()) return false;
     if (heard_.makes_credible(buffer_.get() + at)) return false;
     sum_up_from(at);
-    const std::size_t to = std::min(end_, at + overhead + options_.max_data);    // of an image, only the beginning is searched
+    const std::size_t to = std::min(end_, at + overhead + options_.max_data);    // only the beginning of an image is searched
     return pairs_.stand_behind(at, {buffer_.get(), to}, sums_, heard_);
 }
 
-// Sums every byte behind a waiting candidate, since any may be needed again.
+// Sums all bytes after a waiting candidate, since any of them may be needed again.
 void FrameParser::sum_up_from(std::size_t at) noexcept {
     if (at > sums_.end()) sums_.begin(at);
     sums_.extend({buffer_.get(), end_}, end_);
     sums_until_ = end_;
 }
 
-// 0: there is no good frame.
+// 0: there is no valid frame.
 std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
     sum_up_from(at);
     while ((at = find_head(buffer_.get(), at + 1, end_)) < end_)
@@ -303,7 +304,7 @@ std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
     return 0;
 }
 
-// The next candidate behind the waiting one that is not overdue. Only the latest possible time of its arrival is known:
+// The next candidate after the waiting one that is not overdue. Of its arrival, only the latest possible time is known:
 // last_arrival_.
 std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
     std::size_t at = pos_;
@@ -370,7 +371,7 @@ TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const 
         const std::size_t wanted = overhead + (is_unchecked ? options_.max_data : length);
         overdue = since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
     }
-    // Where pauses are normal, a frame is on its way as long as its bytes come.
+    // If pauses are normal, a frame is incomplete but not overdue as long as its bytes arrive.
     return options_.frame_gap > Duration{} ? std::max(overdue, last_arrival_ + options_.frame_gap) : overdue;
 }
 
