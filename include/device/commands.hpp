@@ -1,4 +1,4 @@
-// The commands of a device (protocol text, section 4, 0xC0 to 0xC2): functions of the user, whose names and types hosts can read.
+// The commands of a device (protocol text, section 4, 0xC0 to 0xC2): functions of the user. Hosts can read their names and types.
 //
 // Flow:    commands.add({1, 0, 1}, "BLINK", "times, seconds", [](std::uint8_t times, float seconds) { ... });
 //          commands.add({1, 0, 2}, "REBOOT", "", [] { return may_reboot(); });    // false: refused, and not acknowledged
@@ -27,8 +27,8 @@ inline constexpr std::size_t max_command_values = 8;
 struct Command {
     CommandId cid{};                                      // unique in the device
     std::string name{};                                   // 1 to 20 bytes
-    std::string info{};                                   // for people; cut to what fits into a frame
-    std::vector<Type> types{};                            // of its values, which are numbers: at most 8
+    std::string info{};                                   // for people; truncated to fit into a frame
+    std::vector<Type> types{};                            // of its values, which are numbers; at most 8
     std::function<bool(std::span<const Value>)> run{};    // one value of each type; false: refused
 };
 
@@ -36,9 +36,8 @@ class Commands {
 public:
     explicit Commands(const Profile& profile) noexcept : profile_{profile} {}
 
-    /// Returns the number by which hosts ask for its description. Throws std::invalid_argument for an invalid row: no name, a cid
-    /// that is taken, no function, more than 8 values, a type that 0xC2 has no number for (text; u64 where Profile::value_type_7
-    /// is f32).
+    /// Returns the number by which hosts request its description. Throws std::invalid_argument for an invalid row: no name, a cid
+    /// in use, no function, more than 8 values, a type without a number in 0xC2 (text; u64 if Profile::value_type_7 is f32).
     std::uint16_t add(Command command);
     /// Adds a function or a lambda; the types are those of its parameters. It returns void, or bool: false refuses the command.
     template <class F>
@@ -50,7 +49,7 @@ public:
     std::size_t count() const noexcept { return rows_.size(); }
     const Command& operator[](std::size_t n) const noexcept { return rows_[n]; }
 
-    /// Runs the command that 0xC0 names. The acknowledgement follows when the function has returned.
+    /// Runs the command selected by 0xC0. The acknowledgement is sent after the function has returned.
     Outcome take(const View<"command">& command, Reply& reply);
     Outcome take(const View<"command_query">& question, Reply& reply);
 

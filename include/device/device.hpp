@@ -1,9 +1,10 @@
-// A V8 device: answers what hosts ask as the protocol text wants. No I/O, no clock: frames and a time in, frames and the next due time out.
+// A V8 device: answers hosts according to the protocol text. No I/O, no clock: frames and a time in, frames and the next due time
+// out.
 //
 // Flow:    ano::device::Device device{{.id = 0x21, .name = "Thermometer"}};
 //          device.parameters().add("OFFSET", offset, {.min = -5, .max = 5});
-//          device.take(frame, now);                                    // every good frame that comes in
-//          device.run(now);                                            // at due(), when there is one
+//          device.take(frame, now);                                    // each received valid frame
+//          device.run(now);                                            // at due(), if it has a value
 //          while (const auto out = device.next()) write(out->frame);   // after each of them
 #pragma once
 #include <ano/address.hpp>
@@ -31,23 +32,23 @@ namespace ano::device {
 /// The color of a line in the log of a host (protocol text, section 4, 0xA0).
 enum class LogColor : std::uint8_t { standard, red, green, blue };
 
-/// What was done with the received frames. Each is counted in exactly one row, except those that still wait; answers_lost
+/// The results for the received frames. Each frame is counted in exactly one row, except those that still wait; answers_lost
 /// counts answers.
 struct Counters {
     std::uint64_t not_ours = 0;       // for another address
-    std::uint64_t from_nobody = 0;    // S_ADDR is 0, 0xFF or the device's own: it can't be answered
+    std::uint64_t from_nobody = 0;    // S_ADDR is 0, 0xFF or the device's own: there is no address for the answer
     std::uint64_t too_long = 0;       // longer than Profile::max_data
-    std::uint64_t queue_full = 0;     // Profile::queue frames waited already
-    std::uint64_t crashed = 0;        // came after the crash that Profile::crashes_at_the_count simulates
-    std::uint64_t unanswered = 0;     // acknowledgements, telemetry, answers of others
+    std::uint64_t queue_full = 0;     // Profile::queue frames were already waiting
+    std::uint64_t crashed = 0;        // received after the crash that Profile::crashes_at_the_count simulates
+    std::uint64_t unanswered = 0;     // acknowledgements, telemetry, answers of other devices
     std::uint64_t unknown = 0;
     std::uint64_t malformed = 0;
     std::uint64_t refused = 0;
     std::uint64_t answered = 0;        // immediately or later
-    std::uint64_t answers_lost = 0;    // of the answered ones: Outgoing::max_frames frames waited already
+    std::uint64_t answers_lost = 0;    // of the answered ones: Outgoing::max_frames frames were already waiting
 };
 
-/// Neither throws nor sends anything by itself; exceptions of the user's functions pass through. Not thread-safe.
+/// Does not throw by itself and performs no I/O; exceptions of the user's functions are passed on. Not thread-safe.
 class Device {
 public:
     /// Throws std::invalid_argument for an id that no device may have (0, 254, 255), or a name of more than 20 bytes.
@@ -62,16 +63,17 @@ public:
     Waypoints& waypoints() noexcept { return waypoints_; }
     Firmware& firmware() noexcept { return firmware_; }
 
-    /// Takes a received good frame, whatever its destination: handles it, or queues it where the profile says so.
+    /// Processes a received valid frame with any destination: handles it, or queues it if the profile has a queue.
     void take(FrameView frame, TimePoint now, Link link = 0);
-    /// Does what is due at `now`.
+    /// Performs the work that is due at `now`.
     void run(TimePoint now);
-    /// When run() has something to do; std::nullopt while nothing is under way.
+    /// When to call run(); std::nullopt: nothing is in progress.
     std::optional<TimePoint> due() const noexcept;
-    /// The next frame to be sent, and its link; std::nullopt when no frame waits.
+    /// The next frame to be sent, and its link; std::nullopt: no frame waits.
     std::optional<Outgoing::Departure> next() noexcept { return out_.next(); }
 
-    /// Sends a message of the user from this device; false when Outgoing is full or the message has more than max_sent bytes of DATA.
+    /// Sends a message of the user from this device; false: Outgoing is full, or the message has more than max_sent bytes of
+    /// DATA.
     template <Name M, Name Label>
     bool send(const Draft<M, Label>& draft, std::uint8_t destination, Link link = every_link) noexcept {
         std::uint8_t* memory = out_.prepare();
@@ -80,8 +82,8 @@ public:
         out_.commit(size, link);
         return size != 0;
     }
-    /// Sends a line for the log of the hosts (0xA0), or one with a number (0xA1), cut to what fits into a frame. False: Outgoing is
-    /// full.
+    /// Sends a line for the log of the hosts (0xA0), or one with a number (0xA1), truncated to fit into a frame. False: Outgoing
+    /// is full.
     bool log(std::string_view text, LogColor color = LogColor::standard, std::uint8_t destination = address::host) noexcept;
     bool log(float value, std::string_view text, std::uint8_t destination = address::host) noexcept;
 

@@ -1,4 +1,4 @@
-// Receives an image as a loader does (protocol text, section 4, 0xF0): info, erase, frames, all sent, check.
+// Receives an image like a boot loader (protocol text, section 4, 0xF0): info, erase, frames, all sent, check.
 //
 // Flow:    device.firmware().allow({.max_size = 1 << 20, .install = [](const Image& image) { return write(image); }});
 #pragma once
@@ -19,7 +19,7 @@
 
 namespace ano::device {
 
-/// What 0xF0 0x01 says of an image. For a .bin, all fields except size, frame size and CRC are 0.
+/// The description of an image in 0xF0 0x01. For a .bin, all fields except size, frame size and CRC are 0.
 struct ImageInfo {
     std::uint32_t size = 0;          // bytes
     std::uint16_t frame_size = 0;    // bytes of image in each frame but the last, which may be shorter
@@ -31,18 +31,18 @@ struct ImageInfo {
     std::uint32_t cmd = 0;
 };
 
-/// A complete image, whose CRC is right.
+/// A complete image with a correct CRC.
 struct Image {
     ImageInfo info;
     Bytes bytes;    // valid during the call
 };
 
-/// Which images the device takes, and what it does with them.
+/// Which images the device accepts, and how it installs them.
 struct Flash {
     std::size_t max_size = 0;                          // bytes of an image; the memory is allocated at erase
     std::function<bool(const Image&)> install{};       // true: passed
-    std::function<bool(const ImageInfo&)> accept{};    // asked after the device's own checks; empty: yes
-    std::function<bool()> erase{};                     // false: erase failed; empty: nothing is to be erased
+    std::function<bool(const ImageInfo&)> accept{};    // called after the device's own checks; empty: yes
+    std::function<bool()> erase{};                     // false: erase failed; empty: no erase is necessary
     std::uint8_t hw_type = 0;                          // 0: the device's id
     std::optional<Crc16> crc = usual_crc16;            // std::nullopt: not checked
     Duration erase_time{}, check_time{};               // delay of the answer, to simulate slow flash
@@ -54,7 +54,7 @@ public:
 
     Firmware(const Info& info, const Profile& profile) noexcept : device_{info}, profile_{profile} {}
 
-    /// Until this is called, the device does not answer 0xF0.
+    /// Before this is called, the device does not answer 0xF0.
     void allow(Flash flash) { flash_ = std::move(flash); }
 
     State state() const noexcept { return state_; }
@@ -65,10 +65,10 @@ public:
 
     Outcome take(const View<"firmware", "info">& info, Reply& reply);
     Outcome take(const View<"firmware", "image">& frame, Reply& reply);
-    /// Handles "erase" and "all sent"; the other codes are answers. What follows "erase" is answered in the order of its bytes.
+    /// Handles "erase" and "all sent"; the other codes are answers. The frames after "erase" are answered in its byte order.
     Outcome take(const FirmwareCode& code, TimePoint now, Reply& reply);
 
-    /// When the answer to a slow step is due; std::nullopt while none is under way.
+    /// When the answer to a slow step is due; std::nullopt: none is in progress.
     std::optional<TimePoint> due() const noexcept { return due_; }
     /// Ends the slow step if it is due; returns the answer and its receiver.
     struct Late {
@@ -96,7 +96,7 @@ private:
     std::optional<Asker> asker_;    // the sender of the image
     std::optional<TimePoint> due_;
     std::vector<std::uint8_t> bytes_;
-    std::vector<bool> has_;    // by frame: was it written
+    std::vector<bool> has_;    // by frame: whether it was written
     std::size_t written_ = 0;
 };
 

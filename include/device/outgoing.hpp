@@ -1,4 +1,4 @@
-// The frames that a device has to send, stored until its program takes them.
+// The frames that a device has to send, stored until its program sends them.
 #pragma once
 #include <ano/frame.hpp>
 #include <device/profile.hpp>
@@ -11,7 +11,7 @@
 
 namespace ano::device {
 
-/// A number that the program gives to each of its links. A device answers on the link by which the question came.
+/// A number that the program assigns to each of its links. A device answers on the link on which the question was received.
 using Link = std::uint32_t;
 inline constexpr Link every_link = UINT32_MAX;    // for frames that are not answers
 
@@ -25,14 +25,15 @@ public:
         Link link;
     };
 
-    /// Memory of `room` bytes for one more frame; null while `max_frames` wait. commit() says how many bytes were used; 0: no frame.
+    /// Memory of `room` bytes for one more frame; nullptr while `max_frames` wait. The argument of commit() is the number of
+    /// bytes used; 0: no frame.
     std::uint8_t* prepare() noexcept {
         return waiting_ == max_frames ? nullptr : slots_[(first_ + waiting_) % max_frames].bytes.data();
     }
     void commit(std::size_t size, Link link) noexcept;
     static constexpr std::size_t room = overhead + max_sent;
 
-    /// Removes the oldest waiting frame and returns it; std::nullopt when none waits.
+    /// Removes the oldest waiting frame and returns it; std::nullopt: none waits.
     std::optional<Departure> next() noexcept;
     std::size_t waiting() const noexcept { return waiting_; }
 

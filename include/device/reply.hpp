@@ -1,4 +1,4 @@
-// The one answer that a frame may get (protocol text, section 3).
+// The answer to a frame: at most one (protocol text, section 3).
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/typed.hpp>
@@ -9,10 +9,10 @@
 
 namespace ano::device {
 
-/// What became of a frame.
+/// The result for a frame.
 enum class Outcome : std::uint8_t {
     answered,
-    later,         // the answer follows when the work is done
+    later,         // the answer is sent when the work is done
     unanswered,    // frames with this id are never answered
     unknown,       // an id, a number or a code that the device does not have
     malformed,     // shorter than its layout, or than the type of its value
@@ -26,8 +26,8 @@ struct Asker {
     friend constexpr bool operator==(const Asker&, const Asker&) = default;
 };
 
-/// Goes to the sender of the request, on the link by which the request came. A second answer to the same frame is not sent. When
-/// Outgoing is full, the answer is lost, as it may be lost on a line: the sender asks again.
+/// Sends the answer to the sender of the request, on the link on which the request was received. A second answer to the same
+/// frame is not sent. If Outgoing is full, the answer is lost, as it may be lost on a line, and the sender repeats the request.
 class Reply {
 public:
     Reply(FrameView request, Link link, std::uint8_t self, Outgoing& out) noexcept
@@ -40,7 +40,7 @@ public:
 
     /// 0x00 with the id and both check bytes of the request.
     Outcome acknowledge() noexcept;
-    /// `zeros`: how many bytes 0 to append to DATA, for devices whose layout is longer.
+    /// `zeros`: the number of bytes 0 to append to DATA, for devices whose layout is longer.
     template <Name M, Name Label>
     Outcome send(const Draft<M, Label>& draft, std::size_t zeros = 0) noexcept {
         if (sent_) return Outcome::answered;

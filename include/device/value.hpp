@@ -57,7 +57,7 @@ Value to_value(const T& value) {
     else return static_cast<std::int64_t>(value);
 }
 
-/// `value` converted to T, the type it was made from or a type of the same alternative.
+/// `value` converted to T, the type from which it was made or a type with the same alternative.
 template <Wire T>
 T from_value(const Value& value) {
     if constexpr (std::is_same_v<T, std::string>) {
@@ -73,22 +73,23 @@ T from_value(const Value& value) {
     }
 }
 
-/// Whether `type` can hold `value`: it is of the right alternative, and a number is within the range of the wire type.
+/// Whether `type` can represent `value`: it has the right alternative, and a number is within the range of the wire type.
 bool fits(const Value& value, Type type) noexcept;
-/// The smallest and the largest number of `type`, which is a number.
+/// The smallest and the largest value of `type`, which must be a number.
 std::pair<Value, Value> range_of(Type type);
 /// Whether `value` is NaN, which can't be compared with a limit.
 bool is_nan(const Value& value) noexcept;
 /// 0, or empty.
 Value zero_of(Type type);
 
-/// The value at the beginning of `bytes`, which for a number are at least width(type) bytes. Text ends at its first NUL or with
-/// `bytes`.
+/// The value at the beginning of `bytes`. For a number these are at least width(type) bytes. Text ends at its first NUL or at the
+/// end of `bytes`.
 Value read_value(Type type, Bytes bytes);
-/// Appends the value to `out`, as it stands on the wire. An empty text is one NUL: a value has at least one byte.
+/// Appends the value to `out` in its wire format. An empty text is one NUL: a value has at least one byte.
 void append_value(std::vector<std::uint8_t>& out, Type type, const Value& value);
 
-/// The value times `factor` as i32, as which older devices send every number: clamped to its range, fractions rounded. Text is 0.
+/// The value times `factor` as i32, for older devices that send every number as i32: clamped to its range, fractions rounded.
+/// Text is 0.
 std::int32_t as_i32(const Value& value, std::int32_t factor = 1) noexcept;
 /// The number of `type` nearest to `number` / `factor`.
 Value from_i32(Type type, std::int32_t number, std::int32_t factor = 1);

@@ -27,20 +27,20 @@ public:
     /// A count of 255 can't be reported: the byte 255 in a 0x60 asks for the count.
     static constexpr std::size_t max_waypoints = 254;
 
-    /// Sets how many may be written, at most `max_waypoints`. 0, the initial value: the device has no waypoints and does not answer
-    /// questions about them.
+    /// Sets the maximum number of waypoints, at most `max_waypoints`. 0, the initial value: the device has no waypoints and does
+    /// not answer questions about them.
     void allow(std::size_t count);
     /// `may` is called before a waypoint is stored; false: refused, and not acknowledged.
     void on_write(std::function<bool(std::size_t number, const Waypoint&)> may) { may_ = std::move(may); }
 
     std::size_t count() const noexcept { return list_.size(); }
     const Waypoint& operator[](std::size_t number) const noexcept { return list_[number]; }
-    /// For the program itself: keeps the first `count`, at most as many as allowed; new ones are all 0.
+    /// For the program itself: keeps the first `count` waypoints, at most the allowed number; new ones are all 0.
     void resize(std::size_t count) { list_.resize(count < allowed_ ? count : allowed_); }
     void set(std::size_t number, const Waypoint& waypoint) noexcept { list_[number] = waypoint; }
 
     Outcome take(const View<"waypoint_read">& question, Reply& reply) const;
-    /// Answers 0x61, which is always a write here.
+    /// Answers 0x61, which to a device is always a write.
     Outcome take(const View<"waypoint">& written, Reply& reply);
 
 private:
