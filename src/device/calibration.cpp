@@ -1,4 +1,4 @@
-// The names of calibration parameters (protocol text, section 4). A host finds the first and the last by name, and counts the
+// The names of calibration parameters (protocol text, section 4). A host finds the first and the last by name, and derives the
 // ids between them.
 #include <device/parameters.hpp>
 

@@ -12,8 +12,8 @@ namespace {
 constexpr std::uint8_t query_count = 0;
 constexpr std::uint8_t query_describe = 1;
 
-/// The number that stands for `type` in 0xC2; std::nullopt when there is none. f32 has two: 9 in the newest generation, the only one
-/// with numbers beyond 7, and 7 in those before.
+/// The number of `type` in 0xC2; std::nullopt: there is none. f32 has two numbers: 9 in the newest generation, the only one with
+/// numbers above 7, and 7 in the older ones.
 std::optional<std::uint8_t> val_type_of(Type type, const Profile& profile, bool is_newest) noexcept {
     if (type == Type::f32) return is_newest ? 9 : 7;
     for (std::uint8_t number = 1; number <= 10; ++number)
@@ -61,7 +61,7 @@ bool Commands::values_of(const Command& row, Bytes bytes, FrameView frame) {
     std::array<std::uint8_t, max_command_values * sizeof(std::uint64_t)> filled{};
     if (bytes.size() < needed) {
         if (!profile_.reads_behind_the_end) return false;
-        const Bytes to_the_end = frame.bytes().last(bytes.size() + 2);    // SC and AC stand behind it
+        const Bytes to_the_end = frame.bytes().last(bytes.size() + 2);    // including SC and AC after it
         std::copy_n(to_the_end.begin(), std::min(to_the_end.size(), filled.size()), filled.begin());
         bytes = filled;
     }
@@ -82,7 +82,7 @@ Outcome Commands::take(const View<"command_query">& question, Reply& reply) {
     }
 }
 
-// As with parameters: the answer looks like the question, and another device must not take it for one.
+// As with parameters: the answer has the form of the question, and another device must not answer it as a question.
 Outcome Commands::tell_count(const View<"command_query">& question, Reply& reply) const {
     const bool asked_by_host = reply.asker().address == address::host;
     if (!asked_by_host && (question.get<"val">() != 0 || rows_.empty())) return Outcome::unanswered;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint8_t cmd_info = 0;    // of 0xE0
 
-// Calls `f` with the message; a frame that does not have its layout is malformed.
+// Calls `f` with the message; a frame without its layout is malformed.
 template <Name M, Name Label = "", class F>
 Outcome with(FrameView frame, F&& f) {
     const auto view = as<M, Label>(frame);
@@ -46,7 +46,7 @@ void Device::enqueue(FrameView frame, TimePoint now, Link link) {
     queue_.push_back({{frame.bytes().begin(), frame.bytes().end()}, link, begin + profile_.handling});
 }
 
-// Work is done in the order in which it is due, however late run() is called.
+// Performs the work in the order in which it is due, even if run() is called late.
 void Device::run(TimePoint now) {
     for (auto at = due(); at && *at <= now; at = due()) {
         if (firmware_.due() == at) end_firmware_step(*at);
@@ -96,7 +96,7 @@ Outcome Device::firmware_step(FrameView frame, TimePoint now, Reply& reply) {
     if (const auto image = as<"firmware", "image">(frame)) return firmware_.take(*image, reply);
     const auto code = firmware_code_in(frame);
     if (!code) return Outcome::malformed;
-    if (code->is_of_frame) return Outcome::unanswered;    // an answer of another device's loader
+    if (code->is_of_frame) return Outcome::unanswered;    // an answer of the loader of another device
     return firmware_.take(*code, now, reply);
 }
 

@@ -34,7 +34,7 @@ bool Firmware::is_ours(const ImageInfo& info) const {
     return !flash_.accept || flash_.accept(info);
 }
 
-// A host that begins again replaces one that went away. Refusing an image does not change the upgrade under way.
+// A host that starts again replaces one that stopped. A refused image does not change the upgrade in progress.
 Outcome Firmware::take(const View<"firmware", "info">& view, Reply& reply) {
     if (flash_.max_size == 0) return Outcome::unknown;
     if (due_) return Outcome::refused;
@@ -89,8 +89,8 @@ Outcome Firmware::take(const View<"firmware", "image">& frame, Reply& reply) {
     return tell_of_frame(Draft<"firmware", "written">{});
 }
 
-// The same frame again is no error: its "written" was lost. A different frame of the same number is one, since flash is written
-// once. The last frame is as long as the rest of the image, or filled up.
+// A repeated frame is no error: the answer "written" was lost. A different frame with the same number is one, since flash is
+// written once. The last frame has the length of the rest of the image, or is padded.
 bool Firmware::store(std::size_t number, Bytes bytes) {
     if (number >= has_.size()) return false;
     if (profile_.frames_in_order && number > written_) return false;
@@ -109,7 +109,7 @@ bool Firmware::store(std::size_t number, Bytes bytes) {
 Outcome Firmware::check(TimePoint now, Reply& reply) {
     if (due_) return Outcome::refused;
     if (asker_ != reply.asker()) return tell(reply, check_failed);
-    if (state_ == State::passed) return tell(reply, check_passed);    // the answer was lost: it is not installed twice
+    if (state_ == State::passed) return tell(reply, check_passed);    // the answer was lost: the image is not installed twice
     if (state_ != State::receiving) return tell(reply, check_failed);
     state_ = State::checking;
     if (flash_.check_time <= Duration::zero()) return tell(reply, end_checking());

@@ -98,8 +98,8 @@ Outcome Parameters::take(const View<"parameter_command">& question, Reply& reply
     }
 }
 
-// The answer looks like the question, so two devices would answer each other for ever. Therefore only a host may ask with any val
-// (in the protocol text it has no meaning), and only a host is told that there are no parameters.
+// The answer has the form of the question, so two devices would answer each other forever. Therefore only a host may ask with any
+// val (which has no meaning in the protocol text), and only a host gets the answer that there are no parameters.
 Outcome Parameters::tell_count(const View<"parameter_command">& question, Reply& reply) {
     const bool asked_by_host = reply.asker().address == address::host;
     if (!asked_by_host && (question.get<"val">() != 0 || rows_.empty())) return Outcome::unanswered;
@@ -143,7 +143,7 @@ Outcome Parameters::describe_as_of_old(std::uint16_t id, Reply& reply) const {
     return all ? reply.send(answer) : Outcome::unknown;
 }
 
-// The range is that of the value, which is not multiplied.
+// The range is that of the value without the factor.
 Outcome Parameters::describe_scaled(std::uint16_t id, Reply& reply) const {
     const Parameter& row = rows_[id];
     const bool is_text = row.type == Type::text;
@@ -160,7 +160,7 @@ Outcome Parameters::describe_scaled(std::uint16_t id, Reply& reply) const {
     return all ? reply.send(answer) : Outcome::unknown;
 }
 
-// By which the value is multiplied in 0xE1.
+// The factor by which the value is multiplied in 0xE1.
 std::int32_t Parameters::factor_of(const Parameter& row) const noexcept {
     const bool is_real = row.type == Type::f32 || row.type == Type::f64;
     if (!profile_.scaled_values || !is_real) return 1;
@@ -188,7 +188,7 @@ std::optional<Value> Parameters::value_written(const Parameter& row, const View<
     };
     if (is_whole_value(bytes.size(), type)) return value(bytes);
     if (!profile_.reads_behind_the_end || type == Type::text) return std::nullopt;
-    const Bytes to_the_end = frame.bytes().last(bytes.size() + 2);    // SC and AC stand behind it
+    const Bytes to_the_end = frame.bytes().last(bytes.size() + 2);    // including SC and AC after it
     std::copy_n(to_the_end.begin(), std::min(to_the_end.size(), filled.size()), filled.begin());
     return value(filled);
 }
@@ -218,7 +218,7 @@ bool Parameters::act(std::uint16_t action, bool& known) {
     case Action::store_accelerometer: return of_calibration("CAL_A", save);
     case Action::clear_compass: return of_calibration("CAL_M", clear);
     case Action::store_compass: return of_calibration("CAL_M", save);
-    default: known = false; return false;    // also Action::save, which only a function of the user can do
+    default: known = false; return false;    // also Action::save, which needs a function of the user
     }
 }
 

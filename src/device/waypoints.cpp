@@ -39,7 +39,7 @@ Outcome Waypoints::take(const View<"waypoint_read">& question, Reply& reply) con
                      answer.set<"spd">(w.spd) && answer.set<"yaw">(w.yaw) && answer.set<"fun">(w.fun) &&
                      answer.set<"cmd1">(w.cmd[0]) && answer.set<"cmd2">(w.cmd[1]) && answer.set<"cmd3">(w.cmd[2]) &&
                      answer.set<"cmd4">(w.cmd[3]);
-    return all ? reply.send(answer) : Outcome::unknown;    // false is not possible for values that a host has written
+    return all ? reply.send(answer) : Outcome::unknown;    // always true for values that a host has written
 }
 
 Outcome Waypoints::take(const View<"waypoint">& written, Reply& reply) {
