@@ -9,7 +9,7 @@ namespace {
 
 Reach reach_of(const LinkSettings& link) { return link.kind->reach ? link.kind->reach(link) : Reach::here; }
 
-/// The first link with peers in the network whose tunnel frames are carried; empty: there is none.
+/// The first link with peers in the network whose tunnel frames the tunnel sends; empty: there is none.
 std::string open_tunnel_link(const Settings& settings) {
     for (const LinkSettings& link : settings.links) {
         const std::vector<std::string>& carried = settings.tunnel->links;

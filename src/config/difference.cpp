@@ -47,7 +47,7 @@ std::vector<std::string> differences_of(const Values& before, const Values& afte
     return lines;
 }
 
-/// For a list whose order means nothing.
+/// For a list whose order has no meaning.
 std::vector<std::string> differences_of_list(const std::string& name, const Json& before, const Json& after) {
     std::vector<std::string> lines;
     Json rest = after;
@@ -60,7 +60,7 @@ std::vector<std::string> differences_of_list(const std::string& name, const Json
     return lines;
 }
 
-/// One configuration, split into the parts that are compared.
+/// One configuration, divided into the parts that are compared.
 class Document {
 public:
     explicit Document(const Settings& settings) : settings_{settings}, json_(Json::parse(print_config(settings))) {}
@@ -72,7 +72,7 @@ public:
         if (settings_.tunnel) names.emplace_back("tunnel");
         return names;
     }
-    /// All settings that a link is made from; empty: there is no link of this name.
+    /// All settings of a link; empty: there is no link with this name.
     Values link(const std::string& name) const {
         if (name == "tunnel") return tunnel();
         Values values;
@@ -97,7 +97,7 @@ private:
         if (!settings_.tunnel) return values;
         add_values(json_["tunnel"], "", values);
         if (settings_.gateway.id != 0) values.emplace_back("gateway.id", std::to_string(settings_.gateway.id));
-        std::uint16_t largest = LinkSettings{}.max_data;    // frames of this size must have room in the tunnel
+        std::uint16_t largest = LinkSettings{}.max_data;    // the tunnel must have room for frames of this size
         for (const LinkSettings& link : settings_.links) largest = std::max(largest, link.max_data);
         values.emplace_back("largest max_data of the links", std::to_string(largest));
         return values;
@@ -125,7 +125,7 @@ std::vector<LinkDifference> differences_of_links(const Document& before, const D
     return links;
 }
 
-/// Whether the links that are in both have another order.
+/// Whether the links that are in both have a different order.
 bool are_reordered(const Document& before, const Document& after) {
     std::vector<std::string> were = before.names(), are = after.names();
     const auto only_in_one = [](const std::vector<std::string>& all) {

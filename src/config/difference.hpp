@@ -1,4 +1,4 @@
-// The differences between two configurations, link by link, as key: before -> after.
+// The differences between two configurations, per link, as key: before -> after.
 #pragma once
 #include <gateway/settings.hpp>
 
@@ -29,11 +29,11 @@ struct Difference {
     Change of(std::string_view link) const noexcept;
 };
 
-/// Both must be valid. Links are matched by name; what belongs to a link but is configured elsewhere (its aliases, the GPIO line
-/// of its transceiver) counts as part of it.
+/// Both must be valid. Links are matched by name. Settings of a link that are configured elsewhere (its aliases, the GPIO line of
+/// its transceiver) count as part of it.
 Difference difference(const Settings& before, const Settings& after);
 
-/// `after`, but with the settings of `running` that only a restart can change: the control socket and the place of the log.
+/// `after`, but with the settings of `running` that only a restart can change: `control`, and the file and rotation of the log.
 Settings without_restart(const Settings& running, Settings after);
 
 }    // namespace anogate

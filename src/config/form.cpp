@@ -39,7 +39,7 @@ std::optional<Words> count_or_text_words(const json& value) {
     return value.is_string() || value.is_number_unsigned() ? integer_or_text_words(value) : std::nullopt;
 }
 
-/// The entries of an array; std::nullopt when `is_word` refuses one.
+/// The entries of an array; std::nullopt: `is_word` refuses one.
 std::optional<Words> words_of_list(const json& value, bool (*is_word)(const json&)) {
     if (!value.is_array()) return std::nullopt;
     Words words;
@@ -52,7 +52,7 @@ std::optional<Words> words_of_list(const json& value, bool (*is_word)(const json
 
 bool has(const json& text, char c) { return text.get_ref<const std::string&>().find(c) != std::string::npos; }
 
-// A single text is one word here; only a LINK text joins several by +.
+// A single text is one word here; only in a LINK text several are joined by +.
 std::optional<Words> list_words(const json& value) {
     if (value.is_array() && value.empty()) return std::nullopt;
     return words_of_list(value,
@@ -72,7 +72,7 @@ std::optional<Words> joined_names_words(const json& value) {
 // For Form::limits, whose entries are read one by one.
 std::optional<Words> no_words(const json&) { return std::nullopt; }
 
-// FormRow::print. printed() takes an empty list or text as not set.
+// FormRow::print. printed() treats an empty list or text as not set.
 
 Json print_boolean(const KeyFacts&, const Value& value) { return std::get<bool>(value); }
 Json print_number(const KeyFacts&, const Value& value) { return std::get<std::uint64_t>(value); }
@@ -405,7 +405,7 @@ constexpr bool are_in_order() {
 }
 static_assert(are_in_order());
 
-/// Whether a single text was given where JSON needs a list: only a LINK text joins several by +.
+/// Whether a single text was used where JSON requires a list: only in a LINK text several are joined by +.
 bool lacks_brackets(const KeyFacts& key, const json& value) {
     return row_of(key.form).is_joined && !value.is_array() &&
            (key.form != Form::networks || (value.is_string() && value != "any"));

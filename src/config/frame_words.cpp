@@ -11,7 +11,7 @@
 namespace anogate {
 namespace {
 
-constexpr double min_rate = 0.001, max_rate = 1'000'000;    // frames a second
+constexpr double min_rate = 0.001, max_rate = 1'000'000;    // frames per second
 
 std::vector<ByteRange> ids_of(ano::TrafficClass traffic) {
     std::vector<ByteRange> ranges;

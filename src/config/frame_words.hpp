@@ -1,4 +1,4 @@
-// The words by which rules name frames: ids, messages and traffic classes; and hardware ids for their source and destination.
+// The words for frames in rules: ids, messages and traffic classes; and hardware ids for source and destination.
 #pragma once
 #include <gateway/filter.hpp>
 
@@ -9,21 +9,21 @@
 
 namespace anogate {
 
-/// An id (0xF0, 240), a range of them (0x01-0x0F), the name of a message (firmware) or of a traffic class (telemetry).
-/// std::nullopt when it is none of these.
+/// An id (0xF0, 240), a range of ids (0x01-0x0F), the name of a message (firmware) or of a traffic class (telemetry).
+/// std::nullopt: none of these.
 std::optional<std::vector<ByteRange>> parse_frames(std::string_view text);
-/// All words that parse_frames() knows, for suggestions.
+/// All words that parse_frames() accepts, for suggestions.
 std::vector<std::string_view> frame_words();
 
-/// " (did you mean '0xDC-0xDE'?)" for addresses or ids in hex that lack their 0x, or "".
+/// " (did you mean '0xDC-0xDE'?)" for addresses or ids in hex without 0x, or "".
 std::string meant_addresses(std::string_view text);
-/// The same, or a suggestion of a word of parse_frames() that `text` probably misspells.
+/// The same, or a suggestion of a word of parse_frames() that is similar to `text`.
 std::string meant_frames(std::string_view text);
 
 /// In hex: 0x01 or 0xF0-0xF1.
 std::string range_text(ByteRange range);
 
-/// The rate limit of one id or message, or what is wrong with it.
+/// The rate limit of one id or message, or the error.
 struct LimitText {
     std::optional<LimitRule> rule;
     std::string error;

@@ -38,7 +38,7 @@ std::string links(LinkKinds kinds) {
         for (const Key<LinkSettings>& key : kind->keys)
             if (key.name != kind->address) text += key_line(key, usual, 4, "=");
         for (const Key<LinkSettings>* key : keys_of(*kind, kinds).keys)
-            if (!key->kinds.empty()) text += key_line(*key, usual, 4, "=");    // a common key that only some kinds have
+            if (!key->kinds.empty()) text += key_line(*key, usual, 4, "=");    // a common key of some kinds only
     }
     text += "Keys of every link; a key alone means true; send.deny=... is {\"send\": {\"deny\": [...]}} in the file:\n";
     for (const Key<LinkSettings>& key : common_link_keys())
@@ -46,7 +46,7 @@ std::string links(LinkKinds kinds) {
     return text;
 }
 
-/// Which key in the file holds the ADDRESS, for each kind.
+/// The key for the ADDRESS in the file, for each kind.
 std::string link_objects(LinkKinds kinds) {
     std::string text = "  links: a list of LINK texts, or of objects with \"kind\", the keys above, and the address:\n";
     for (const LinkKind* kind : kinds) {

@@ -1,4 +1,4 @@
-// The texts of --help about links and the configuration file, made from the tables of keys and kinds.
+// The texts of --help about links and the configuration file, generated from the tables of keys and kinds.
 #pragma once
 #include <config/link_kind.hpp>
 
@@ -7,10 +7,10 @@
 
 namespace anogate {
 
-/// What a key does, followed by its default `usual`, unless the help text names a default itself.
+/// The description of a key, followed by its default `usual`, unless the help text already contains a default.
 std::string help_of(const KeyFacts& key, const std::optional<std::string>& usual);
 
-/// What fits on one screen of a terminal: the kinds of links and the usual options. `default_file`: the configuration without a LINK.
+/// The kinds of links and the common options, on one screen of a terminal. `default_file`: the configuration used without a LINK.
 std::string short_help(LinkKinds kinds, const std::string& default_file);
 std::string links_and_keys_help(LinkKinds kinds);
 

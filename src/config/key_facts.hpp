@@ -1,4 +1,4 @@
-// The facts of a configuration key that do not depend on the type of its setting, and the texts of its errors.
+// The properties of a configuration key that do not depend on the type of its setting, and the texts of its errors.
 #pragma once
 #include <ano_json/text.hpp>
 #include <config/form.hpp>
@@ -16,21 +16,22 @@ struct KeyFacts {
     std::string_view name;
     Form form{};
     std::string_view help;
-    std::uint64_t min = 0, max = 0;    // of a number, in thousandths, ms or bytes by its form; of a text: its length in bytes
+    std::uint64_t min = 0, max = 0;    // of a number, in thousandths, ms or bytes depending on its form; of a text: its length in
+                                       // bytes
     std::string_view choices{};        // "none|even|odd", in the order of the enumeration
-    std::string_view kinds{};          // the uses of GPIO lines, or the sort of links, that have this key; empty: all
+    std::string_view kinds{};          // the uses of GPIO lines, or the group of link kinds, with this key; empty: all
     std::string_view option{};         // the command-line option that sets it: "--id"
-    std::string_view stands_for{};     // the placeholder in help texts: "PATH"; empty: that of the form
+    std::string_view stands_for{};     // the placeholder in help texts: "PATH"; empty: the one of the form
     bool required = false;
     bool is_local = false;       // an endpoint of this computer
     bool is_v4 = false;          // networks of IPv4 only: "any" is 0.0.0.0/0
-    bool takes_hosts = false;    // host names beside networks or an IP address
+    bool takes_hosts = false;    // host names are allowed besides networks or an IP address
 
-    /// Whether GPIO lines of the use `kind` have this key. An empty `kind` has every key.
+    /// Whether GPIO lines of the use `kind` have this key. True for an empty `kind`.
     bool is_of(std::string_view kind) const;
 };
 
-/// What the value must be: "a whole number from 1 to 20".
+/// A description of valid values: "a whole number from 1 to 20".
 std::string expected(const KeyFacts& key);
 /// "'baud' must be a whole number from 1 to 20, not X"; `given` is X, quoted by the caller if it is text.
 std::string must_be(const KeyFacts& key, const std::string& given);
@@ -43,7 +44,7 @@ std::string unknown_key(std::string_view name, const std::vector<std::string_vie
 
 using ano::in_quotes;
 
-/// The pieces of `text` between separators; one empty piece for an empty text.
+/// The parts of `text` between separators; one empty part for an empty text.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Functions that make rows of keys: endpoint<own<UdpSettings>, &UdpSettings::peer>("address", "the peer's IP:PORT") | needed.
+// Functions that create rows of keys: endpoint<own<UdpSettings>, &UdpSettings::peer>("address", "the peer's IP:PORT") | needed.
 #pragma once
 #include <config/keys.hpp>
 
@@ -12,7 +12,7 @@
 
 namespace anogate::key_rows {
 
-/// The first step to a field in the settings that only one kind of link has.
+/// The first step to a field in the settings of one kind of link.
 template <class Struct>
 struct Own {
     Struct& operator()(LinkSettings& link) const { return link.as<Struct>(); }
@@ -26,7 +26,7 @@ Class section_of(Member Class::*);
 template <class Struct>
 LinkSettings section_of(Own<Struct>);
 
-/// The field that the steps lead to, one after the other.
+/// The field at the end of the steps, applied one after the other.
 template <class Object, class Step, class... Steps>
 auto& reach(Object& object, Step step, Steps... steps) {
     const auto next = [&]() -> auto& {
@@ -42,7 +42,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// `value` must have the type that the key's form reads; it must match the type of the field.
+/// `value` must have the type of the key's form, which must match the type of the field.
 template <class Field>
 void store(const KeyFacts& key, Value value, Field& field) {
     if constexpr (is_optional<Field>) {
@@ -75,7 +75,7 @@ Value value_of(const KeyFacts& key, const Field& field) {
     }
 }
 
-/// A row for the field that is reached by First and then Rest.
+/// A row for the field at the end of First and then Rest.
 template <auto First, auto... Rest>
 constexpr auto row(KeyFacts facts) {
     using Section = decltype(section_of(First));
@@ -146,7 +146,7 @@ constexpr auto host(std::string_view name, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::host, .help = help});
 }
 
-/// A list of networks in one field and a bool "any network" in another, both in the struct of one kind of link.
+/// A list of networks in one field and a bool "any network" in another, both in the settings of one kind of link.
 template <class Struct, bool Struct::*any, std::vector<Network> Struct::*list>
 constexpr auto networks(std::string_view name, std::string_view help) {
     return Key<LinkSettings>{{.name = name, .form = Form::networks, .help = help},
@@ -162,7 +162,7 @@ constexpr auto networks(std::string_view name, std::string_view help) {
                              }};
 }
 
-// Flags that `row | flag` sets.
+// Modifiers of a row: `row | flag`.
 
 template <class Section>
 constexpr Key<Section> operator|(Key<Section> key, auto change) {

@@ -1,5 +1,6 @@
-// Every key of the configuration is defined once, as a row of a table: the JSON file, LINK texts, command-line options,
-// --print-config, --help and the JSON Schema are loops over these rows. The rows of one kind of link are in the file of that kind.
+// Each key of the configuration is defined once, as a row of a table. The JSON file, LINK texts, command-line options,
+// --print-config, --help and the JSON Schema are loops over these rows. The rows of one kind of link are in the file of that
+// kind.
 #pragma once
 #include <config/key_facts.hpp>
 #include <gateway/settings.hpp>
@@ -19,9 +20,9 @@ struct Key : KeyFacts {
     Value (*get)(const KeyFacts&, const Section&) = nullptr;
     std::string (*put)(const KeyFacts&, Value, Section&) = nullptr;
 
-    /// The value in `section` as text; std::nullopt when it is not set.
+    /// The value in `section` as text; std::nullopt: it is not set.
     std::optional<std::string> text_in(const Section& section) const { return text_of(*this, get(*this, section)); }
-    /// Sets it and returns "", or returns what is wrong with `text` and changes nothing.
+    /// Sets it and returns "", or returns the error for `text` and changes nothing.
     std::string set(std::string_view text, Section& section) const {
         Value value;
         std::string error = read_text(*this, text, value);
@@ -39,8 +40,8 @@ template <class Section>
 using Keys = std::span<const Key<Section>>;
 
 Keys<GatewaySettings> gateway_keys() noexcept;
-/// The keys that links of every kind have, except `rate` and `latency` (kinds that may be paced only), `gap` and
-/// `frame_gap` (streams of bytes), `pack` and `mtu` (datagrams only). keys_of() in link_kind.hpp returns all keys of one kind.
+/// The keys of all kinds of links, except `rate` and `latency` (only kinds that may be paced), `gap` and `frame_gap` (streams of
+/// bytes), `pack` and `mtu` (only datagrams). keys_of() in link_kind.hpp returns all keys of one kind.
 Keys<LinkSettings> common_link_keys() noexcept;
 Keys<RouteSettings> route_keys() noexcept;
 Keys<AliasSettings> alias_keys() noexcept;
@@ -60,13 +61,13 @@ struct KeyList {
     std::vector<const Key<Section>*> keys;
     std::function<std::string(std::string_view)> unknown;
 
-    /// nullptr when there is none of that name.
+    /// nullptr: there is none with that name.
     const Key<Section>* find(std::string_view name) const {
         for (const Key<Section>* key : keys)
             if (key->name == name) return key;
         return nullptr;
     }
-    /// Whether `name` is an object of keys: "send" of "send.deny".
+    /// Whether `name` is an object that contains keys: "send" of "send.deny".
     bool has_object(std::string_view name) const {
         for (const Key<Section>* key : keys)
             if (key->name.starts_with(name) && key->name.substr(name.size()).starts_with('.')) return true;

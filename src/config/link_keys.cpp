@@ -95,7 +95,7 @@ constexpr Key<L> own_rows[] = {
 
 constexpr auto rows = own_rows + rules_of<L, &L::rules>();
 
-// Keys about frames that leave: links that only receive do not have them.
+// Keys for sent frames: links that only receive do not have them.
 bool is_for_takers(std::string_view key) {
     constexpr std::string_view keys[] = {"id",    "max_data_out", "hello",       "queue",         "flood",   "broadcast",
                                          "group", "present_as",   "age.control", "age.telemetry", "age.rest"};
@@ -117,7 +117,7 @@ auto place_of(const LinkKind* kind) {
     return std::tuple{kind->carries == Carries::datagrams, kind->carries != Carries::bytes, kind->listens};
 }
 
-/// The kinds that have a key of this name; in the order of the table when it is a key of its own kind.
+/// The kinds that have a key with this name, for error texts. For a key in the tables of single kinds, in the order of `kinds`.
 std::vector<std::string_view> owners_of(std::string_view name, LinkKinds kinds) {
     std::vector<std::string_view> owners;
     for (const LinkKind* kind : kinds)

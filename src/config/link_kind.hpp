@@ -1,4 +1,4 @@
-// A kind of link is one row, in the source file of that kind. The rows are listed in src/link/kinds.cpp.
+// A kind of link is one row, in the source file of that kind. src/link/kinds.cpp lists the rows.
 #pragma once
 #include <config/keys.hpp>
 #include <gateway/hints.hpp>
@@ -23,18 +23,18 @@ struct LinkKind;
 
 using LinkKinds = std::span<const LinkKind* const>;
 
-/// What the wire of a link carries.
+/// The units that the wire of a link transports.
 enum class Carries : std::uint8_t {
     bytes,        // a stream without timestamps
-    datagrams,    // each holds one frame or several
-    pieces,       // each holds a part of a frame: CAN frames
+    datagrams,    // each contains one or more frames
+    pieces,       // each contains a part of a frame: CAN frames
 };
 
-/// Who may send to us by a link.
+/// Which senders can reach us on a link.
 enum class Reach : std::uint8_t {
-    here,              // programs of this computer and devices wired to it
+    here,              // programs of this computer and devices connected to it
     network,           // some peers in a network
-    whole_networks,    // everybody in every network of this computer
+    whole_networks,    // all hosts in all networks of this computer
 };
 
 struct LineRate {
@@ -56,14 +56,14 @@ struct PeerPort {
     std::string_view key{};
 };
 
-/// A path in the file system that a link names by its ADDRESS.
+/// A path in the file system, from the ADDRESS of a link.
 struct LinkPath {
     std::string path;
     bool is_made = false;    // the link creates it; otherwise it opens an existing port
 };
 
-/// The error for something that two links of one kind can't share: `what`, the other link, `rest`, as in
-/// "'device' '/dev/x' is already used by " … and `rest`.
+/// The error for a resource that two links of one kind can't share: `what`, the other link, `rest`, as in "'device' '/dev/x' is
+/// already used by " … and `rest`.
 struct SharedByTwo {
     std::string_view key;
     std::string what;
@@ -72,26 +72,27 @@ struct SharedByTwo {
 
 /// How a GPIO line switches the RS-485 transceiver of a link to sending.
 struct Rs485 {
-    /// Why these settings do not allow it: "uses the RTS line"; empty: they do.
+    /// Why these settings do not allow it: "uses the RTS line"; empty: they allow it.
     std::string (*fault)(const LinkSettings&);
-    /// Called before start(). `send(true)` switches the transceiver to sending, `send(false)` back.
+    /// Called before start(). `send(true)` switches the transceiver to sending, `send(false)` to receiving.
     void (*use)(Link&, bool active_low, std::function<void(bool)> send);
 };
 
-/// A function pointer is null where the kind has nothing of that sort.
+/// A function pointer is null if it does not apply to the kind.
 struct LinkKind {
     std::string_view name{};       // "serial"
     std::string_view address{};    // the key whose value is the ADDRESS of a LINK text: "device"
     std::string_view example{};    // of an ADDRESS
     std::string_view help{};
     Carries carries = Carries::bytes;
-    bool over_network = false;          // a stream that networks may deliver with pauses inside of frames
+    bool over_network = false;          // a stream in which a network may cause pauses inside frames
     bool encrypts = false;              // by TLS
-    bool listens = false;               // has one channel for each peer and waits for peers; it can't send first
+    bool listens = false;               // has one channel per peer and waits for peers; it can't send first
     bool may_be_paced = false;          // it has the keys `rate` and `latency`
-    bool devices_only = false;          // only devices are at the other end: no gateway probes are sent there
-    bool replays = false;               // plays a recording: takes no frames, and its frames do not mean that a device is present
-    std::string_view number_means{};    // the key that a lone number in a LINK text sets
+    bool devices_only = false;          // all other ends are devices: no gateway probes are sent there
+    bool replays = false;               // plays a recording: accepts no frames, and its frames do not show that a device is
+                                        // present
+    std::string_view number_means{};    // the key set by a number without a key in a LINK text
     LinkHints hints{};
 
     Keys<LinkSettings> keys{};               // in addition to the common ones
@@ -100,30 +101,30 @@ struct LinkKind {
 
     std::string (*usual_name)(const LinkSettings&) = nullptr;    // for a link without a name
     LineRate (*line_rate)(const LinkSettings&) = nullptr;
-    bool (*has_uart)(const LinkSettings&) = nullptr;    // devices receive by a UART there: bytes outside of frames may be sent
+    bool (*has_uart)(const LinkSettings&) = nullptr;    // devices receive with a UART there: bytes outside of frames may be sent
     std::optional<BoundPort> (*bound_port)(const LinkSettings&) = nullptr;
     std::optional<PeerPort> (*connects_to)(const LinkSettings&) = nullptr;
     LinkPath (*path)(const LinkSettings&) = nullptr;
     Reach (*reach)(const LinkSettings&) = nullptr;
     const Rs485* rs485 = nullptr;
 
-    /// Adds what is wrong with one link, regardless of the others.
+    /// Adds the errors of one link, independent of other links.
     void (*validate)(const LinkSettings&, LinkFaults&) = nullptr;
-    /// What both of two links of the kind use although they can't share it; std::nullopt: nothing.
+    /// The resource that two links of the kind both use and can't share; std::nullopt: none.
     std::optional<SharedByTwo> (*shared)(const LinkSettings&, const LinkSettings&) = nullptr;
-    /// The LINK that a text without a kind probably means: "'serial:/dev/ttyUSB0'"; empty: none of this kind.
+    /// The LINK that was probably meant by a text without a kind: "'serial:/dev/ttyUSB0'"; empty: none of this kind.
     std::string (*meant_by)(std::string_view text) = nullptr;
-    /// A hint about a key that users expect and this kind does not have; empty: no hint.
+    /// A hint about a key that users expect but this kind does not have; empty: no hint.
     std::string (*about_key)(std::string_view name) = nullptr;
 };
 
-/// The kind of a link whose kind is unknown.
+/// The kind of a link with an unknown kind.
 extern const LinkKind no_link_kind;
 
 /// Collects errors and warnings of one link.
 class LinkFaults {
 public:
-    /// False: the link had errors when it was read, so that its settings are incomplete.
+    /// False: the link had errors when it was read, so its settings are incomplete.
     virtual bool is_whole() const = 0;
     virtual void error(std::string_view key, std::string what) = 0;
     virtual void warning(std::string_view key, const std::string& what) = 0;
@@ -132,31 +133,31 @@ protected:
     ~LinkFaults() = default;
 };
 
-/// nullptr when no kind has that name.
+/// nullptr: no kind has that name.
 const LinkKind* find_link_kind(LinkKinds kinds, std::string_view name) noexcept;
 
-/// The keys of links of `kind`: its own, then the common keys that apply to it. `kinds` is for errors about keys of other
+/// The keys of links of `kind`: its own, then the common keys that apply to it. `kinds` is used for errors about keys of other
 /// kinds.
 KeyList<LinkSettings> keys_of(const LinkKind& kind, LinkKinds kinds);
-/// The key `name` of any kind or of all links; nullptr when there is none.
+/// The key `name` of any kind or of all links; nullptr: there is none.
 const Key<LinkSettings>* find_key_of_any(LinkKinds kinds, std::string_view name);
 
-/// A link of `kind` with all defaults; its `queue` is 0: not given yet.
+/// A link of `kind` with all defaults; its `queue` is 0: not set yet.
 LinkSettings new_link(const LinkKind& kind);
 
-/// How often it sends without being asked; zero: never. A listening socket has no peer to send to.
+/// The interval of hellos; zero: never. A listening socket has no peer to send to.
 Duration hello_interval(const LinkSettings& link) noexcept;
-/// The rate of the line in bytes/s, as far as the settings tell; 0: not known.
+/// The rate of the line in bytes/s, if the settings determine it; 0: not known.
 LineRate line_rate_of(const LinkSettings& link);
-/// Outbox::Options::flush_bytes and flush_again_bytes of its channels: as many as the longest frame that its devices wait for. Where no key
-/// states that, the second flush is for the devices that take most.
+/// Outbox::Options::flush_bytes and flush_again_bytes of its channels: as many as the longest frame that its devices accept. If
+/// no key defines that, the second flush is long enough for the devices with the longest frames.
 struct FlushSizes {
     std::size_t first = 0, again = 0;
 };
 FlushSizes flush_sizes_of(const LinkSettings& link) noexcept;
 std::optional<BoundPort> bound_port_of(const LinkSettings& link);
 std::optional<PeerPort> peer_port_of(const LinkSettings& link);
-/// After how much silence an incomplete frame is given up.
+/// The silence after which an incomplete frame is given up.
 Duration quiet_of(const LinkKind& kind) noexcept;
 
 }    // namespace anogate

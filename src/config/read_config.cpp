@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// `keys`: those it has, " of level, file"; empty where they are too many to tell.
+/// `keys`: the keys it may have, as " of level, file"; empty if there are too many.
 bool is_object(const json& value, const std::string& where, ConfigErrors& errors, const std::string& keys = {}) {
     if (!value.is_object()) errors.push_back({where, "must be an object {...}" + keys + ", not " + shown(value)});
     return value.is_object();
@@ -30,7 +30,7 @@ std::string of_keys(const KeyList<Section>& list, std::string_view inside = {}) 
     return names;
 }
 
-/// "send.deny" as it is written in a file: {"send": {"deny": ...}}.
+/// The form of "send.deny" in a file: {"send": {"deny": ...}}.
 std::string nested(const std::string& name) {
     const std::size_t dot = name.find('.');
     return printable("\"" + name.substr(0, dot) + "\": {\"" + name.substr(dot + 1) + "\": ...}");
@@ -43,7 +43,7 @@ std::string read_entry(const Key<Section>& key, const std::string& name, const j
     return key.set_limit(name, rate.dump(), section);
 }
 
-/// The error for a name that is no key here.
+/// The error for an unknown key.
 template <class Section>
 std::string unknown_name(const KeyList<Section>& list, const std::string& name, const std::string& full) {
     const std::string object_of = full.substr(0, full.find('.'));
@@ -51,7 +51,7 @@ std::string unknown_name(const KeyList<Section>& list, const std::string& name, 
     return dotted ? "unknown key " + in_quotes(name) + ": in a file, write " + nested(full) : list.unknown(full);
 }
 
-/// Reads every key of `object` into `section`. `inside` is the prefix of the names in the table: "send.".
+/// Reads all keys of `object` into `section`, except `but`. `inside` is the prefix of the names in the table: "send.".
 template <class Section>
 void read_keys(const json& object, const Origin& origin, const KeyList<Section>& list, Section& section, ConfigErrors& errors,
                std::string_view but = {}, const std::string& inside = {}) {
@@ -96,7 +96,7 @@ public:
                                               "gpio",    "flexible", "control", "record", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, ano::pointer_step(name));
-            if (name == "$schema") continue;    // for editors: where config/anogate.schema.json is
+            if (name == "$schema") continue;    // for editors: the path of config/anogate.schema.json
             if (!is_first(name, value, pointer)) continue;
             if (name == "gateway") gateway(value, pointer);
             else if (name == "links" && !value.is_array()) no_links(value, pointer);
@@ -133,7 +133,7 @@ private:
         return "unknown key " + in_quotes(name) + ano::did_you_mean(name, names);
     }
 
-    /// False: another file has set `tunnel` or `record` already.
+    /// False: another file has already set `tunnel` or `record`.
     bool is_first(const std::string& name, const json& value, const std::string& pointer) {
         if (name == "tunnel" || name == "record") return is_first("/" + name, pointer, name);
         if (value.is_object() && (name == "gateway" || name == "control" || name == "log"))
@@ -148,7 +148,7 @@ private:
         return is_new;
     }
 
-    /// Errors found later name the file that has `key`, or else the first file with this section.
+    /// Errors found later refer to the file with `key`, or else to the first file with this section.
     static void note(Origin& origin, const json& value, std::string_view key, Origin here) {
         if (origin.where.empty() || (value.is_object() && value.contains(key))) origin = std::move(here);
     }
@@ -237,7 +237,7 @@ private:
         });
     }
 
-    // Which keys a line may have depends on its use.
+    // The allowed keys of a line depend on its use.
     void gpio(const json& value, const std::string& pointer) {
         const std::size_t before = draft_.errors.size();
         GpioSettings line;

@@ -20,7 +20,7 @@ bool read_into(std::vector<ConfigText>& files, const std::string& file, ConfigEr
     return false;
 }
 
-/// Excludes backup and temporary files of editors: they do not end in .json, or begin with a dot.
+/// Excludes backup and temporary files of editors: their names do not end in .json, or begin with a dot.
 bool is_part(const fs::path& file) { return file.extension() == ".json" && !file.filename().string().starts_with('.'); }
 
 std::vector<std::string> parts_in(const fs::path& folder, ConfigErrors& errors) {

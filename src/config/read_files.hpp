@@ -1,4 +1,4 @@
-// The files of a configuration: the named file, and those in conf.d beside it.
+// The files of a configuration: the given file, and those in conf.d beside it.
 #pragma once
 #include <config/config.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace anogate {
 
-/// A file as it was read.
+/// The name and the content of a file.
 struct ConfigText {
     std::string file, text;
     bool operator==(const ConfigText&) const = default;

@@ -22,14 +22,14 @@ std::string no_kind(LinkKinds kinds, std::string_view text) {
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }
 
-/// The hint for a full-width separator, as an input method for Chinese writes it; empty: there is none.
+/// The hint for a full-width separator of a Chinese input method; empty: there is none.
 std::string full_width(std::string_view text) {
     for (const auto& [wide, narrow] : {std::pair{"\uFF0C", ","}, {"\uFF1A", ":"}, {"\uFF1D", "="}})
         if (text.find(wide) != text.npos) return std::string{"full-width '"} + wide + "': write '" + narrow + "'";
     return {};
 }
 
-/// The hint for a KEY=VALUE in the place of a LINK, set apart by a space instead of a comma; empty: it is not one.
+/// The hint for a KEY=VALUE in the place of a LINK, after a space instead of a comma; empty: it is none.
 std::string key_apart(LinkKinds kinds, std::string_view text) {
     const std::size_t equals = text.find('=');
     const std::string_view name = text.substr(0, equals);
@@ -38,7 +38,7 @@ std::string key_apart(LinkKinds kinds, std::string_view text) {
            printable(std::string{text});
 }
 
-/// One LINK text, piece by piece.
+/// Reads one LINK text, part by part.
 class LinkText {
 public:
     LinkText(std::string where, Draft& draft) : where_{std::move(where)}, draft_{draft} {}
@@ -96,7 +96,7 @@ private:
         last_value_.append("+").append(value);
     }
 
-    /// "allow=A+B", where the last key takes `value` as one more of its values.
+    /// "allow=A+B", if `value` is valid as a further value of the last key; else empty.
     std::string joined_to_last(std::string_view value) const {
         const Key<LinkSettings>* key = last_name_.empty() ? nullptr : keys_.find(last_name_);
         if (key == nullptr || !row_of(key->form).is_joined) return {};
@@ -146,7 +146,7 @@ std::string unknown_kind(LinkKinds kinds, std::string_view kind) {
 }
 
 void read_link(std::string_view text, const std::string& where, Draft& draft) {
-    constexpr std::size_t max_shown = 900;    // bytes; every error repeats the text
+    constexpr std::size_t max_shown = 900;    // bytes; every error contains the text
     const std::string link = "LINK '" + (text.size() <= max_shown ? std::string{text} : printable(std::string{text}, max_shown)) +
                              "'";
     LinkText{where.empty() ? link : where + ": " + link, draft}.read(text);

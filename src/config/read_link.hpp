@@ -1,4 +1,4 @@
-// Shared by the two ways of writing a link: LINK text and JSON object.
+// Shared by the two formats of a link: LINK text and JSON object.
 #pragma once
 #include <config/link_kind.hpp>
 

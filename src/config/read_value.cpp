@@ -20,7 +20,7 @@ bool has_control(std::string_view text) {
 }
 bool is_beyond_hex(char c) { return (c >= 'g' && c <= 'z') || (c >= 'G' && c <= 'Z'); }
 
-/// The number that is meant by one with a unit or multiple: 500k, 64KiB, 115200bps; for a suggestion.
+/// For suggestions: the number in a text with a unit or multiple, such as 500k, 64KiB, 115200bps.
 std::optional<std::uint64_t> without_unit(std::string_view text) {
     const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
     if (digits == 0 || digits == text.size() || text.size() > digits + 4) return std::nullopt;
@@ -32,14 +32,14 @@ std::optional<std::uint64_t> without_unit(std::string_view text) {
                : std::nullopt;
 }
 
-/// The port of "12333", ":12333" or "*:12333", where the address is missing.
+/// The port of "12333", ":12333" or "*:12333", where the address is missing; else empty.
 std::string_view port_alone(std::string_view text) {
     if (text.starts_with('*')) text.remove_prefix(1);
     if (text.starts_with(':')) text.remove_prefix(1);
     return parse_number(text).value_or(UINT64_MAX) <= UINT16_MAX ? text : std::string_view{};
 }
 
-/// Names the half that is wrong, address or port, where it can be told.
+/// Names the wrong part, address or port, if it can be determined.
 std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     const std::string shown = printable(std::string{text});
     const bool takes_names = key.form == Form::host;
@@ -69,7 +69,7 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     return must_be(key, in_quotes(text));
 }
 
-/// Sets `value` to `parsed` when it is from key.min to key.max.
+/// Sets `value` to `parsed` if it is from key.min to key.max.
 std::string in_range(const KeyFacts& key, const std::string& word, std::optional<std::uint64_t> parsed, Value& value) {
     if (!parsed || *parsed < key.min || *parsed > key.max) return must_be(key, in_quotes(word));
     value = *parsed;
@@ -82,7 +82,7 @@ std::string fault_of_text(const KeyFacts& key, const std::string& text) {
     return {};
 }
 
-/// std::nullopt when it is not a network, or not one that `key` allows.
+/// std::nullopt: not a network, or not one that `key` allows.
 std::optional<Network> parse_network(const KeyFacts& key, const std::string& word) {
     const auto network = Network::parse(word);
     return network && !(key.is_v4 && network->address.v6) ? network : std::nullopt;

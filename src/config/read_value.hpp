@@ -1,4 +1,4 @@
-// Converts the words of each form into a value. Used only by the table in form.cpp.
+// Converts the words of each form to a value. Used only by the table in form.cpp.
 #pragma once
 #include <config/key_facts.hpp>
 
@@ -6,7 +6,7 @@
 
 namespace anogate::read_value {
 
-/// Each sets `value` and returns "", or returns what is wrong with the words.
+/// Each function sets `value` and returns "", or returns the error.
 std::string boolean(const KeyFacts& key, const Words& words, Value& value);
 std::string integer(const KeyFacts& key, const Words& words, Value& value);
 std::string address(const KeyFacts& key, const Words& words, Value& value);

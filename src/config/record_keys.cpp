@@ -38,7 +38,7 @@ std::string put_limit(const KeyFacts&, Value value, RecordSettings& record) {
     return {};
 }
 
-// A limit of a few bytes is a number without its unit: nearly all recordings would be deleted.
+// A limit of a few bytes is probably a number without its unit: nearly all recordings would be deleted.
 template <auto Field, std::uint64_t min_bytes>
 constexpr Key<Rec> size_from(std::string_view name, std::string_view help) {
     Key<Rec> key = size<Field>(name, help);

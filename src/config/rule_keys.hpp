@@ -1,4 +1,4 @@
-// The keys of the rules of links; the tunnel is a link as well.
+// The keys for the rules of a link; the tunnel is a link as well.
 #pragma once
 #include <config/frame_words.hpp>
 #include <config/key_rows.hpp>
@@ -10,7 +10,7 @@ Value limits_in(const KeyFacts&, const Section& section) {
     return (section.*rules).limit;
 }
 
-/// Adds to the limits that were set before.
+/// Adds to the limits set so far.
 template <class Section, RuleSettings Section::*rules>
 std::string add_limits(const KeyFacts&, Value value, Section& section) {
     std::vector<LimitRule> limit = (section.*rules).limit;

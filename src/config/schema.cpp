@@ -40,7 +40,7 @@ Json tunnel() {
     return object;
 }
 
-// Loose: this is for editors. The reader of the layouts reports their errors.
+// Not strict: this is for editors. The reader of the layouts reports their errors.
 Json flexible() {
     const Json address{{"type", Json::array({"string", "integer"})}};
     Json field = closed_object();

@@ -41,7 +41,7 @@ std::string put_from(const KeyFacts&, Value value, WrapSettings& rule) {
     return {};
 }
 
-constexpr std::uint8_t first_tunnel_id = 0xB1;    // the choices of the key are the ids from here on
+constexpr std::uint8_t first_tunnel_id = 0xB1;    // the choices of the key are consecutive ids from here on
 
 Value get_as(const KeyFacts& key, const WrapSettings& rule) {
     return std::string{split(key.choices, '|')[static_cast<std::size_t>(rule.id - first_tunnel_id)]};

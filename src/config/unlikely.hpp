@@ -4,8 +4,8 @@
 
 namespace anogate {
 
-/// Why `device` can't be a serial port, with a suggestion; empty: it can. Looks at the text only, because an absent port is
-/// no error: the link waits for it.
+/// Why `device` can't be a serial port, with a suggestion; empty: it can. Only the text is checked, because an absent port is no
+/// error: the link waits for it.
 std::string fault_of_device(const std::string& device);
 
 /// The same for a CAN interface.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t slow_frame = 100;    // ms
 
-// Words with a special meaning where a link is named, and the gateway's built-in links.
+// Words with a special meaning in place of a link name, and the gateway's built-in links.
 constexpr std::string_view reserved_names[] = {"flood", "drop", "none", "tunnel", "control"};
 
 bool is_reserved(std::string_view name) {
@@ -26,7 +26,7 @@ bool is_number(const std::string& line) { return parse_number(line).has_value();
 
 /// The default name, not yet made unique.
 std::string usual_name(const LinkSettings& link) {
-    constexpr std::size_t max_length = 60;    // leaves room for the suffix "-64" in max_name
+    constexpr std::size_t max_length = 60;    // max_name minus room for the suffix "-64"
     const std::string name = link.kind->usual_name ? link.kind->usual_name(link) : "";
     return name.empty() || name.size() > max_length ? std::string{link.kind->name} : name;
 }
@@ -43,7 +43,7 @@ void name_links(std::vector<LinkSettings>& links) {
     }
 }
 
-/// 32 KiB, or room for two frames when frames are so large that one would hardly fit.
+/// 32 KiB, or room for two frames if that is more.
 std::uint32_t default_queue(std::size_t max_data) {
     const std::uint32_t usual = LinkSettings{}.queue;
     return std::max(usual, static_cast<std::uint32_t>(2 * (ano::overhead + max_data)));
@@ -57,7 +57,7 @@ bool collide(const BoundPort& one, const BoundPort& other) {
     return a == b || a.address.is_any() || b.address.is_any();
 }
 
-/// A connection to `peer` ends at `bound`, which is ours.
+/// A connection to `peer` ends at `bound`, a port of this gateway.
 bool leads_to(const HostSpec& peer, const BoundPort& bound) {
     const IpAddress& local = bound.local.address;
     if (!bound.is_tcp || peer.port == 0 || peer.port != bound.local.port) return false;
@@ -109,7 +109,7 @@ private:
     void warning(std::string where, const std::string& what) {
         draft_.warnings.push_back({std::move(where), "warning: " + what});
     }
-    /// The link in an error text: its name, and where it was written.
+    /// The link in an error text: its name, and its place in the configuration.
     std::string who(std::size_t i) const { return in_quotes(links_[i].name) + " (" + draft_.links[i].where + ")"; }
 
     void link(std::size_t i) {
@@ -150,7 +150,7 @@ private:
                     "'hello' has no effect: it is a broadcast frame (0xFF), which broadcast=no keeps off this link");
     }
 
-    // A frame that is being sent delays every urgent frame behind it.
+    // Urgent frames must wait for a frame that is already being sent.
     void slow_line(std::size_t i) {
         const LinkSettings& link = links_[i];
         std::uint32_t rate = link.rate;
@@ -160,7 +160,7 @@ private:
         if (milliseconds <= slow_frame) return;
         const std::uint64_t fits = rate * slow_frame / 1000;
         const std::string limit = std::to_string(slow_frame) + " ms";
-        const std::string bound = "max_data_out";    // max_data would refuse what comes in as well
+        const std::string bound = "max_data_out";    // max_data would also refuse received frames
         warning(draft_.links[i].key(bound),
                 "a frame of " + bound + " " + std::to_string(link.effective_max_data_out()) + " takes " +
                     std::to_string(milliseconds) + " ms at " + std::to_string(rate) +
@@ -187,7 +187,7 @@ private:
         if (bound_a) must_not_lead_to(*bound_a, second, who(first) + " listens there");
     }
 
-    // Frames of the link would go round, or to a port of ours for something else.
+    // Otherwise frames of the link would loop, or arrive at a port of ours for another purpose.
     void must_not_lead_to(const BoundPort& ours, std::size_t link, const std::string& what) {
         const auto peer = peer_port_of(links_[link]);
         if (peer && leads_to(peer->peer, ours))
@@ -352,7 +352,7 @@ private:
         else if (line.use != GpioUse::reset && line.use != GpioUse::power) missing("'link' is missing: the name of the link");
     }
 
-    // The driver may control the transceiver by RTS: then the RTS line must be free.
+    // The driver may control the transceiver by RTS, so the RTS line must be unused.
     void rs485(const GpioSettings& line, const Origin& origin) {
         const auto link = std::find_if(links_.begin(), links_.end(), [&](const LinkSettings& l) { return l.name == line.link; });
         if (link == links_.end() && line.link != "tunnel" && line.link != "control") return;
@@ -362,7 +362,7 @@ private:
             error(origin, "link", "'link' " + in_quotes(line.link) + " " + fault);
     }
 
-    /// `words`: values that are allowed beside names of links.
+    /// `words`: allowed values besides names of links.
     void must_exist(const std::string& name, const Origin& origin, std::string_view key,
                     std::initializer_list<std::string_view> words = {}, bool or_tunnel = true) {
         if (or_tunnel && ((draft_.settings.tunnel && name == "tunnel") || name == "control")) return;

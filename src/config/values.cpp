@@ -98,7 +98,7 @@ std::string addresses_text(ByteRange range) {
 std::string address_text(std::uint8_t address) { return ano::hex_byte(address); }
 
 std::optional<ano::Duration> parse_duration(std::string_view text) {
-    constexpr std::uint64_t max_ms = 1'000'000'000'000;    // 31 years; Duration holds far more
+    constexpr std::uint64_t max_ms = 1'000'000'000'000;    // 31 years; Duration can represent far more
     const auto ms = parse_with_unit(text, time_units, max_ms);
     if (!ms) return std::nullopt;
     return std::chrono::milliseconds{*ms};

@@ -1,4 +1,4 @@
-// Converts single values from text and back. parse_…() returns std::nullopt when the text is not such a value.
+// Converts single values from and to text. parse_…() returns std::nullopt if the text is not such a value.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/filter.hpp>
@@ -12,13 +12,13 @@ namespace anogate {
 
 /// yes, no, true, false, on, off.
 std::optional<bool> parse_boolean(std::string_view text);
-/// Decimal digits and nothing else.
+/// Only decimal digits.
 std::optional<std::uint64_t> parse_number(std::string_view text);
 /// 2, 0.5 or 0.125, in thousandths.
 std::optional<std::uint64_t> parse_thousandths(std::string_view text);
 /// A hardware id: 220 or 0xDC.
 std::optional<std::uint8_t> parse_address(std::string_view text);
-/// Decimal, or hex behind 0x.
+/// Decimal, or hex with 0x.
 std::optional<std::uint64_t> parse_can_id(std::string_view text);
 std::string can_id_text(std::uint64_t id);
 

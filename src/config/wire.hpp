@@ -1,4 +1,4 @@
-// What tells two links of one name in two gateways.
+// Distinguishes two links with the same name in two gateways.
 #pragma once
 #include <config/link_kind.hpp>
 
