@@ -1,4 +1,4 @@
-// How the daemon's answers write durations and text.
+// Durations and text in the answers of the daemon.
 #pragma once
 #include <ano/time.hpp>
 
@@ -8,7 +8,7 @@
 
 namespace anogate {
 
-/// Seconds, to the millisecond.
+/// Seconds, rounded down to whole milliseconds.
 double in_seconds(ano::Duration d);
 
 /// As ano::json_line().

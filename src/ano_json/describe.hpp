@@ -1,4 +1,4 @@
-// The message table as JSON, for programs that read and write frames by it.
+// The message table as JSON, for programs that read and write frames with it.
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano_json/frame_json.hpp>
@@ -9,10 +9,10 @@
 
 namespace ano {
 
-/// One row of the table: `id`, `name`, `title`, `layout` (which DATA selects it), `fields` and more.
+/// One row of the table: `id`, `name`, `title`, `layout` (its label), `fields` and more.
 Json describe(const Message& row);
 
-/// All rows. For flexible messages one row for each layout in `flexible`, with `source` if it is for frames of one source only.
+/// All rows. For flexible messages one row per layout in `flexible`, with `source` if it is for frames of only one source.
 std::vector<Json> describe_all(const FlexibleLayouts& flexible);
 
 }    // namespace ano

@@ -9,7 +9,7 @@ namespace {
 
 enum class Letters : std::uint8_t { ascii, only_utf8, both, both_and_ascii };
 
-// Of valid UTF-8. Characters of level 1 of GB 2312, the 3,755 usual ones, have 0xB0 to 0xD7 first.
+// `utf8` is valid UTF-8. The first byte of characters of level 1 of GB 2312, the 3,755 common ones, is 0xB0 to 0xD7.
 Letters letters_in(std::string_view utf8) noexcept {
     bool has_ascii = false, has_pairs = false;
     while (!utf8.empty()) {
@@ -21,7 +21,7 @@ Letters letters_in(std::string_view utf8) noexcept {
         }
         constexpr std::uint8_t first_trail = 0xA1, last_lead = 0xD7;
         if (first > last_lead || utf8.size() < 2 || static_cast<std::uint8_t>(utf8[1]) < first_trail) return Letters::only_utf8;
-        constexpr std::uint8_t of_symbols = 0xC2;    // ° ± ² are in units, and no letters
+        constexpr std::uint8_t of_symbols = 0xC2;    // ° ± ² are used in units, and are not letters
         has_pairs = has_pairs || first != of_symbols;
         utf8.remove_prefix(2);
     }

@@ -66,7 +66,7 @@ private:
         return true;
     }
 
-    // Of a number, or of its text as in C; std::nullopt: it is not one that T can hold.
+    // A number, or a text with a number as in C; std::nullopt: it is not one that T can represent.
     template <class T>
     static std::optional<T> whole(const nlohmann::json& value) {
         std::optional<Number> number;
@@ -110,7 +110,7 @@ private:
         return fields;
     }
 
-    /// Names and units are shown in terminals and tables.
+    /// Names and units are displayed in terminals and tables.
     std::string printable(const nlohmann::json& given, const std::string& pointer) {
         std::string text = given.get<std::string>();
         for (std::size_t at = 0; at < text.size(); ++at)
@@ -146,8 +146,8 @@ private:
         if (given.contains("type") && given["type"].is_string()) {
             const auto& word = given["type"].get_ref<const std::string&>();
             const auto it = std::find(type_names.begin(), type_names.end(), word);
-            // A word that is not a type of the protocol is refused here, with the nearest type; a type that flexible
-            // frames can't have is refused by FlexibleLayouts.
+            // A word that is not a type of the protocol is refused here, with the nearest type. A type that is not allowed in
+            // flexible frames is refused by FlexibleLayouts.
             if (it == type_names.end())
                 fault(pointer + "/type", "unknown type " + in_quotes(word) + did_you_mean(word, type_names) + "; " +
                                              std::string{text_of(FlexibleLayouts::Fault::type)});

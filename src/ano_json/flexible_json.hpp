@@ -12,13 +12,13 @@
 
 namespace ano {
 
-/// Adds the layouts of `array`, which stands at `pointer`, to `layouts`: `id` (0xF1 to 0xFA, or the name), `source`
-/// (only frames from there; left out: from anywhere), `when` (only frames whose first field has this value), `endian` (little, the
-/// default, or big), `fields` with `name`, `type`, and optionally `count` (an array), `scale` (value = what is on the wire × scale,
-/// default 1) and `unit`. Every fault is reported; a layout with a fault is left out.
+/// Adds the layouts of `array`, which is at `pointer`, to `layouts`. Keys: `id` (0xF1 to 0xFA, or the name), `source` (only
+/// frames of this source; omitted: of any source), `when` (only frames whose first field has this value), `endian` (little, the
+/// default, or big), `fields` with `name`, `type`, and optionally `count` (an array), `scale` (value = number on the wire ×
+/// scale, default 1) and `unit`. Returns all faults; a layout with a fault is not added.
 std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts);
 
-/// Appends the same layouts, as they were written, to `specs`.
+/// Appends the same layouts, without conversion, to `specs`.
 std::vector<JsonFault> read_flexible(const nlohmann::json& array, const std::string& pointer, std::vector<FlexibleSpec>& specs);
 
 /// Converts them back to the array.

@@ -20,7 +20,7 @@ using Data = std::vector<std::uint8_t>;
 
 constexpr unsigned first_predefined = 200;    // addresses from here on have a predefined meaning
 
-// Thrown inside this file only.
+// Thrown only inside this file.
 [[noreturn]] void fail(std::string pointer, std::string what) { throw JsonFault{std::move(pointer), std::move(what)}; }
 
 std::string shown(const Json& json) {
@@ -76,7 +76,7 @@ std::uint8_t address_at(const Json& object, const char* key, std::uint8_t otherw
     return std::get<std::uint8_t>(address);
 }
 
-/// A number, or the word that stands for it.
+/// The value of a number, or of a word for one.
 std::optional<Number> number_for(const Field& f, const Json& json, ValueType7 seven) {
     if (const auto number = number_of(json)) return number;
     if (!json.is_string()) return std::nullopt;
@@ -107,7 +107,7 @@ public:
     FieldReader(std::string_view message, const JsonOptions& options, bool inside_a_tunnel)
         : message_{message}, options_{options}, inside_a_tunnel_{inside_a_tunnel} {}
 
-    /// DATA in the layout of `fields`; `given` names none but these.
+    /// Returns DATA in the layout of `fields`; `given` contains no other fields.
     Data encode(std::span<const Field> fields, std::span<const Field> element, std::size_t size, const Json& given) {
         data_.assign(size, 0);
         for (const Field& f : fields) {
@@ -178,7 +178,7 @@ private:
         return std::move(std::get<TypedValues>(values));
     }
 
-    // The value of a parameter: not shorter than its type, where the type is known.
+    // The value of a parameter: not shorter than its type, if the type is known.
     void put_value(const Field& f, const Json& json, const Json& given) {
         const TypedValues value = bytes(f, json);
         std::optional<Type> type;
@@ -274,7 +274,7 @@ std::vector<std::string_view> names_in(std::span<const Field> fields) {
     std::vector<std::string_view> names;
     for (const Field& f : fields) {
         names.push_back(f.name);
-        if (f.type == Type::frames) names.push_back("data");       // bytes that are not a whole frame
+        if (f.type == Type::frames) names.push_back("data");       // bytes that are not a complete frame
         if (f.role == Role::value) names.push_back("par_type");    // the type of the value
     }
     return names;
@@ -286,7 +286,7 @@ bool has_all(const std::vector<std::string_view>& names, const Json& given) {
     return std::all_of(items.begin(), items.end(), is_given);
 }
 
-/// Whether `row` has a number for whatever was given as a word.
+/// Whether `row` has a number for each word in `given`.
 bool knows_words(const Message& row, const Json& given, ValueType7 seven) {
     for (const Field& f : row.fields()) {
         const auto it = given.find(std::string{f.name});
@@ -295,7 +295,7 @@ bool knows_words(const Message& row, const Json& given, ValueType7 seven) {
     return true;
 }
 
-// The fault for a word that is known in no layout that has all the fields.
+// The fault for a word that is unknown in all layouts with the given fields.
 void fail_for_word(std::span<const Message> layouts, const Json& given, ValueType7 seven) {
     for (const auto& [key, value] : given.items()) {
         std::vector<std::string_view> words;
@@ -340,7 +340,7 @@ void fail_for_word(std::span<const Message> layouts, const Json& given, ValueTyp
     fail("", name + " has no layout with all of these fields");
 }
 
-/// The layouts that the given numbers select.
+/// The layouts selected by the given numbers.
 std::vector<const FlexibleLayout*> selected_by(std::uint8_t id, std::uint8_t source, const Json& given,
                                                const FlexibleLayouts& layouts) {
     std::vector<FlexibleLayouts::Named> numbers;
@@ -380,7 +380,7 @@ Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, cons
             return std::nullopt;
         };
         if (auto data = encoded(selected_by(id, source, given, *options.flexible))) return *std::move(data);
-        // The field that selects need not be given, and may be given as text.
+        // The selecting field may be missing, or may be given as text.
         if (auto data = encoded(options.flexible->layouts_for(id, source))) return *std::move(data);
         fail_without_flexible(id, source, given, *options.flexible);
     }
@@ -390,7 +390,7 @@ Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, cons
         if (layouts.size() > 1 && !knows_words(row, given, options.value_type_7)) continue;
         Data data = reader.encode(row.fields(), row.element(), row.fixed_size, given);
         const Message* const taken = select_layout(layouts, data);
-        if (taken == &row) return data;    // otherwise a mode was given that belongs to another layout
+        if (taken == &row) return data;    // otherwise the given mode belongs to another layout
         looks_otherwise = looks_otherwise || row.variant.by_look || (taken != nullptr && taken->variant.by_look);
     }
     if (looks_otherwise) fail("", name + " would be read in another layout with these values: give its data");
@@ -479,7 +479,7 @@ std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t i
 std::variant<std::uint8_t, JsonFault> address_called(std::string_view word) {
     if (const auto number = whole_number(Json(std::string{word})); number && *number <= 255)
         return static_cast<std::uint8_t>(*number);
-    std::vector<std::string_view> names;    // of one address each: not "port"
+    std::vector<std::string_view> names;    // of one address each; excludes "port"
     for (unsigned a = first_predefined; a <= 255; ++a) {
         const std::string_view who = address::who(static_cast<std::uint8_t>(a));
         if (who == "reserved") continue;

@@ -2,7 +2,7 @@
 
 namespace ano {
 
-// The library's own takes a time that grows with the square of the length.
+// The time of the function in nlohmann-json grows with the square of the length.
 std::string pointer_step(std::string_view key) {
     std::string step = "/";
     for (const char c : key) {

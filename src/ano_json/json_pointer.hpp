@@ -5,7 +5,7 @@
 
 namespace ano {
 
-/// `key` as a step of a JSON pointer, with the slash before it: "/a~1b".
+/// `key` as a step of a JSON pointer, with the preceding slash: "/a~1b".
 std::string pointer_step(std::string_view key);
 
 }    // namespace ano

@@ -10,7 +10,7 @@
 namespace ano {
 namespace {
 
-// Characters that stand in JSON as they are.
+// Characters that need no escape in JSON.
 constexpr std::array<bool, 256> plain = [] {
     std::array<bool, 256> table{};
     for (std::size_t c = ' '; c < 0x7F; ++c) table[c] = c != '"' && c != '\\';
@@ -26,7 +26,7 @@ void JsonWriter::text(std::string_view text) {
     else out_ += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// Not std::to_chars: of 2.5e7 it makes 2.5e+07.
+// Not std::to_chars, which writes 2.5e7 as 2.5e+07.
 void JsonWriter::number(double number) {
     if (!std::isfinite(number)) return null();
     std::array<char, 64> room;

@@ -1,4 +1,4 @@
-// Writes JSON in one line, byte for byte as nlohmann-json dumps it, into a text: without a tree, and without memory of its own.
+// Writes JSON on one line, byte for byte as nlohmann-json does, to a text: without a tree, and without memory of its own.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,7 +6,8 @@
 
 namespace ano {
 
-/// Commas come by themselves. Values stand in the order of the calls; the caller closes what it opens.
+/// Commas are added automatically. Values are written in the order of the calls. The caller closes each object and array it
+/// opens.
 class JsonWriter {
 public:
     /// Appends to `out`.
@@ -16,13 +17,13 @@ public:
     void end_object() { close('}'); }
     void begin_array() { open('['); }
     void end_array() { close(']'); }
-    /// Of the value that follows.
+    /// The key of the value that follows.
     void key(std::string_view name) {
         text(name);
         out_ += ':';
         needs_comma_ = false;
     }
-    /// A member with the value that `write` writes; none if that is null.
+    /// Adds a member with the value written by `write`; none if that is null.
     template <class Write>
     void member_unless_null(std::string_view name, Write&& write) {
         const std::size_t before = out_.size();
@@ -35,7 +36,7 @@ public:
         needs_comma_ = needs_comma;
     }
 
-    /// In UTF-8; other bytes become U+FFFD.
+    /// UTF-8; other bytes become U+FFFD.
     void text(std::string_view text);
     void text(std::string_view name, std::string_view value) {
         key(name);

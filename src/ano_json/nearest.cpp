@@ -7,13 +7,14 @@ namespace ano {
 namespace {
 
 constexpr std::size_t max_word = 64;    // longer words are not typed by hand; the limit keeps hostile input cheap
-constexpr std::size_t min_part = 3;     // so many letters of a word are enough to tell which is meant
+constexpr std::size_t min_part = 3;     // this number of letters is enough to identify a word
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 char as_it_is(char c) { return c; }
 
-/// The number of edits: a letter added, left out or changed, or two swapped. Letters are compared as `form` makes them.
+/// The number of edits: a letter added, removed or changed, or two swapped. `form` is applied to letters before they are
+/// compared.
 std::size_t edits(std::string_view a, std::string_view b, char (*form)(char) = lower) {
     std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
@@ -31,17 +32,17 @@ std::size_t edits(std::string_view a, std::string_view b, char (*form)(char) = l
     return above[b.size()];
 }
 
-/// Of two that are equally near, the one that `word` is the beginning of ("of": off, not on); then the one that is nearer as it is
-/// written ("fligth": flight, not FLIGHT); otherwise the first.
+/// Decides between two candidates with the same number of edits. One that starts with `word` ("of": off, not on) precedes one
+/// that does not; then the one with fewer edits when case counts ("fligth": flight, not FLIGHT); otherwise the first.
 bool is_rather_meant(std::string_view candidate, std::string_view best, std::string_view word) {
     const bool begun = candidate.starts_with(word), best_is_begun = best.starts_with(word);
     return begun != best_is_begun ? begun : edits(word, candidate, as_it_is) < edits(word, best, as_it_is);
 }
 
-/// "timeout" of peer_timeout.
+/// For example "timeout" in peer_timeout.
 bool contains_word(std::string_view candidate, std::string_view word) { return candidate.find(word) != candidate.npos; }
 
-/// The "baud" of baudrate.
+/// For example "baud" at the beginning of baudrate.
 bool begins_word(std::string_view candidate, std::string_view word) {
     return candidate.size() >= min_part && word.starts_with(candidate);
 }

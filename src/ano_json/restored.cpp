@@ -15,8 +15,8 @@ namespace {
 
 enum class Kept : std::uint8_t {
     exactly,
-    otherwise,     // the same field is encoded to other bytes
-    not_at_all,    // JSON lacks the number
+    otherwise,     // the field is encoded to other bytes
+    not_at_all,    // JSON can't represent the number
 };
 
 Kept kept_number(const Field& f, const std::uint8_t* at) noexcept {
@@ -39,7 +39,7 @@ bool is_kept_text(const Field& f, Bytes bytes, std::string_view text, Encoding e
     return is_ascii(text) || shown_text(text, encoding) == text;
 }
 
-// Bytes of no frame come behind all frames in JSON.
+// In JSON, bytes that belong to no frame follow all frames.
 bool are_kept_frames(Bytes bytes) {
     bool has_gap = false, is_kept = true;
     split_frames(
@@ -72,7 +72,7 @@ bool has_all(std::span<const Field> fields, std::span<const Field> given) noexce
     });
 }
 
-// frame_from_json() takes the first layout that has all of the fields and is read as itself again.
+// frame_from_json() uses the first layout that has all of the fields and is selected by the encoded bytes.
 bool is_first_with_its_fields(const Message& row) noexcept {
     const auto layouts = layouts_of(row.id);
     return std::none_of(layouts.begin(), layouts.end(),

@@ -1,11 +1,11 @@
-// Whether the JSON of a frame needs its bytes beside its fields.
+// Whether the JSON of a frame needs its bytes in addition to its fields.
 #pragma once
 #include <ano_json/frame_json.hpp>
 
 namespace ano {
 
-/// Whether frame_from_json() would make `frame` again of the fields of `reading` and what is behind them: found in its bytes, without
-/// making that JSON where that is possible.
+/// Whether frame_from_json() would return the same `frame` from the fields of `reading` and the bytes after them. Determined from
+/// the bytes if possible, without creating the JSON.
 bool is_restored(FrameView frame, const Reading& reading, const JsonOptions& options);
 
 }    // namespace ano

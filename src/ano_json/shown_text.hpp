@@ -1,4 +1,4 @@
-// Texts of devices, whose last character may be cut off by the size of a field.
+// Texts of devices, whose last character may be truncated by the size of a field.
 #pragma once
 #include <ano_json/text.hpp>
 
@@ -7,13 +7,13 @@
 
 namespace ano {
 
-/// Whether `text` can be GBK; its last character may be cut off.
+/// Whether `text` can be GBK; its last character may be incomplete.
 bool may_be_gbk(std::string_view text) noexcept;
 
-/// `text` without a last character that is cut off. `encoding` is not `automatic`.
+/// `text` without an incomplete last character. `encoding` must not be `automatic`.
 std::string_view without_cut_character(std::string_view text, Encoding encoding) noexcept;
 
-/// As UTF-8, without a last character that is cut off; otherwise as to_utf8(). Does not throw.
+/// `text` as UTF-8, without an incomplete last character; otherwise like to_utf8(). Does not throw.
 std::string shown_text(std::string_view text, Encoding encoding);
 
 }    // namespace ano

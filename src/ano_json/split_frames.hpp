@@ -1,4 +1,4 @@
-// The frames in a piece of memory, and the bytes between them.
+// Finds the frames in a block of memory, and the bytes between them.
 #pragma once
 #include <ano/parser.hpp>
 
@@ -9,16 +9,16 @@
 
 namespace ano {
 
-/// Calls `on_frame(FrameView)` for each good frame and `on_gap(offset, bytes)` for bytes that belong to no frame, in their
-/// order in memory. Linear time.
+/// Calls `on_frame(FrameView)` for each valid frame and `on_gap(offset, bytes)` for bytes that belong to no frame, in their order
+/// in memory. Linear time.
 template <class OnFrame, class OnGap>
 void split_frames(std::span<const std::uint8_t> bytes, OnFrame&& on_frame, OnGap&& on_gap) {
     FrameParser::Options options;
     options.max_data = std::min(bytes.size(), max_len);
     FrameParser parser{options};
     std::size_t put_in = 0;
-    std::size_t at = 0;      // end of what was reported
-    std::size_t good = 0;    // bytes of good frames
+    std::size_t at = 0;      // end of the reported bytes
+    std::size_t good = 0;    // bytes of valid frames
     const auto gap_until = [&](std::size_t end) {
         if (end > at) on_gap(at, bytes.subspan(at, end - at));
         at = end;

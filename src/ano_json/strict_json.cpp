@@ -13,16 +13,16 @@ namespace ano {
 namespace {
 
 struct Limits {
-    std::size_t faults;    // reading ends with the last of them
+    std::size_t faults;    // reading ends at this number of faults
     std::size_t values = SIZE_MAX;
 };
 
-/// Builds the document, in about linear time: with the library's own parser, each key of an ordered object is compared with all before
-/// it, and its callback looks through all elements of an array at the end of each.
+/// Builds the document in approximately linear time. With the library's own parser, each key of an ordered object is compared
+/// with all keys before it, and its callback examines all elements of an array at the end of each.
 template <class Document>
 class StrictReader final : public nlohmann::json_sax<Document> {
 public:
-    /// Ends at the fault that makes `most_faults`.
+    /// Reading ends at fault number `limits.faults`.
     StrictReader(std::string_view text, const Limits& limits, std::vector<JsonFault>& faults)
         : text_{text}, limits_{limits}, faults_{faults} {}
 
@@ -50,7 +50,7 @@ public:
 
 private:
     struct Place {
-        Document* at;    // stays while it is the last in its parent
+        Document* at;    // does not move while it is the last element of its parent
         std::string key{};
         std::set<std::string> keys{};
     };
@@ -60,7 +60,7 @@ private:
         return faults_.size() < limits_.faults;
     }
 
-    /// Where the value is now; nullptr: there are too many.
+    /// Returns the new place of the value; nullptr: there are too many.
     Document* put(Document&& value) {
         if (++values_ > limits_.values) {
             fault("more than " + std::to_string(limits_.values) + " values");
@@ -98,7 +98,7 @@ private:
         return true;
     }
 
-    // Of the value that comes next, which the innermost array has not yet.
+    // The pointer of the next value, which the innermost array does not contain yet.
     std::string pointer() const {
         std::string text;
         for (const Place& place : places_) {

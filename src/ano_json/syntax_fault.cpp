@@ -21,7 +21,7 @@ bool ends_with_comma_and_bracket(std::string_view text) {
     return last != text.npos && text[last] == ',';
 }
 
-/// The word of letters around `at`.
+/// The word of letters at `at`.
 std::string word_at(std::string_view text, std::size_t at) {
     const auto is_letter = [&](std::size_t i) { return std::isalpha(static_cast<unsigned char>(text[i])) != 0; };
     std::size_t begin = at, end = at;
@@ -30,13 +30,13 @@ std::string word_at(std::string_view text, std::size_t at) {
     return lower_case(text.substr(begin, end - begin));
 }
 
-/// Words of other languages, and of our own command line.
+/// Booleans of other languages, and of our own command line.
 bool is_truth_value(std::string_view word) {
     constexpr std::string_view words[]{"true", "false", "yes", "no", "on", "off"};
     return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
-/// A hint at the likely mistake. The parser stopped at `byte`, the last byte that it read.
+/// A hint about the likely mistake. The parser stopped at `byte`, the last byte that it read.
 std::string_view slip(std::string_view text, std::size_t byte, std::string_view message) {
     const std::string_view read = text.substr(0, byte);
     if (text.find_first_not_of(space) == text.npos) return "it is empty";
@@ -54,7 +54,7 @@ std::string_view slip(std::string_view text, std::size_t byte, std::string_view 
     return {};
 }
 
-/// For a number that is too large for a double: the parser tells the number, but not its place.
+/// The error for a number that is too large for a double: the message of the parser contains the number, but not its place.
 std::string too_large(std::string_view text, std::string_view message) {
     const std::size_t quote = message.find('\'');
     const std::string_view number = quote == message.npos ? "" : message.substr(quote + 1, message.rfind('\'') - quote - 1);

@@ -1,4 +1,4 @@
-// What is wrong in text that is not JSON.
+// The error message for text that is not JSON.
 #pragma once
 #include <exception>
 #include <string>
@@ -7,7 +7,7 @@
 namespace ano {
 
 /// "line 3, column 5: syntax error …; expected ']' (is a comma missing before it?)": the message of the library for `text`, and
-/// the likely mistake, where it can be recognised. `error` is what nlohmann::json threw when it parsed `text`.
+/// the likely mistake, if it can be recognised. `error` is the exception of nlohmann::json for `text`.
 std::string syntax_fault(std::string_view text, const std::exception& error);
 
 }    // namespace ano

@@ -21,8 +21,9 @@ struct CodePoints {
     std::uint32_t first, last;
 };
 
-// Unicode 15: every code point of the categories Cc (controls), Cf (formats), Zl and Zp (separators of lines and paragraphs), those of the
-// property Default_Ignorable_Code_Point, assigned or not, and U+2800, which is drawn as a blank. ASCII is not in it.
+// Unicode 15: all code points of the categories Cc (controls), Cf (formats), Zl and Zp (separators of lines and paragraphs),
+// those with the property Default_Ignorable_Code_Point, assigned or not, and U+2800, which is displayed as a blank. ASCII is not
+// included.
 constexpr auto invisible = std::to_array<CodePoints>({
     {0x0080, 0x009F},   {0x00AD, 0x00AD},   {0x034F, 0x034F},   {0x0600, 0x0605},   {0x061C, 0x061C},   {0x06DD, 0x06DD},
     {0x070F, 0x070F},   {0x0890, 0x0891},   {0x08E2, 0x08E2},   {0x115F, 0x1160},   {0x17B4, 0x17B5},   {0x180B, 0x180F},
@@ -31,8 +32,8 @@ constexpr auto invisible = std::to_array<CodePoints>({
     {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE0FFF},
 });
 
-// Bytes of the UTF-8 character that `text` begins with; 0 when it does not begin with one. `bad` is then how many bytes
-// of it can't be the beginning of another character.
+// The size of the UTF-8 character at the beginning of `text`; 0: there is none. `bad` is then the number of bytes that can't be
+// the beginning of another character.
 std::size_t utf8_length(std::string_view text, std::size_t& bad) {
     const auto at = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
     bad = 1;
@@ -72,7 +73,8 @@ public:
     Converter(const Converter&) = delete;
     Converter& operator=(const Converter&) = delete;
 
-    // Converts what it can to the end of `out` and removes it from `in`. False: the beginning of `in` can't be converted.
+    // Appends the convertible beginning of `in` to `out` and removes it from `in`. False: the rest of `in` begins with bytes that
+    // can't be converted.
     bool convert(std::string_view& in, std::string& out) {
         while (true) {
             std::array<char, 512> room;
@@ -94,8 +96,8 @@ private:
     iconv_t handle_;
 };
 
-// True: it is not UTF-8, and all of it is GBK. Text whose last character is cut off, as happens in a field of fixed size, is
-// still UTF-8 when it has other characters of several bytes.
+// True: the text is not UTF-8, and all of it is GBK. A text whose last character is truncated, as in a field of fixed size, is
+// still UTF-8 if it has other characters of several bytes.
 bool looks_like_gbk(std::string_view text) {
     bool has_others = false;
     std::string_view rest = text;
@@ -125,7 +127,7 @@ std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding) {
         Converter converter{"UTF-8", "GBK"};
         while (!converter.convert(in, out)) {
             out += replacement;
-            const bool is_pair = in.size() > 1 && is_gbk_lead(in[0]) && is_gbk_trail(in[1]);    // of no character
+            const bool is_pair = in.size() > 1 && is_gbk_lead(in[0]) && is_gbk_trail(in[1]);    // not a character
             in.remove_prefix(is_pair ? 2 : 1);
         }
         return out;
@@ -210,7 +212,7 @@ std::string_view without_cut_character(std::string_view text, Encoding encoding)
         }
         return text.substr(0, at);
     }
-    constexpr std::size_t most = 3;    // bytes of a character that is not whole
+    constexpr std::size_t most = 3;    // bytes of an incomplete character
     for (std::size_t n = 1; n <= std::min(most, text.size()); ++n) {
         const std::string_view last = text.substr(text.size() - n);
         if ((static_cast<std::uint8_t>(last[0]) & 0xC0) == 0x80) continue;
@@ -250,7 +252,7 @@ std::string address_text(std::span<const std::uint8_t> ip) {
 }
 
 double widened(float value) {
-    constexpr float whole_below = 0x1p24F;    // what has no fraction there prints as it is
+    constexpr float whole_below = 0x1p24F;    // integers below this need no conversion
     if (std::abs(value) < whole_below && value == std::trunc(value)) return static_cast<double>(value);
     std::array<char, 32> room;
     const auto end = std::to_chars(room.data(), room.data() + room.size(), value).ptr;

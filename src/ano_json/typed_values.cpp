@@ -12,7 +12,7 @@
 namespace ano {
 namespace {
 
-constexpr std::size_t max_values = 8;    // command_info has the types of that many
+constexpr std::size_t max_values = 8;    // command_info contains this number of types
 constexpr std::array<std::string_view, 11> type_words{"u8",  "i8",  "u16", "i16", "u32",   "i32",
                                                       "u64", "i64", "f32", "f64", "string"};
 constexpr std::size_t string_word = 10;
@@ -21,7 +21,7 @@ class Reader {
 public:
     Reader(Role role, Encoding encoding) : role_{role}, encoding_{encoding} {}
 
-    /// What is wrong; empty when nothing is.
+    /// Returns the error; empty: none.
     std::string read(std::string_view text) {
         if (role_ == Role::value && text.starts_with("string:")) return read_string(text.substr(7));
         while (true) {
