@@ -1,6 +1,7 @@
 // The calibration of an accelerometer from its six faces.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -10,6 +11,7 @@
 namespace ano::host {
 
 using Vector = std::array<double, 3>;    // x, y, z
+inline double length_of(const Vector& v) noexcept { return std::hypot(v[0], v[1], v[2]); }
 
 /// corrected = E · diag(S) · (raw − O), in cm/s². The protocol text names the parameters but gives no formula; this one is anogate's.
 struct AccelerometerCalibration {
@@ -38,8 +40,12 @@ enum class Face : std::uint8_t { x_plus, x_minus, y_plus, y_minus, z_plus, z_min
 inline constexpr std::array<std::string_view, 6> face_names{"+x", "-x", "+y", "-y", "+z", "-z"};
 constexpr std::string_view name_of(Face face) noexcept { return face_names[static_cast<std::size_t>(face)]; }
 
+/// How an error is measured. By the length of an acceleration, which is that of gravity however the device is tilted, and shows offsets and
+/// sensitivities; or by its direction too, which shows the error matrix, but needs faces that are level.
+enum class Measure : std::uint8_t { length, direction };
+
 /// cm/s², how far `acceleration` is from gravity alone on `face`.
-double error_on(Face face, const Vector& acceleration) noexcept;
+double error_on(Face face, const Vector& acceleration, Measure measure = Measure::direction) noexcept;
 
 /// Gathers samples of each face while the device lies still on it. Only fit() allocates, for its text.
 class SixFaces {
@@ -54,6 +60,13 @@ public:
     static constexpr double drift = 0.5;
     /// cm/s². A larger residual means that the device did not lie level on its faces.
     static constexpr double max_residual = 0.05 * gravity;
+    /// cm/s². Up to this residual the faces were level enough to show the error matrix: 0.17°.
+    static constexpr double level = 0.003 * gravity;
+    /// So many times smaller must the residual get by a new error matrix: with random tilts it does so in one calibration of fifty.
+    static constexpr double clearly = 3.5;
+    /// A device that is swaying is measured when it is about to turn back, where nothing shows how far it is tilted: but one of its faces
+    /// was measured again more often than that, or two were turning.
+    static constexpr std::size_t max_swings = 3, max_turning = 1;
 
     /// One sample, not calibrated: cm/s² and °/s (0x01).
     void take(const Vector& acceleration, const Vector& rotation) noexcept;
@@ -72,6 +85,11 @@ public:
     std::size_t faces_done() const noexcept;
     bool is_complete() const noexcept { return faces_done() == 6; }
 
+    /// Whether the faces show the error matrix, and show that `old` has a wrong one. Otherwise fit() keeps that of `old`, and errors are
+    /// measured by length.
+    Measure choose_measure(const AccelerometerCalibration& old) const noexcept;
+    void measure_by(Measure measure) noexcept { measure_ = measure; }
+    Measure measure() const noexcept { return measure_; }
     /// Computed from one half of the samples and checked with the other half: rejected when the residual is not below that of `old`.
     Fit<AccelerometerCalibration> fit(const AccelerometerCalibration& old) const;
     /// cm/s², of one half of the samples; see fit(). `device`: by which the device has corrected them.
@@ -89,12 +107,20 @@ private:
         std::array<Vector, 2> sum{};    // of the samples of each half: every second one belongs to the other
         Vector first{};                 // the sum of the earlier ones
         Vector mean(std::size_t half) const noexcept;
-        bool drifts() const noexcept;
+        bool drifts(double beyond) const noexcept;
+        bool turns() const noexcept;
+        std::size_t swings = 0;    // so often it was measured again because of that
+        bool was_turning = false;
     };
+    bool sways() const noexcept;
 
     void judge() noexcept;
     std::optional<AccelerometerCalibration> solve() const noexcept;
+    std::optional<AccelerometerCalibration> solve_by_length(const AccelerometerCalibration& old) const noexcept;
+    double residual_by(Measure measure, const AccelerometerCalibration& calibration, std::size_t half,
+                       const AccelerometerCalibration& device) const noexcept;
 
+    Measure measure_ = Measure::direction;
     std::array<Sample, window> last_{};
     std::size_t taken_ = 0;
     std::optional<double> unrest_;

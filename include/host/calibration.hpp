@@ -129,6 +129,8 @@ public:
     const CompassSphere& sphere() const noexcept { return sphere_; }
     /// Of the old values and of the new ones, see SixFaces::fit() and CompassSphere::fit(); std::nullopt before they are computed.
     std::optional<std::pair<double, double>> residuals() const noexcept { return residuals_; }
+    /// The faces showed no better error matrix, so the old one stays and residuals are of lengths, see SixFaces::choose_measure().
+    bool keeps_error_matrix() const noexcept { return faces_.measure() == Measure::length; }
     /// How often the device restarted while it was turned, and the sign of the last one.
     unsigned restarts() const noexcept { return restarts_; }
     const std::string& last_restart() const noexcept { return last_restart_; }

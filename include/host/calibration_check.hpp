@@ -11,7 +11,7 @@ namespace ano::host {
 
 /// The faces that show how a device uses its calibration, in the order in which it has to lie on them. `last`, on which it lies already,
 /// shows its offsets and the sensitivity of one axis. Another one follows only if a device is not off there, but elsewhere, that divides by
-/// the sensitivity, leaves out the error matrix, or had corrected `faces` by its `old` calibration.
+/// the sensitivity, leaves out the error matrix (of faces that are measured by direction), or had corrected `faces` by its `old` calibration.
 std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, const AccelerometerCalibration& old,
                                    const SixFaces& faces, Face last);
 
@@ -24,7 +24,8 @@ public:
     static constexpr double times_promised = 3;
 
     /// `promised`: the error of the fit on this face, cm/s².
-    AccelerometerCheck(Face face, double promised) noexcept : face_{face}, promised_{promised} {}
+    AccelerometerCheck(Face face, double promised, Measure measure) noexcept
+        : face_{face}, promised_{promised}, measure_{measure} {}
 
     void take(const Vector& acceleration, const Vector& rotation) noexcept;
     /// cm/s², of the last group; std::nullopt before the first.
@@ -40,6 +41,7 @@ public:
 private:
     Face face_;
     double promised_;
+    Measure measure_;
     double noise_ = 0;    // cm/s², three times the standard error of the last group
     SixFaces samples_;
     std::optional<double> error_;

@@ -20,14 +20,18 @@ std::string with_one_decimal(double number) {
     return std::to_string(tenths / 10) + '.' + std::to_string(std::abs(tenths) % 10);
 }
 
-// Values outside these bounds are not due to a misaligned sensor but to a mistake in turning the device.
-bool is_plausible(const AccelerometerCalibration& c) noexcept {
-    for (std::size_t i = 0; i < 3; ++i) {
-        if (!(std::abs(c.offset[i]) < SixFaces::gravity / 2 && c.sensitivity[i] > 0.5 && c.sensitivity[i] < 2)) return false;
+bool has_plausible_matrix(const AccelerometerCalibration& c) noexcept {
+    for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
             if (!(std::abs(c.error[i][j] - (i == j ? 1 : 0)) < 0.2)) return false;
-    }
     return true;
+}
+
+// Values outside these bounds are not due to a misaligned sensor but to a mistake in turning the device.
+bool is_plausible(const AccelerometerCalibration& c) noexcept {
+    for (std::size_t i = 0; i < 3; ++i)
+        if (!(std::abs(c.offset[i]) < SixFaces::gravity / 2 && c.sensitivity[i] > 0.5 && c.sensitivity[i] < 2)) return false;
+    return has_plausible_matrix(c);
 }
 
 }    // namespace
@@ -68,10 +72,11 @@ AccelerometerCalibration AccelerometerCalibration::of(const std::array<float, 15
     return c;
 }
 
-double error_on(Face face, const Vector& acceleration) noexcept {
+double error_on(Face face, const Vector& acceleration, Measure measure) noexcept {
+    if (measure == Measure::length) return std::abs(length_of(acceleration) - SixFaces::gravity);
     const Vector d = direction(static_cast<std::size_t>(face));
-    return std::hypot(acceleration[0] - SixFaces::gravity * d[0], acceleration[1] - SixFaces::gravity * d[1],
-                      acceleration[2] - SixFaces::gravity * d[2]);
+    return length_of({acceleration[0] - SixFaces::gravity * d[0], acceleration[1] - SixFaces::gravity * d[1],
+                      acceleration[2] - SixFaces::gravity * d[2]});
 }
 
 Vector SixFaces::mean(Face face) const noexcept {
@@ -100,11 +105,16 @@ void SixFaces::take(const Vector& acceleration, const Vector& rotation) noexcept
         if (is_early) face.first[i] += acceleration[i];
         face.squares += acceleration[i] * acceleration[i];
     }
-    if (face.count == enough && face.drifts()) face = {};
+    if (face.count < enough) return;
+    face.was_turning = face.drifts(0) && face.turns();
+    if (!face.drifts(drift)) return;
+    const std::size_t swings = face.swings + (face.turns() ? 1 : 0);
+    face = {};
+    face.swings = swings;
 }
 
-// Three times the standard error of the difference, and `drift`.
-bool SixFaces::Gathered::drifts() const noexcept {
+// Three times the standard error of the difference, and `beyond`.
+bool SixFaces::Gathered::drifts(double beyond) const noexcept {
     const double n = static_cast<double>(count), half = n / 2;
     double difference = 0, variance = squares / n;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -112,7 +122,24 @@ bool SixFaces::Gathered::drifts() const noexcept {
         difference += d * d;
         variance -= all / n * (all / n);
     }
-    return std::sqrt(difference) > 3 * std::sqrt(std::max(0.0, variance) * 2 / half) + drift;
+    variance -= difference / 4;    // what is left is that of each half
+    return std::sqrt(difference) > 3 * std::sqrt(std::max(0.0, variance) * 2 / half) + beyond;
+}
+
+// Only its direction changes. Of a device that smooths its samples and still settles, the length does too.
+bool SixFaces::Gathered::turns() const noexcept {
+    Vector later{}, turned{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        later[i] = sum[0][i] + sum[1][i] - first[i];
+        turned[i] = later[i] - first[i];
+    }
+    return length_of(turned) > 4 * std::abs(length_of(later) - length_of(first));
+}
+
+bool SixFaces::sways() const noexcept {
+    const auto turning = std::count_if(gathered_.begin(), gathered_.end(), [](const Gathered& g) { return g.was_turning; });
+    return turning > static_cast<std::ptrdiff_t>(max_turning) ||
+           std::any_of(gathered_.begin(), gathered_.end(), [](const Gathered& g) { return g.swings > max_swings; });
 }
 
 void SixFaces::judge() noexcept {
@@ -134,7 +161,7 @@ void SixFaces::judge() noexcept {
         unrest = std::max({unrest, shaking / still_acceleration, of(&Sample::rotation, axis).second / still_rotation});
     }
     unrest_ = unrest;
-    const double length = std::hypot(mean[0], mean[1], mean[2]);
+    const double length = length_of(mean);
     if (length < 0.5 * gravity || length > 1.5 * gravity) return;
     for (std::size_t face = 0; face < 6; ++face) {
         const Vector d = direction(face);
@@ -182,23 +209,67 @@ std::optional<AccelerometerCalibration> SixFaces::solve() const noexcept {
     return result;
 }
 
+// Only offset and sensitivity, with the error matrix of `old`: Newton's method, since the length is not linear in them.
+std::optional<AccelerometerCalibration> SixFaces::solve_by_length(const AccelerometerCalibration& old) const noexcept {
+    auto result = solve();
+    if (!result) return std::nullopt;
+    result->error = has_plausible_matrix(old) ? old.error : AccelerometerCalibration{}.error;
+    for (int round = 0; round < 8; ++round) {
+        LeastSquares<6> squares;
+        for (const Gathered& face : gathered_) {
+            const Vector raw = face.mean(0), v = result->corrected(raw);
+            LeastSquares<6>::Row row{};
+            for (std::size_t j = 0; j < 3; ++j) {
+                double along = 0;
+                for (std::size_t i = 0; i < 3; ++i) along += v[i] / length_of(v) * result->error[i][j];
+                row[j] = -along * result->sensitivity[j];
+                row[3 + j] = along * (raw[j] - result->offset[j]) / gravity;
+            }
+            squares.add(row, gravity - length_of(v));
+        }
+        const auto x = squares.solution();
+        if (!x) return std::nullopt;
+        for (std::size_t j = 0; j < 3; ++j) {
+            result->offset[j] += (*x)[j];
+            result->sensitivity[j] += (*x)[3 + j] / gravity;
+        }
+    }
+    return result;
+}
+
+Measure SixFaces::choose_measure(const AccelerometerCalibration& old) const noexcept {
+    const auto with_new_matrix = is_complete() ? solve() : std::nullopt;
+    const auto with_old_matrix = with_new_matrix ? solve_by_length(old) : std::nullopt;
+    if (!with_old_matrix) return Measure::direction;    // rejected by fit()
+    const auto by = [&](Measure measure, const AccelerometerCalibration& c, std::size_t half) {
+        return residual_by(measure, c, half, {});
+    };
+    const double best = by(Measure::direction, *with_new_matrix, 0);
+    const bool shows_it = !sways() && best <= level && clearly * best < by(Measure::direction, *with_old_matrix, 0);
+    const bool is_worse = by(Measure::length, *with_new_matrix, 1) > by(Measure::length, old, 1) + drift;
+    return shows_it && !is_worse ? Measure::direction : Measure::length;
+}
+
 double SixFaces::worst(const AccelerometerCalibration& calibration) const noexcept {
     double worst = 0;
     for (std::size_t i = 0; i < face_names.size(); ++i) {
         const auto face = static_cast<Face>(i);
-        worst = std::max(worst, error_on(face, calibration.corrected(mean(face))));
+        worst = std::max(worst, error_on(face, calibration.corrected(mean(face)), measure_));
     }
     return worst;
 }
 
 double SixFaces::residual(const AccelerometerCalibration& calibration, const AccelerometerCalibration& device) const noexcept {
+    return residual_by(measure_, calibration, 1, device);
+}
+
+double SixFaces::residual_by(Measure measure, const AccelerometerCalibration& calibration, std::size_t half,
+                             const AccelerometerCalibration& device) const noexcept {
     double squares = 0;
-    for (std::size_t face = 0; face < 6; ++face) {
-        const Vector corrected = calibration.corrected(device.raw_of(gathered_[face].mean(1)));
-        for (std::size_t i = 0; i < 3; ++i) {
-            const double off = corrected[i] - gravity * direction(face)[i];
-            squares += off * off;
-        }
+    for (std::size_t i = 0; i < face_names.size(); ++i) {
+        const Vector corrected = calibration.corrected(device.raw_of(gathered_[i].mean(half)));
+        const double off = error_on(static_cast<Face>(i), corrected, measure);
+        squares += off * off;
     }
     return std::sqrt(squares / 6);
 }
@@ -209,15 +280,17 @@ Fit<AccelerometerCalibration> SixFaces::fit(const AccelerometerCalibration& old)
         result.wrong = "only " + std::to_string(faces_done()) + " of 6 faces were measured";
         return result;
     }
-    const auto found = solve();
+    const auto all = solve();
+    const double tilt = all ? residual_by(Measure::direction, *all, 1, {}) : 0;
+    const auto found = measure_ == Measure::direction ? all : solve_by_length(old);
     result.before = residual(old);
     result.after = found ? residual(*found) : 0;
-    if (!found || !is_plausible(*found)) result.wrong = "the six faces are inconsistent: lay it flat on each";
-    else if (!(result.after < max_residual))
-        result.wrong = "the residual is " + with_one_decimal(result.after) + " cm/s²: lay it flat on each";
+    if (!found || !is_plausible(*all) || !is_plausible(*found))
+        result.wrong = "the six faces are inconsistent: lay it flat on each";
+    else if (!(tilt < max_residual)) result.wrong = "the residual is " + with_one_decimal(tilt) + " cm/s²: lay it flat on each";
     else if (result.after >= result.before)
-        result.wrong = "the residual would be " + with_one_decimal(result.after) + " cm/s², and is " +
-                       with_one_decimal(result.before);
+        result.wrong = "the old values are as good: the residual is " + with_one_decimal(result.before) +
+                       " cm/s², and would be " + with_one_decimal(result.after) + " cm/s²";
     else result.calibration = *found;
     return result;
 }

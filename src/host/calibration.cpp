@@ -413,7 +413,11 @@ Progress Calibration::progress() const noexcept {
 }
 
 void Calibration::fit(TimePoint now) {
-    if (sensor_ == Sensor::accelerometer) return use(faces_, faces_.fit(calibration_of<AccelerometerCalibration>(old_)), now);
+    if (sensor_ == Sensor::accelerometer) {
+        const auto old = calibration_of<AccelerometerCalibration>(old_);
+        faces_.measure_by(faces_.choose_measure(old));
+        return use(faces_, faces_.fit(old), now);
+    }
     use(sphere_, sphere_.fit(calibration_of<CompassCalibration>(old_)), now);
 }
 
@@ -455,7 +459,8 @@ void Calibration::make_check(const AccelerometerCalibration& stored) {
     further_checks_.clear();
     const auto old = calibration_of<AccelerometerCalibration>(old_);
     for (const Face face : faces_that_prove(stored, old, faces_, faces_.face().value_or(Face::z_plus)))
-        further_checks_.emplace_back(face, error_on(face, stored.corrected(faces_.mean(face))));
+        further_checks_.emplace_back(face, error_on(face, stored.corrected(faces_.mean(face)), faces_.measure()),
+                                     faces_.measure());
     accelerometer_check_ = further_checks_.front();
     further_checks_.erase(further_checks_.begin());
     if (needs_proof_) further_checks_.clear();    // all faces follow
@@ -492,7 +497,9 @@ void Calibration::verify(TimePoint now) {
     if (!(accelerometer_check_ ? accelerometer_check_->is_passed() : compass_check_->is_passed())) return;
     if (further_checks_.empty()) {
         if (!needs_proof_) return check_parameters(now);
+        const Measure measure = faces_.measure();
         faces_ = {};
+        faces_.measure_by(measure);
         sphere_ = {};
         return enter(Step::prove, now);
     }

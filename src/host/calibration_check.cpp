@@ -20,9 +20,11 @@ std::array<Vector, mistakes> sent_by_mistake(const AccelerometerCalibration& rig
 }
 
 // Whether that would be noticed on this face. Twice the limit, so that neither noise nor the residual hides it.
-double how_clear(const Vector& as_right, const Vector& as_wrong, Face face) {
-    const double off = std::hypot(as_wrong[0] - as_right[0], as_wrong[1] - as_right[1], as_wrong[2] - as_right[2]);
-    return off / (2 * AccelerometerCheck::limit(error_on(face, as_right)));
+double how_clear(const Vector& as_right, const Vector& as_wrong, Face face, Measure measure) {
+    const double off = measure == Measure::length
+                           ? std::abs(length_of(as_wrong) - length_of(as_right))
+                           : length_of({as_wrong[0] - as_right[0], as_wrong[1] - as_right[1], as_wrong[2] - as_right[2]});
+    return off / (2 * AccelerometerCheck::limit(error_on(face, as_right, measure)));
 }
 
 }    // namespace
@@ -33,7 +35,7 @@ std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, 
     for (std::size_t mistake = 0; mistake < mistakes; ++mistake) {
         const auto clear = [&](Face face) {
             const Vector raw = faces.mean(face);
-            return how_clear(calibration.corrected(raw), sent_by_mistake(calibration, old, raw)[mistake], face);
+            return how_clear(calibration.corrected(raw), sent_by_mistake(calibration, old, raw)[mistake], face, faces.measure());
         };
         if (std::any_of(chosen.begin(), chosen.end(), [&](Face face) { return clear(face) > 1; })) continue;
         Face best = last;
@@ -47,7 +49,7 @@ std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, 
 void AccelerometerCheck::take(const Vector& acceleration, const Vector& rotation) noexcept {
     samples_.take(acceleration, rotation);
     if (samples_.samples(face_) < group) return;
-    error_ = error_on(face_, samples_.mean(face_));
+    error_ = error_on(face_, samples_.mean(face_), measure_);
     noise_ = 3 * samples_.spread(face_) / std::sqrt(static_cast<double>(group));
     samples_ = {};
 }

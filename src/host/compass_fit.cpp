@@ -14,8 +14,6 @@ std::string percent(double share) {
     return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " %";
 }
 
-double length_of(const Vector& v) noexcept { return std::hypot(v[0], v[1], v[2]); }
-
 }    // namespace
 
 Vector CompassCalibration::corrected(const Vector& raw) const noexcept {

@@ -10,6 +10,7 @@
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,10 @@ public:
     double smooths = 0;         // s, the time constant of its low pass
     bool holds_still = true;    // the person
     double tilts = 0;           // °/s, who holds it does not lay it down
+    double lies_off = 0;        // rad, at most: each face is laid down otherwise
+    std::uint32_t lays = 1;     // the seed of these tilts
+    double sways = 0;           // rad, about two axes
+    Duration sways_in = 40s;    // there and back
     std::vector<std::uint16_t> actions;
     std::function<void()> each_step;    // optional
 
@@ -148,6 +153,20 @@ private:
         v[face / 2] += (face % 2 == 0 ? 1 : -1) * ano::host::SixFaces::gravity * sensor.factor[face / 2];
         return v;
     }
+    ano::host::Vector felt_tilted() {
+        ano::host::Vector v{};
+        v[face_ / 2] = face_ % 2 == 0 ? 1 : -1;
+        std::mt19937 chance{lays * 1000 + static_cast<std::uint32_t>(face_)};
+        for (double& axis : v) axis += lies_off * (static_cast<double>(chance()) / 2147483648.0 - 1);
+        const double since = std::chrono::duration<double>{now.time_since_epoch()}.count();
+        const double a = sways * std::sin(since * 2 * std::numbers::pi / std::chrono::duration<double>{sways_in}.count());
+        v = {v[0], std::cos(a) * v[1] - std::sin(a) * v[2], std::sin(a) * v[1] + std::cos(a) * v[2]};
+        v = {std::cos(a) * v[0] - std::sin(a) * v[2], v[1], std::sin(a) * v[0] + std::cos(a) * v[2]};
+        const double length = std::hypot(v[0], v[1], v[2]);
+        for (std::size_t i = 0; i < 3; ++i)
+            v[i] = sensor.offset[i] + v[i] / length * ano::host::SixFaces::gravity * sensor.factor[i];
+        return v;
+    }
     void take_step() {
         now += step;
         ++steps_;
@@ -185,7 +204,7 @@ private:
     }
     // What its sensor measures while it is tilted, and behind the low pass.
     ano::host::Vector measured() {
-        ano::host::Vector v = felt(face_);
+        ano::host::Vector v = lies_off > 0 || sways > 0 ? felt_tilted() : felt(face_);
         tilt_ += tilts * std::chrono::duration<double>{step}.count() * std::numbers::pi / 180;
         const std::size_t other = (face_ / 2 + 1) % 3;
         v[other] += (v[face_ / 2] - sensor.offset[face_ / 2]) * std::sin(tilt_);

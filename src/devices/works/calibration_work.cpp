@@ -402,12 +402,13 @@ private:
         forget();
         WorkEnd end = end_of(*task.end(), texts());
         const auto residuals = calibration_->residuals().value_or(std::pair{0.0, 0.0});
-        end.result = Json{{"before", residuals.first},
-                          {"after", residuals.second},
-                          {"verified", calibration_->verified().value_or(residuals.second)},
-                          {"restarts", calibration_->restarts()},
-                          {"values", values_json(calibration_->new_values())}}
-                         .dump();
+        Json result{{"before", residuals.first},
+                    {"after", residuals.second},
+                    {"verified", calibration_->verified().value_or(residuals.second)},
+                    {"restarts", calibration_->restarts()},
+                    {"values", values_json(calibration_->new_values())}};
+        if (calibration_->keeps_error_matrix()) result["error_matrix"] = "kept";
+        end.result = result.dump();
         finish(std::move(end));
     }
     // Deletes the kept values if they are in the device again; otherwise they stay.

@@ -349,6 +349,8 @@ export const words = {
   residual_before: ["error before", "之前的误差"],
   residual_after: ["error after", "之后的误差"],
   residual_verified: ["error measured with the new values", "用新值实测的误差"],
+  error_matrix: ["error matrix (CAL_AEM)", "误差矩阵（CAL_AEM）"],
+  matrix_kept: ["unchanged: to measure it, lay each face level to 0.2°", "未改变：要测量它，每个面都需放平到 0.2° 以内"],
   restarts: ["device restarts during the calibration", "期间设备重启次数"],
   values_written: ["values", "数值"],
   face_up: ["{face} up", "{face} 朝上"],

@@ -53,6 +53,7 @@ const reasons: [RegExp, string][] = [
   [/^cancelled$/, "已取消"],
   [/^rejected: the six faces are inconsistent: lay it flat on each$/, "新值未采用：六个面的数据不一致，请把每个面都放平"],
   [/^rejected: the residual is (.+) cm\/s²: lay it flat on each$/, "新值未采用：残差有 $1 cm/s²，每个面都要放平"],
+  [/^rejected: the old values are as good: the residual is (.+), and would be (.+)$/, "新值未采用：旧值同样好，残差是 $1，用新值会是 $2"],
   [/^rejected: the residual would be (.+), and is (.+)$/, "新值未采用：残差会是 $1，现在是 $2，没有变好"],
   [/^rejected: the device can't store the new values precisely enough$/, "新值未采用：设备存储的精度不够"],
   [/^rejected: as the device stores the new values, the residual would be (.+), and is (.+)$/, "新值未采用：按设备存储的精度，残差会是 $1，现在是 $2，没有变好"],

@@ -340,6 +340,8 @@ TEST(CalibrationText, has_the_residuals_and_what_was_found) {
               (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "measured with the new values: 2.5 cm/s²",
                                         "the device restarted 2 times during the calibration; only samples after that were used",
                                         "saved permanently in the device"}));
+    EXPECT_EQ(calibration_result(Json{{"error_matrix", "kept"}}, "accelerometer")[1],
+              "the error matrix (CAL_AEM) is unchanged: to measure it, lay each face level to 0.2°");
     EXPECT_EQ(calibration_result(Json{{"values", {{"CAL_AEM1_X", 1.0}}}}, "accelerometer")[1], "CAL_AEM1_X=1")
         << "as param has it";
     EXPECT_EQ(calibration_result(Json{{"before", 0.12}, {"after", 0.012}}, "compass")[0], "residual 12 % before, 1.2 % now");

@@ -58,5 +58,58 @@ TEST(CalibrationSamples, of_a_device_that_is_tilted_do_not_count) {
         }
 }
 
+const CalibrationBench::Sensor shifted{{25, -18, 40}, {1.02, 0.985, 1.01}};
+
+// 1 to 5 degrees, as laid by hand, of a device whose old calibration is good.
+TEST(CalibrationSamples, of_faces_that_are_not_level_never_make_a_good_calibration_worse) {
+    for (const double off : {0.003, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.1})
+        for (std::uint32_t lays = 1; lays <= (support::sanitized ? 1 : 8); ++lays) {
+            CalibrationBench bench;
+            bench.make_right(shifted);
+            bench.flash[0] += 0.3f;
+            bench.load_flash();
+            bench.lies_off = off;
+            bench.lays = lays;
+            bench.run(12min);
+            ASSERT_TRUE(bench.task.end());
+            EXPECT_LT(bench.worst_face(), 1) << off << " rad, seed " << lays << ": " << bench.task.end()->what;
+        }
+}
+
+// Whose offset and sensitivity are found all the same.
+TEST(CalibrationSamples, of_faces_that_are_not_level_calibrate_a_device_that_never_was) {
+    for (const double off : {0.003, 0.01, 0.02, 0.04, 0.06})
+        for (const bool shows : {true, false}) {
+            CalibrationBench bench;
+            bench.sensor = shifted;
+            bench.flash = CalibrationBench::raw;
+            bench.flash[2] = 5;
+            bench.load_flash();
+            bench.shows_the_clear = shows;
+            bench.lies_off = off;
+            bench.run(12min);
+            ASSERT_TRUE(bench.task.end());
+            EXPECT_EQ(bench.task.end()->ending, Ending::done) << bench.task.end()->what;
+            EXPECT_LT(bench.worst_face(), 3) << off << " rad";
+            EXPECT_LT(bench.task.verified().value_or(1000), 3);
+        }
+}
+
+TEST(CalibrationSamples, of_a_device_that_sways_slowly_never_make_a_good_calibration_worse) {
+    for (const auto& [sways, period] : {std::pair{0.02, 8s}, {0.02, 20s}, {0.02, 40s}, {0.05, 20s}, {0.05, 60s}, {0.1, 60s}})
+        for (const Duration step : {20ms, 50ms}) {
+            CalibrationBench bench;
+            bench.make_right(shifted);
+            bench.flash[0] += 0.3f;
+            bench.load_flash();
+            bench.step = step;
+            bench.sways = sways;
+            bench.sways_in = period;
+            bench.run(12min);
+            ASSERT_TRUE(bench.task.end());
+            EXPECT_LT(bench.worst_face(), 2) << sways << " rad, " << period / 1s << " s: " << bench.task.end()->what;
+        }
+}
+
 }    // namespace
 }    // namespace ano::host::calibration_samples_tests

@@ -119,6 +119,8 @@ std::vector<std::string> calibration_result(const Json& result, const std::strin
                                    residual_text(number_at(result, "after"), is_share) + " now"};
     if (result.contains("verified"))
         lines.push_back("measured with the new values: " + residual_text(number_at(result, "verified"), is_share));
+    if (result.contains("error_matrix"))
+        lines.emplace_back("the error matrix (CAL_AEM) is unchanged: to measure it, lay each face level to 0.2\u00B0");
     if (const double restarts = number_at(result, "restarts"); restarts > 0)
         lines.push_back("the device restarted " + ano::number_text(restarts) + (restarts > 1 ? " times" : " time") +
                         " during the calibration; only samples after that were used");

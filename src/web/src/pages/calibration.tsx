@@ -78,8 +78,8 @@ function Step({ step }: { step: unknown }) {
 
 const shown = (value: unknown): string => (typeof value === "number" ? significant(value, 5) : String(value));
 
-const titles: Record<string, "residual_before" | "residual_after" | "residual_verified" | "restarts" | "values_written"> = {
-  before: "residual_before", after: "residual_after", verified: "residual_verified", restarts: "restarts", values: "values_written",
+const titles: Record<string, "residual_before" | "residual_after" | "residual_verified" | "error_matrix" | "restarts" | "values_written"> = {
+  before: "residual_before", after: "residual_after", verified: "residual_verified", error_matrix: "error_matrix", restarts: "restarts", values: "values_written",
 };
 
 const titleOf = (name: string): string => {
@@ -96,7 +96,7 @@ function Result({ value }: { value: unknown }) {
       <table>
         <tbody>
           {rows.map(([name, one]) => (
-            <tr key={name}><th scope="row">{titleOf(name)}</th><td>{typeof one === "object" && one !== null ? Object.entries(one).map(([k, v]) => `${k} ${shown(v)}`).join(", ") : shown(one)}</td></tr>
+            <tr key={name}><th scope="row">{titleOf(name)}</th><td>{name === "error_matrix" ? t("matrix_kept") : typeof one === "object" && one !== null ? Object.entries(one).map(([k, v]) => `${k} ${shown(v)}`).join(", ") : shown(one)}</td></tr>
           ))}
         </tbody>
       </table>
