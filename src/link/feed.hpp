@@ -8,7 +8,7 @@
 
 namespace anogate {
 
-/// Calls `on_frame` for each good frame. The datagram may be larger than the parser's room: it is fed in pieces.
+/// Calls `on_frame` for each valid frame. The datagram may be larger than the parser's free space: it is fed in pieces.
 template <class OnFrame>
 void feed_datagram(ano::FrameParser& parser, std::span<const std::uint8_t> datagram, TimePoint now, OnFrame on_frame) {
     parser.begin_datagram(datagram, now);

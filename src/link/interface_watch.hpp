@@ -1,4 +1,4 @@
-// Watches the interface of a link-local address: it may go, and come back with another index.
+// Watches the interface of a link-local address, which may be removed and added again with another index.
 #pragma once
 #include <link/link_context.hpp>
 #include <link/reconnect.hpp>
@@ -10,11 +10,11 @@
 
 namespace anogate {
 
-/// Checks once a second whether the interface of an open socket still exists: a socket that only receives gets no error. Does
+/// Checks once per second whether the interface of an open socket still exists: a socket that only receives gets no error. Does
 /// nothing for an address without an interface.
 class InterfaceWatch {
 public:
-    /// `gone` is called once after start(), with words for the user.
+    /// `gone` is called at most once after start(), with a text for the user.
     InterfaceWatch(const LinkContext& context, std::function<void(LinkError why)> gone)
         : host_{context.host}, gone_{std::move(gone)}, look_{context.alarms, [this] { look(); }, retry_slack} {}
 

@@ -5,7 +5,7 @@
 namespace anogate {
 
 LinkKinds link_kinds() noexcept;
-/// nullptr when there is none of that name.
+/// nullptr if no kind has this name.
 inline const LinkKind* find_link_kind(std::string_view name) noexcept { return find_link_kind(link_kinds(), name); }
 
 }    // namespace anogate

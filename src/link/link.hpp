@@ -23,12 +23,12 @@ class RawPort;
 /// The gateway as its links see it. A link calls it from the loop only.
 class LinkHost {
 public:
-    /// A new channel of `link`; nullptr when all 64 are in use. Valid until close_channel(); its outbox starts closed.
+    /// A new channel of `link`; nullptr if all 64 are in use. Valid until close_channel(). Its outbox is closed at first.
     virtual Channel* open_channel(Link& link, std::string peer) = 0;
     /// `why` is for the log: what its peer did; may be empty.
     virtual void close_channel(Channel& channel, std::string_view why) = 0;
 
-    /// To be called for each good frame received by `channel`, with its `arrived_at` set before.
+    /// To be called for each valid frame received by `channel`, after `arrived_at` is set.
     virtual void receive(Channel& channel, ano::FrameView frame) = 0;
     /// The batch of received frames ends: calls Link::flush() for every channel with new frames in its outbox.
     virtual void flush() = 0;
@@ -41,7 +41,7 @@ public:
     /// The peer of `link` refuses datagrams, so that another link of its group should be used.
     virtual void report_unreachable(Link&) {}
 
-    /// The stored state of `link` from the previous run of the program; std::nullopt: there is none, or it was taken already.
+    /// The stored state of `link` from the previous run of the program; std::nullopt: none, or an earlier call returned it.
     virtual std::optional<StoredLink> take_stored(const Link&) { return std::nullopt; }
 
     /// Whether one of our links, of any kind, is bound to this UDP port.
@@ -50,9 +50,9 @@ public:
     /// The channels of working links whose outboxes are not empty.
     virtual ChannelSet busy_channels() const { return {}; }
 
-    /// Reads the clock; once a batch is enough. The next frames received get this time.
+    /// Reads the clock; once per batch is enough. The next frames received get this time.
     virtual TimePoint now() = 0;
-    /// The same, to be called after a read; the result tells when the data arrived.
+    /// The same, to be called after a read; the result is used to find when the data arrived.
     virtual const LoopWatch& turn() = 0;
 
 protected:
@@ -67,11 +67,11 @@ struct UnassignedTraffic {
     ReceiveCounters received;
     std::uint64_t v7_frames = 0;                 // frames of the previous protocol version
     std::uint64_t gateways = 0;                  // other gateways' listening ports that sent here
-    std::uint64_t no_place = 0;                  // datagrams of unknown senders refused because max_peers is reached
-    std::uint64_t no_memory = 0;                 // datagrams of unknown senders refused for lack of memory
-    std::uint64_t outsiders = 0;                 // datagrams of unknown senders refused because they are outside `allow`
-    const ano::FrameParser* parser = nullptr;    // that refused them; nullptr: none
-    std::uint64_t handshakes = 0;                // connections that lately gave way to others within their handshake
+    std::uint64_t no_place = 0;                  // of unknown senders: datagrams refused because max_peers is reached
+    std::uint64_t no_memory = 0;                 // of unknown senders: datagrams refused for lack of memory
+    std::uint64_t outsiders = 0;                 // of unknown senders: datagrams refused because of `allow`
+    const ano::FrameParser* parser = nullptr;    // of the data above; nullptr: none
+    std::uint64_t handshakes = 0;                // recent connections dropped during their handshake in favour of others
 };
 
 /// One serial port, UDP socket, CAN interface and so on. Reads, writes and reports; it takes no routing decisions.
@@ -88,13 +88,13 @@ public:
 
     /// Opens the link, and again whenever that fails or the connection is lost. Reports by link_up() and link_down().
     virtual void start() = 0;
-    /// Stops reading; waiting frames may still leave. The first half of stop().
+    /// Stops reading; waiting frames may still be sent. The first half of stop().
     virtual void stop_reading() = 0;
     /// Closes for good, without blocking. Makes no call to the host afterwards.
     virtual void stop() = 0;
     /// Sends the frames in the outbox of `channel`: as many as can be written now, and the rest later.
     virtual void flush(Channel& channel) = 0;
-    /// Closes the channel of one peer to make room for another link's. Only links with a channel for each peer do it.
+    /// Closes the channel of one peer to free it for another link. Only links with a channel for each peer do so.
     virtual void forget_peer(ChannelId) {}
     /// Bytes in the kernel that are not on the wire yet, which stop() would lose; 0 where that is unknown.
     virtual std::size_t unsent() const { return 0; }
@@ -102,20 +102,20 @@ public:
     virtual std::uint16_t local_port() const { return 0; }
     /// The open descriptor, if the next run of the program can continue with it; -1: none.
     virtual int storable_wire() const { return -1; }
-    /// The peers that the next run of the program should know.
+    /// The peers to store for the next run of the program.
     virtual std::vector<StoredPeer> peers() const { return {}; }
     /// Since when the peer of `channel` only listens: a host that sent a single datagram. std::nullopt: it is none.
     virtual std::optional<TimePoint> listening_since(ChannelId) const { return std::nullopt; }
     virtual LinkFacts facts() const { return {}; }
-    /// A problem while the link is up ("the peer refuses"); empty: none.
+    /// A problem while the link is up, such as "the peer refuses"; empty: none.
     virtual LinkError trouble() const { return {}; }
     /// Whether nothing more will be received: a recording is at its end.
     virtual bool is_over() const { return false; }
-    /// What decodes the frames of the recording that it plays, when it is up; nullptr: it plays none.
+    /// The decoding of the recording that is being replayed; nullptr: none is.
     virtual DecodingPtr decoding() const { return nullptr; }
-    /// What was received and refused before it belonged to a channel.
+    /// Received data that was refused before it belonged to a channel.
     virtual UnassignedTraffic unassigned_traffic() const { return {}; }
-    /// Its bytes as they are on the wire; nullptr: a kind whose bytes can't be shown or written by hand.
+    /// Access to the raw bytes of the link; nullptr: a kind whose bytes can't be shown or written by hand.
     virtual RawPort* raw_port() { return nullptr; }
 
 private:

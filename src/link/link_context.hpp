@@ -1,4 +1,4 @@
-// What every link uses: the loop, the shared timer, the gateway, and the shared buffers for datagrams.
+// Shared by all links: the loop, the timer, the gateway, and the buffers for datagrams.
 #pragma once
 #include <link/link.hpp>
 #include <sys/asio_fwd.hpp>

@@ -9,12 +9,12 @@
 
 namespace anogate {
 
-/// A text for the user; and for programs that translate it, one of link_error_ids with its named arguments.
+/// A text for the user, and for programs that translate it: one of link_error_ids with its named arguments.
 struct LinkError {
     using Arguments = std::vector<std::pair<std::string_view, std::string>>;
 
     LinkError() = default;
-    /// Without an id of its own: "other".
+    /// An error without an id of its own: "other".
     LinkError(std::string its_text) : text{std::move(its_text)} {}
     LinkError(const char* its_text) : text{its_text} {}
     LinkError(std::string_view its_id, std::string its_text, Arguments its_arguments)
@@ -25,7 +25,7 @@ struct LinkError {
     Arguments arguments{};
 };
 
-/// What was opened, or why it could not be.
+/// The opened object, or the error.
 template <class T>
 using Opened = tl::expected<T, LinkError>;
 using NotOpened = tl::unexpected<LinkError>;

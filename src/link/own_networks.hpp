@@ -1,4 +1,4 @@
-// The networks of our interfaces, remembered for a moment: to read them takes a system call for each interface.
+// The networks of our interfaces, cached for a second: reading them takes a system call for each interface.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ip.hpp>
@@ -13,9 +13,10 @@ namespace anogate {
 
 class OwnNetworks {
 public:
-    static constexpr ano::Duration age = std::chrono::seconds{1};    // interfaces come, go and change
+    static constexpr ano::Duration age = std::chrono::seconds{1};    // interfaces may be added, removed or changed
 
-    /// Reads them when they are older than `age`. True: they were read. If the system has none to tell, the ones before stay.
+    /// Reads the networks when they are older than `age`. True: they were read. If the system returns none, the previous ones are
+    /// kept.
     bool refresh(ano::TimePoint now) {
         if (read_at_ != ano::TimePoint{} && now - read_at_ < age) return false;
         read_at_ = now;
@@ -25,7 +26,7 @@ public:
     /// As of the last refresh().
     const std::vector<Network>& all() const noexcept { return all_; }
 
-    /// Whether `address` is in one of them.
+    /// Whether `address` is in one of the networks.
     bool contain(const IpAddress& address, ano::TimePoint now) {
         refresh(now);
         return contains(all_, address);

@@ -8,14 +8,14 @@
 
 namespace anogate {
 
-/// While it is off it never limits anything.
+/// Limits the rate of sending. While pacing is off, nothing is limited.
 class Pacing {
 public:
     /// `go_on` is called when more may be sent.
     Pacing(AlarmClock& clock, std::function<void()> go_on) : go_on_{clock, std::move(go_on)} {}
 
-    /// Sends `rate` bytes/s, at most `latency` ahead of the wire; with a `gap` one frame at a time, each followed by a pause. Without
-    /// rate and gap, pacing is off.
+    /// Allows `rate` bytes/s, at most `latency` ahead of the wire; with a `gap` one frame at a time, each followed by a pause.
+    /// Without rate and gap, pacing is off.
     void start(std::uint32_t rate, ano::Duration latency, ano::Duration gap = {}) {
         stop();
         rate_ = rate;
@@ -29,7 +29,7 @@ public:
         pauses_ = false;
     }
 
-    /// How many bytes of `outbox` may be sent now. 0: none; `go_on` will be called.
+    /// The number of bytes of `outbox` that may be sent now. 0: none; `go_on` will be called.
     std::size_t budget(Outbox& outbox, ano::TimePoint now) {
         if (!pacer_) return SIZE_MAX;
         const Outbox::Next next = outbox.next(now);
@@ -50,7 +50,7 @@ public:
         if (pacer_) pacer_->correct(unsent, now);
     }
     bool is_on() const noexcept { return pacer_.has_value(); }
-    /// Whether a pause follows each frame: then sent() needs the time after the write.
+    /// Whether a pause follows each frame; sent() then needs the time after the write.
     bool pauses() const noexcept { return pauses_; }
     /// Bytes/s; 0: not limited.
     std::uint32_t rate() const noexcept { return rate_; }

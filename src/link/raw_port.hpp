@@ -1,11 +1,11 @@
-// The bytes of a link as they are on the wire, for people who look at them and write some by hand.
+// The raw bytes of a link, for the tools that show them and write some by hand.
 #pragma once
 #include <cstdint>
 #include <span>
 
 namespace anogate {
 
-/// Is called for what is read from the wire and what the wire takes. It must not change the link in a call.
+/// Is called for the bytes read from and written to the wire. A call must not change the link.
 class RawTap {
 public:
     virtual void received(std::span<const std::uint8_t> bytes) = 0;
@@ -17,9 +17,10 @@ protected:
 
 class RawPort {
 public:
-    /// nullptr, as at first: nobody is called, and no byte costs anything.
+    /// nullptr (the default): no calls and no cost per byte.
     virtual void set_tap(RawTap* tap) = 0;
-    /// Sends the bytes as they are, between two frames. False: the link is down, or what was given before still waits.
+    /// Sends the bytes unchanged, between two frames. False: the link is down, or the bytes of the previous call are still
+    /// waiting.
     virtual bool write_raw(std::span<const std::uint8_t> bytes) = 0;
 
 protected:

@@ -13,7 +13,7 @@ namespace anogate {
 class Link;
 struct LinkContext;
 
-/// A retry may come this much later than Backoff says, so that all absent devices share one wake-up a second.
+/// A retry may be this much later than Backoff computes, so that all absent devices share one wake-up per second.
 inline constexpr ano::Duration retry_slack = std::chrono::milliseconds{250};
 
 /// Flow:    start()       → open → came_up()      // called by the user, at once or when the connection is established
@@ -29,21 +29,21 @@ public:
 
     Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down,
               ano::Duration longest = Backoff::cap);
-    /// For a link: `down` is LinkHost::link_down().
-    /// With a `longest` pause above Backoff::cap, pauses differ by chance, so that those who lost the same peer do not come back together.
+    /// For a link: `down` is LinkHost::link_down(). With a `longest` pause above Backoff::cap, pauses are randomized, so that
+    /// clients of one lost peer do not reconnect at the same time.
     Reconnect(const LinkContext& context, Link& link, Open open, ano::Duration longest = Backoff::cap);
 
     void start();
     /// No calls afterwards, except `down` from lost().
     void stop() noexcept;
 
-    /// Opens without waiting for the next try. Only while it is not open.
+    /// Opens without waiting for the next retry. Only while it is not open.
     void try_now();
-    /// The same, within `retry_slack`.
+    /// The same as try_now(), within `retry_slack`.
     void try_soon();
 
     void came_up(ano::TimePoint now) noexcept { backoff_.came_up(now); }
-    /// To be called when the connection is lost, or when what open() began has failed.
+    /// To be called when the connection is lost, or when an opening that open() began has failed.
     void lost(LinkError why);
 
 private:

@@ -24,10 +24,10 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t piece_of_file = 64 * 1024;
-constexpr std::size_t max_batch_bytes = 64 * 1024;    // bytes of frames that are read at once
+constexpr std::size_t max_batch_bytes = 64 * 1024;    // bytes of frames per batch
 constexpr std::size_t max_link_name = 64;             // bytes; the same as in a configuration
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
-constexpr ano::Duration min_round = std::chrono::milliseconds{100};    // not at rate 0; one frame alone lasts 0
+constexpr ano::Duration min_round = std::chrono::milliseconds{100};    // not at rate 0; a single frame has no duration
 
 ReplayPlan::Options options_of(const ReplaySettings& settings) {
     return {settings.rate / 1000.0, settings.from.value_or(ano::Duration{}), settings.to.value_or(ano::Duration{}),
@@ -64,13 +64,13 @@ void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
 
 }    // namespace
 
-/// A bounded part of what one read of the disk gave: an MCAP chunk may be a thousand times larger when uncompressed.
+/// A bounded part of the frames of one read: an MCAP chunk may be a thousand times larger when uncompressed.
 struct ReplayFile::Batch {
     struct Entry {
         ano::Duration due;
         std::uint32_t link, size;
     };
-    std::vector<std::uint8_t> bytes;    // the frames, one behind the other
+    std::vector<std::uint8_t> bytes;    // the frames, one after the other
     std::vector<Entry> entries;
     std::vector<std::string> new_links;
     DecodingPtr decoding;    // of all of them
@@ -116,7 +116,7 @@ public:
     }
 
 private:
-    // A damaged file may claim sizes beyond the memory.
+    // A damaged file may contain sizes beyond the memory.
     LinkError try_to_play() {
         try {
             return play();
@@ -207,7 +207,7 @@ private:
         shared_->tell();
     }
 
-    // The note about the file: what is wrong with it, as far as it was read.
+    // The note about the file: the faults found in the part that was read.
     LinkError note_on(const RecordingReader& reader, bool is_over) const {
         if (is_over) return {};
         const std::string where = std::to_string(reader.position());

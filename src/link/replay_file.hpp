@@ -1,7 +1,7 @@
-// A recording that a thread reads ahead, so that the loop never waits for the disk. Besides the waiting frames the thread holds one
-// uncompressed chunk of MCAP, at most 64 MiB.
+// A recording that a thread reads ahead, so that the loop never waits for the disk. In addition to the waiting frames, the thread
+// holds one uncompressed chunk of MCAP, at most 64 MiB.
 //
-// Flow:    ReplayFile file{io, [] { new frames, or another state }};
+// Flow: ReplayFile file{io, [] { new frames, or another state }};
 //          file.start(settings);
 //          while (const auto frame = file.next()) { ...; file.take(); }
 //          file.stop();
@@ -23,11 +23,11 @@
 
 namespace anogate {
 
-/// Call it from the loop only.
+/// For use by the loop only.
 class ReplayFile {
 public:
     static constexpr std::size_t read_ahead = 1024 * 1024;    // bytes of waiting frames, plus one batch of 64 KiB
-    static constexpr std::size_t max_links = 16;    // with their own name; frames of further links count as the last one's
+    static constexpr std::size_t max_links = 16;              // links with a name; frames of further links belong to the last one
 
     struct Frame {
         ano::Duration due{};     // since the replay began, over all loops
@@ -36,12 +36,12 @@ public:
     };
     enum class State : std::uint8_t {
         opening,
-        absent,    // error() says why; it is tried again
+        absent,    // error() returns the reason; opening is retried
         playing,
-        ended,    // no more frames than those that wait
+        ended,    // no frames except those that are waiting
     };
 
-    /// `on_news` is called by the loop.
+    /// `on_news` is called from the loop when there are new frames or another state.
     ReplayFile(asio::io_context& io, std::function<void()> on_news);
     ~ReplayFile();
     ReplayFile(const ReplayFile&) = delete;
@@ -51,18 +51,19 @@ public:
     /// Does not wait for the thread, which may still be blocked by the disk.
     void stop() noexcept;
 
-    /// The next frame, valid until take(); std::nullopt: there is none now.
+    /// The next frame, valid until take(); std::nullopt: none is available now.
     std::optional<Frame> next();
     void take();
 
     State state() const;
-    /// Why it is absent; in other states what is wrong with the part that was read ("damaged behind byte 4711: …"), or why no frame
-    /// is played.
+    /// The reason for `absent`; in other states a fault in the part that was read ("damaged behind byte 4711: …"), or why no
+    /// frame is replayed.
     LinkError error() const;
     ReplayPlan::KeptBack kept_back() const;
-    /// What decodes the frame that next() gave last.
+    /// The decoding of the frame that next() returned last.
     const DecodingPtr& decoding() const noexcept { return decoding_; }
-    /// Names of the recorded links of the frames so far; passed through printable(), because they get into the log and the status.
+    /// Names of the recorded links of the frames so far; passed through printable(), because they appear in the log and the
+    /// status.
     const std::vector<std::string>& links() const noexcept { return links_; }
 
 private:

@@ -15,9 +15,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int max_in_a_turn = 64;                       // frames, then other work of the loop is done
+constexpr int max_in_a_turn = 64;                       // frames, before other work of the loop is done
 constexpr Duration before_links_are_looked_at = 1ms;    // until busy links are checked again
-constexpr Duration patience_with_links = 5s;            // until a link that accepts nothing is no longer waited for
+constexpr Duration patience_with_links = 5s;            // after which a link that accepts nothing is ignored
 constexpr Duration too_late = 200ms;                    // a longer delay is not caught up
 constexpr Duration dry_for = 500ms;
 
@@ -37,7 +37,7 @@ void ReplayLink::stop_reading() {
     due_.cancel();
 }
 
-// Frames for it are dropped: it takes none, even from a pinned route.
+// A replay accepts no frames, not even from a pinned route: drops them.
 void ReplayLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) channel.outbox.drop_frame(&SendCounters::denied_out);
@@ -63,7 +63,7 @@ void ReplayLink::step() {
     for (int i = 0; i < max_in_a_turn; ++i) {
         if (is_at_once() && must_wait(context_.host.now())) return due_.set(context_.host.now() + before_links_are_looked_at);
         if (!say_next()) return;
-        context_.host.flush();    // after each frame: in an outbox with others it might be overtaken
+        context_.host.flush();    // after each frame: another frame might overtake it in an outbox
     }
     due_.set(context_.host.now());
 }
@@ -85,7 +85,7 @@ bool ReplayLink::say_next() {
     return true;
 }
 
-// A frame is decoded by what was in force where it was recorded.
+// A frame is decoded with the decoding that was in force when it was recorded.
 void ReplayLink::note_decoding() {
     if (decode_alike(decoding_, file_.decoding())) return;
     decoding_ = file_.decoding();
@@ -98,7 +98,7 @@ void ReplayLink::note_none() {
     if (state == ReplayFile::State::playing && !dry_since_) dry_since_ = context_.host.now();
 }
 
-// At rate 0: waits for the outboxes, so that frames neither expire nor are replaced by newer ones.
+// At rate 0: waits for the outboxes, so that frames are neither stale nor superseded.
 bool ReplayLink::must_wait(TimePoint now) {
     const ChannelSet busy = context_.host.busy_channels();
     stuck_ = stuck_ & busy;

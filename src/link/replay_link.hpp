@@ -1,4 +1,4 @@
-// Plays a recording as if its devices were connected.
+// Replays a recording as if its devices were connected.
 #pragma once
 #include <link/link_context.hpp>
 #include <link/replay_file.hpp>
@@ -36,18 +36,18 @@ private:
 
     LinkContext context_;
     ReplayFile file_;
-    DecodingPtr decoding_;    // of the frames that are played now
+    DecodingPtr decoding_;    // of the current frames
     Alarm due_;
     std::vector<Channel*> channels_;    // by the number of the recorded link; nullptr: no channel was free
     bool is_up_ = false;
     bool is_over_ = false;
     bool has_begun_ = false;
     TimePoint begun_at_{};                  // the time of Frame::due 0
-    ano::Duration position_{};              // Frame::due of the last frame played
+    ano::Duration position_{};              // Frame::due of the last frame replayed
     std::uint64_t no_channel_ = 0;          // frames without a channel
-    std::optional<TimePoint> dry_since_;    // since when the file gave no frames before its end
+    std::optional<TimePoint> dry_since_;    // since when no frame is available, although the end is not reached
 
-    // At rate 0: since when it waits for links with full outboxes, and the channels that it no longer waits for.
+    // At rate 0: the time since which it waits for full outboxes, and the channels for which it no longer waits.
     std::optional<TimePoint> waits_since_;
     ChannelSet stuck_;
 };

@@ -1,4 +1,4 @@
-// The settings of a recording that is played.
+// The settings of a replay.
 #pragma once
 #include <ano/time.hpp>
 
@@ -11,7 +11,7 @@ namespace anogate {
 
 struct ReplaySettings {
     std::string file;
-    std::uint32_t rate = 1000;                    // in thousandths of the original speed; 0: as fast as the links take it
+    std::uint32_t rate = 1000;                    // in thousandths of the original speed; 0: as fast as possible
     bool loop = false;                            // start again at its end
     std::optional<ano::Duration> from{}, to{};    // since the first frame
     std::vector<std::string> links{};             // names of recorded links; empty: all

@@ -18,7 +18,7 @@ struct Answer {
     std::string fault{};
 };
 
-// In a thread.
+// Runs in a thread.
 Answer ask_system(const std::string& host) {
     addrinfo wanted{};
     wanted.ai_socktype = SOCK_STREAM;
@@ -48,9 +48,9 @@ struct Resolver::Query {
     std::vector<IpAddress> addresses{};    // the last answer
     ano::TimePoint asked_at = ano::TimePoint::min();
     std::vector<std::pair<const void*, Done>> waiting{};
-    std::vector<std::pair<const void*, Done>> told{};    // those that are called just now
+    std::vector<std::pair<const void*, Done>> told{};    // being called now
 
-    // A call may cancel the others, or ask anew.
+    // A call may cancel other requests, or make a new one.
     void tell(const std::vector<IpAddress>& found, const std::string& fault) {
         told = std::exchange(waiting, {});
         for (auto& one : told)

@@ -1,4 +1,4 @@
-// Finds the addresses of host names, in threads: the system may take seconds for an answer.
+// Finds the addresses of host names, in threads: the system call may block for seconds.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ip.hpp>
@@ -16,10 +16,10 @@ namespace anogate {
 /// The error of a link whose host has no address; `fault` as of Resolver::Done.
 LinkError no_such_host(const std::string& host, const std::string& fault);
 
-/// One for the whole program. A name is asked for once at a time, however many wait for it.
+/// One for the whole program. Simultaneous requests for the same name share one look-up.
 class Resolver {
 public:
-    /// Without addresses, `fault` says why: "Name or service not known".
+    /// Without addresses, `fault` is the reason: "Name or service not known".
     using Done = std::function<void(const std::vector<IpAddress>& addresses, const std::string& fault)>;
 
     explicit Resolver(asio::io_context& io, ano::Duration kept_for = std::chrono::seconds{60});
@@ -27,14 +27,14 @@ public:
     Resolver(const Resolver&) = delete;
     Resolver& operator=(const Resolver&) = delete;
 
-    /// How long an answer counts.
+    /// How long an answer is valid.
     ano::Duration kept_for() const noexcept { return kept_for_; }
-    /// Calls `done` from the loop, or at once when the answer is known or nothing can be asked. `asker` is the caller.
+    /// Calls `done` from the loop, or at once if the answer is known or no look-up is possible. `asker` identifies the caller.
     void resolve(const std::string& host, ano::TimePoint now, const void* asker, Done done);
-    /// Nothing is called any more of what `asker` asked.
+    /// Cancels the requests of `asker`: their `done` is not called.
     void cancel(const void* asker) noexcept;
 
-    /// Nothing is called any more. Threads that still wait for an answer are left behind: they may take a minute.
+    /// Cancels all requests. Does not wait for threads in a look-up, which may take a minute.
     void stop() noexcept;
 
 private:

@@ -12,7 +12,7 @@
 namespace anogate {
 namespace {
 
-constexpr ano::Duration busy_for = std::chrono::milliseconds{5};    // with one question, where only one_at_a_time is set
+constexpr ano::Duration busy_for = std::chrono::milliseconds{5};    // with one request, if only one_at_a_time is set
 
 // Simulated devices share their wake-ups.
 ano::TimePoint begin_of_step(ano::TimePoint now) {
@@ -72,14 +72,15 @@ void SimLink::tick() {
     tick_.set(line_->due());
 }
 
-// Its bytes go through the parser, as those of any other link, and are counted there.
+// The bytes of the device are parsed and counted as those of any other link.
 void SimLink::hear(std::span<const std::uint8_t> said) {
     channel_->arrived_at = context_.host.now();
     feed_datagram(channel_->parser, said, channel_->arrived_at,
                   [this](ano::FrameView frame) { context_.host.receive(*channel_, frame); });
 }
 
-// The device gets the frame at once; its answers come in a later turn, so that two devices can't call each other endlessly.
+// The device receives the frame at once. Its answers are sent in a later turn, so that two devices can't call each other
+// endlessly.
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) {
@@ -92,7 +93,7 @@ void SimLink::flush(Channel& channel) {
 }
 
 void SimLink::answer() {
-    const auto answers = std::exchange(answers_, {});    // these may cause new answers
+    const auto answers = std::exchange(answers_, {});    // sending them may cause new answers
     if (!tick_.is_set()) return;                         // stopped meanwhile
     hear(answers);
     context_.host.flush();

@@ -29,7 +29,7 @@ private:
     std::unique_ptr<ano::world::FaultyLine> line_;
     ano::world::FaultyLine::Send say_;          // to the gateway
     ano::world::FaultyLine::Send say_later_;    // in another turn of the loop
-    std::vector<std::uint8_t> answers_;         // that wait for answer()
+    std::vector<std::uint8_t> answers_;         // waiting for answer()
     Alarm tick_;
     Alarm answer_;
 };

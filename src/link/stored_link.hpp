@@ -1,4 +1,4 @@
-// What a link passes to the link of the same name in the next run of the program: its open descriptor and its peers.
+// The state that a link stores for the link of the same name in the next run of the program: its open descriptor and its peers.
 #pragma once
 #include <gateway/arrival.hpp>
 #include <gateway/ip.hpp>
@@ -16,13 +16,13 @@ namespace anogate {
 struct StoredPeer {
     Endpoint endpoint;
     PeerBook::Memory memory{};
-    bool is_proven = true;    // it has shown that it receives: FarPeer
+    bool is_proven = true;    // has shown that it receives, see FarPeer
 };
 
 struct StoredLink {
-    UniqueFd wire{};                     // non-blocking; empty: none that can be stored
-    ClockReading unread_since{};         // the last read
-    std::vector<std::uint8_t> rest{};    // the bytes read of an incomplete frame
+    UniqueFd wire{};                     // non-blocking; empty: none could be stored
+    ClockReading unread_since{};         // time of the last read
+    std::vector<std::uint8_t> rest{};    // the received bytes of an incomplete frame
     std::vector<StoredPeer> peers{};
 };
 

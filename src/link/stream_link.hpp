@@ -18,19 +18,19 @@ public:
     bool write_raw(std::span<const std::uint8_t> bytes) override { return StreamSession::write_raw(bytes); }
 
 protected:
-    /// The open, non-blocking descriptor.
+    /// Opens the descriptor, which must be non-blocking.
     virtual Opened<UniqueFd> open_wire() = 0;
     /// The name of the channel.
     virtual const std::string& peer() const = 0;
     /// The rate in bytes/s to which sending is limited; 0: not limited.
     virtual std::uint32_t line_rate() const { return 0; }
-    /// Called right before the descriptor is closed, to leave the device in a proper state.
+    /// Called right before the descriptor is closed, to restore the device.
     virtual void leave_wire(int) {}
     /// The text for a read that failed, or that reached the end (`error` is 0).
     virtual LinkError why_gone(int error) const = 0;
     virtual void came_up() { context_.host.link_up(*this); }
 
-    /// The wire is gone: closes it, says why, and tries again later.
+    /// The connection is lost: closes it, reports `why`, and retries later.
     void fail(LinkError why);
     void opened() override;
     void read_ended(int error) override { fail(why_gone(error)); }

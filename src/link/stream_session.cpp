@@ -9,7 +9,7 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t frames_per_write = 64;
-constexpr int reads_per_turn = 16;    // then other links have their turn
+constexpr int reads_per_turn = 16;    // before other links have their turn
 constexpr std::size_t max_raw = 64 * 1024;
 
 }    // namespace
@@ -54,8 +54,8 @@ void StreamSession::begin_input() {
     const std::size_t size = std::min(stored.rest.size(), room.size());
     std::copy_n(stored.rest.begin(), size, room.begin());
     channel_->arrived_at = stored.unread_since.now;
-    channel_->parser.commit(size, now.now);    // the rest may already wait on the wire
-    expiry_.set(now.now);    // complete frames behind a false header are delivered later, when the other links are up
+    channel_->parser.commit(size, now.now);    // the rest may already be waiting on the wire
+    expiry_.set(now.now);                      // frames after a false header are delivered later, when the other links are up
 }
 
 void StreamSession::close() noexcept {
@@ -95,7 +95,7 @@ void StreamSession::read() {
             tap_->received(room.first(static_cast<std::size_t>(n)));
         deliver();
         if (!is_open()) return;
-        if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind()) break;    // a terminal gives at most 4 KB a read
+        if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind()) break;    // a terminal read returns at most 4 KB
     }
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
 }
@@ -129,7 +129,7 @@ bool StreamSession::write_raw(std::span<const std::uint8_t> bytes) {
     return true;
 }
 
-// Not inside a frame that has left in part. False: the wire takes no more, or it is gone.
+// Waits until a partly sent frame is complete. False: nothing more can be written now, or the connection is lost.
 bool StreamSession::write_raw_first() {
     while (!raw_.empty() && !channel_->outbox.has_begun()) {
         const iovec piece{raw_.data(), raw_.size()};
@@ -150,7 +150,7 @@ bool StreamSession::write_raw_first() {
     return true;
 }
 
-// False: not all is written, or the wire is gone.
+// False: not everything is written, or the connection is lost.
 bool StreamSession::write_held() {
     const ssize_t n = write_some({});
     if (n < 0 && errno != EAGAIN && errno != EINTR) {
@@ -183,7 +183,7 @@ void StreamSession::write() {
             const TimePoint written = pacing_.pauses() ? context_.host.now() : now;
             pacing_.sent(static_cast<std::size_t>(n), written);
             if (pacing_.is_on()) pacing_.correct(held_by_driver(), written);
-            if (!raw_.empty() && !write_raw_first()) return;    // it waited for the end of a frame
+            if (!raw_.empty() && !write_raw_first()) return;    // waited for the end of a frame
         } else if (n == 0 || errno == EAGAIN) {
             outbox.set_congested();
             write_later();

@@ -29,7 +29,7 @@ public:
 
     /// Takes `fd`, which must be non-blocking. `channel` lives until close().
     void open(UniqueFd fd, Channel& channel);
-    /// To be called before open() for a descriptor of the previous program: its stored state.
+    /// To be called before open() for a descriptor of the previous run: its stored state.
     void go_on_from(StoredLink stored) { stored_ = std::move(stored); }
     bool is_open() const noexcept { return descriptor_.is_open(); }
     int fd() const noexcept { return descriptor_.fd(); }
@@ -39,43 +39,42 @@ public:
 
     void pause_reading() { descriptor_.stop_reading(); }
     void resume_reading();
-    /// Nothing more will come: handles the bytes after the last complete frame.
+    /// Nothing more will be received: handles the bytes after the last complete frame.
     void end_of_input();
     /// As RawPort.
     void set_tap(RawTap* tap) noexcept { tap_ = tap; }
     bool write_raw(std::span<const std::uint8_t> bytes);
 
 protected:
-    /// Work before frames can be exchanged, such as connecting or a handshake. Called by open(), and again when the descriptor can be
-    /// read or written, as the result asks. `failed`: see errno.
-    /// `waits`: for a call of continue_opening().
+    /// Work before frames can be exchanged, such as connecting or a handshake. Called by open(), and again when the descriptor
+    /// can be read or written, as the result asks. `failed`: see errno. `waits`: until continue_opening() is called.
     enum class Opening { done, wants_to_read, wants_to_write, waits, failed };
     virtual Opening go_on_opening() { return Opening::done; }
-    /// The opening is done. Nothing is read before resume_reading(), unless the opening itself had to read.
+    /// The opening is done. Nothing is read before resume_reading(), except by the opening itself.
     virtual void opened() = 0;
     /// As read() and writev(): return the number of bytes, 0 at the end of input, or -1 and errno.
     virtual ssize_t read_some(std::span<std::uint8_t> room);
     virtual ssize_t write_some(std::span<const iovec> pieces);
-    /// write_some() has taken bytes that the system has not: it is called again, also with nothing, when more can be written.
+    /// write_some() buffered bytes that are not yet written: it is called again, perhaps without data, when more can be written.
     virtual bool holds_bytes() const { return false; }
-    /// write_some() took nothing (EAGAIN): write() is to be called when it may take more.
+    /// write_some() accepted nothing (EAGAIN): arranges a call of write() when more can be written.
     virtual void write_later();
     /// Bytes in the driver that are not on the wire yet; 0 where asking is expensive.
     virtual std::size_t held_by_driver() const { return 0; }
-    /// A good frame came.
+    /// A valid frame was received.
     virtual void take(ano::FrameView frame) { context_.host.receive(*channel_, frame); }
     /// A read failed, or reached the end of input (`error` is 0).
     virtual void read_ended(int error) = 0;
     /// A write or the opening failed.
     virtual void failed(int error) = 0;
 
-    /// Reads although the descriptor may report nothing.
+    /// Reads even if the descriptor is not reported as readable.
     void read_again() {
         if (is_open() && !is_opening_) read();
     }
     bool is_opening() const noexcept { return is_open() && is_opening_; }
     void continue_opening();
-    /// Data that can be read now counts as possibly as old as the last standstill, even if it is read later.
+    /// Data that is readable now may be as old as the last standstill; it is treated so, even if it is read later.
     void check_what_waits() { arrival_.unstamped(context_.host.turn()); }
     Pacing& pacing() noexcept { return pacing_; }
     const Pacing& pacing() const noexcept { return pacing_; }
@@ -97,7 +96,7 @@ private:
     Alarm expiry_;
     Pacing pacing_;
     RawTap* tap_ = nullptr;
-    std::vector<std::uint8_t> raw_;    // written by hand; leaves before the next frame
+    std::vector<std::uint8_t> raw_;    // written by hand; sent before the next frame
     bool is_opening_ = false;
     std::optional<StoredLink> stored_;
 };

@@ -15,7 +15,7 @@ namespace {
 constinit const LinkKind tunnel_kind{.name = "tunnel", .carries = Carries::datagrams, .listens = true};
 
 constexpr Duration hosts_slack = std::chrono::seconds{1};
-constexpr Duration without_address = std::chrono::seconds{5};    // until a name is asked for again: the network may come up
+constexpr Duration without_address = std::chrono::seconds{5};    // until the next look-up: the network may come up
 
 HostAddresses hosts_in(const TunnelSettings& settings) {
     HostAddresses hosts;
@@ -75,7 +75,7 @@ void TunnelLink::opened(const Endpoint& local) {
     if (!hosts_.empty()) look_up_hosts();
 }
 
-// A name keeps its addresses when the system has no answer.
+// A name keeps its addresses if a later look-up fails.
 void TunnelLink::look_up_hosts() {
     look_up_.set(context().host.now() + context().names.kept_for());
     no_such_host_ = {};
@@ -114,7 +114,7 @@ bool TunnelLink::allowed(const Endpoint& sender, TimePoint now) {
     return true;
 }
 
-// Only checks; the counters are restored, because deliver() counts an accepted frame.
+// A check only: restores the counters, because deliver() counts an accepted frame.
 bool TunnelLink::welcomes(const Endpoint& sender, ano::FrameView frame) {
     if (is_tunnel_frame(frame) && !tunnel_.in(frame, sender.address, [](ano::FrameView) {})) return false;
     tunnel_.set_counters(before_stranger_);

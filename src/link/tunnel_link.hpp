@@ -1,4 +1,4 @@
-// The tunnel port: sends tunnel frames of devices as datagrams; what it receives is unwrapped, wrapped or routed.
+// The tunnel port: sends tunnel frames of devices as datagrams. Received frames are unwrapped, wrapped or routed.
 #pragma once
 #include <gateway/forwarder.hpp>
 #include <gateway/tunnel/tunnel.hpp>
@@ -32,7 +32,7 @@ public:
 
     const TunnelCounters& counters() const noexcept { return tunnel_.counters(); }
     LinkFacts facts() const override;
-    /// A host that the settings name has no address.
+    /// Also reports a configured host that has no address.
     LinkError trouble() const override { return no_such_host_.text.empty() ? UdpListenLink::trouble() : no_such_host_; }
     void stop_reading() override;
     void stop() override;
@@ -62,9 +62,9 @@ private:
     std::vector<Target> wrap_to_;
     TunnelCounters before_stranger_;
     bool took_ = false;              // a frame of this datagram was accepted
-    OwnNetworks seen_networks_;      // its own, so that refresh_networks() notices each time that they are read
-    std::optional<Way> last_way_;    // until refresh_networks() looks again
-    HostAddresses hosts_;            // each that the settings name; empty until its address is known
+    OwnNetworks seen_networks_;      // a separate cache, so that refresh_networks() detects every new read
+    std::optional<Way> last_way_;    // cleared by refresh_networks()
+    HostAddresses hosts_;            // of each configured host; empty until known
     Alarm look_up_;
     LinkError no_such_host_;
 };

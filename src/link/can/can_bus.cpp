@@ -19,7 +19,7 @@ constexpr EventName event_names[] = {{"error_warning", "error_warning_s"},
                                      {"restarted", "restarted_s"},
                                      {"controller_overflow", "controller_overflow_s"}};
 
-// The kinds of error frames, besides those of the controller (CAN_ERR_CRTL), which tell its state.
+// The kinds of error frames. Those of the controller (CAN_ERR_CRTL) carry its state and are handled separately.
 struct ErrorKind {
     canid_t flag;
     std::string_view name;

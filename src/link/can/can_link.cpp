@@ -17,9 +17,9 @@ using namespace std::chrono_literals;
 
 constexpr Duration first_pause = 1ms;    // a queue of 10 frames drains in 2.2 ms at 500 kbit/s
 constexpr Duration max_pause = 20ms;
-constexpr int max_error_frames = 64;         // at a time: a bad bus brings thousands a second
+constexpr int max_error_frames = 64;         // per read: a faulty bus causes thousands per second
 constexpr Duration carrier_follows = 5ms;    // drivers report bus-off and a restart before the interface changes
-constexpr Duration patience = 1s;            // blocked for longer than this: the bus itself has a fault
+constexpr Duration patience = 1s;            // blocked for longer: the bus itself has a fault
 
 }    // namespace
 
@@ -96,7 +96,7 @@ void CanLink::read_errors() {
         can_frame frame{};
         const ssize_t n = ::recv(errors_.fd(), &frame, sizeof frame, 0);
         if (n < 0 && (errno == EAGAIN || errno == EINTR)) break;
-        if (n < static_cast<ssize_t>(CAN_MTU)) return errors_.close();    // the interface is down or gone
+        if (n < static_cast<ssize_t>(CAN_MTU)) return errors_.close();    // the interface is down or was removed
         bus_.note(frame, now);
     }
     const bool is_off = bus_.state() == CanBus::State::off;
@@ -109,7 +109,7 @@ void CanLink::look_at_carrier() {
     if (auto usable = check_can_interface(can()); !usable) fail(std::move(usable.error()));
 }
 
-// Not every driver reports that the controller is back.
+// Not every driver reports that the controller left bus-off.
 void CanLink::heard_on_bus() noexcept {
     if (bus_.state() == CanBus::State::off) bus_.came_up();
 }

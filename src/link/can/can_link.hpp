@@ -1,4 +1,4 @@
-// A CAN interface: it may be absent, down, bus-off, removed and come back. The two subclasses put V8 frames into CAN frames.
+// A CAN interface, which may be absent, down, bus-off, removed or added again. The two subclasses put V8 frames into CAN frames.
 #pragma once
 #include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
@@ -30,18 +30,18 @@ protected:
     virtual Opened<UniqueFd> open_wire(UniqueFd stored) = 0;
     virtual void read() = 0;
     virtual void write() = 0;
-    /// The interface has gone: incomplete frames are given up.
+    /// The interface was removed or is down: discards incomplete frames.
     virtual void lost() = 0;
     virtual void close_wire() noexcept { descriptor_.close(); }
 
-    /// The wire is gone: closes it, says why, and tries again later.
+    /// The connection is lost: closes it, reports `why`, and retries later.
     void fail(LinkError why);
-    /// Nothing more can be sent now: calls write() when there is room. `kernel_tells`: the kernel reports when (EAGAIN); otherwise
-    /// it does not (ENOBUFS: the interface's own queue is full, perhaps with frames of other programs).
+    /// Nothing more can be sent now: calls write() when there is room. `kernel_tells`: the kernel reports room (EAGAIN);
+    /// otherwise it does not (ENOBUFS: the interface's own queue is full, perhaps with frames of other programs).
     void wait_for_room(bool kernel_tells);
-    /// A frame of the bus was received.
+    /// A CAN frame was received from the bus.
     void heard_on_bus() noexcept;
-    /// Something was sent.
+    /// At least one CAN frame was sent.
     void found_room() noexcept;
 
     const CanSettings& can() const noexcept { return settings().as<CanSettings>(); }
@@ -67,12 +67,12 @@ private:
     Alarm again_;
     Alarm carrier_look_;
     Duration pause_;        // until the next try when the kernel does not report room
-    bool woken_ = false;    // called because there was room; nothing was sent since
+    bool woken_ = false;    // write() was called because of room, and has sent nothing since
     std::optional<TimePoint> blocked_since_;
-    std::int64_t old_kernel_drops_ = 0;    // of sockets that are closed
+    std::int64_t old_kernel_drops_ = 0;    // of closed sockets
 };
 
-/// framing=stream, by a raw socket.
+/// framing=stream: uses a raw socket.
 class CanStreamLink final : public CanLink {
 public:
     CanStreamLink(LinkId id, const LinkSettings& settings, const LinkContext& context);

@@ -21,7 +21,7 @@
 namespace anogate {
 namespace {
 
-// The kernel charges some 0.8 KB a frame. Bursts overflow its default of 208 KiB.
+// The kernel counts about 0.8 KB per frame. Bursts overflow its default of 208 KiB.
 constexpr int can_receive_buffer = 4 << 20;
 // The kernel raises it to its minimum, about six frames. An urgent frame can't overtake those in the kernel. And a queue shorter
 // than the interface's own (10 by default) fails with EAGAIN and reports room; a longer one fails with ENOBUFS and does not.
@@ -39,7 +39,7 @@ LinkError no_socket(int error, const char* what, const char* module) {
     return error_text(std::string{"no "} + what + " socket", error);
 }
 
-// Not by ioctl: for an absent interface the kernel would start modprobe each time.
+// No ioctl: for an absent interface the kernel would run modprobe each time.
 bool is_there(const std::string& interface) {
     const std::unique_ptr<struct if_nameindex, decltype(&::if_freenameindex)> list{::if_nameindex(), &::if_freenameindex};
     for (const auto* i = list.get(); i && i->if_index != 0; ++i)
@@ -121,7 +121,7 @@ bool can_bus_is_off(const std::string& interface) {
 
 Opened<void> check_can_interface(const CanSettings& can) {
     const std::string& name = can.interface;
-    static bool kernel_has_can = false;    // asked once: closing a CAN socket takes the kernel a while
+    static bool kernel_has_can = false;    // checked once: closing a CAN socket takes a while
     if (!kernel_has_can) {
         if (const auto socket = raw_socket(); !socket) return NotOpened{socket.error()};
         kernel_has_can = true;

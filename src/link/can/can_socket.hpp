@@ -13,10 +13,10 @@ Opened<void> check_can_interface(const CanSettings& can);
 /// Whether the controller is bus-off: it left the bus after too many errors.
 bool can_bus_is_off(const std::string& interface);
 
-/// A non-blocking raw socket that receives only frames with ids of stream framing, except our own id. `stored` is used if it is on
-/// this interface.
+/// A non-blocking raw socket that receives only frames with ids of stream framing, except our own id. `stored` is reused if it is
+/// on this interface.
 Opened<UniqueFd> open_can_stream(const CanSettings& can, UniqueFd stored = {});
-/// A non-blocking ISO-TP socket: a datagram is one PDU. `stored` is used if it has these ids.
+/// A non-blocking ISO-TP socket: a datagram is one PDU. `stored` is reused if it has these ids.
 Opened<UniqueFd> open_can_isotp(const CanSettings& can, UniqueFd stored = {});
 /// A non-blocking raw socket that receives error frames only.
 Opened<UniqueFd> open_can_errors(const CanSettings& can);

@@ -1,4 +1,4 @@
-// Switches an RS-485 transceiver to sending before a write, and back when the last bit is sent. A thread waits for the last bit;
+// Switches an RS-485 transceiver to sending before a write, and back after the last bit is sent. A thread waits for the last bit;
 // everything else, including the line, is done in the loop.
 #pragma once
 #include <ano/time.hpp>
@@ -39,11 +39,11 @@ private:
     Descriptor sent_;    // an eventfd: the thread reports that everything is sent
     std::function<void(bool)> send_;
     std::thread thread_;
-    std::counting_semaphore<> wait_{0};    // tells the thread to wait for the port
+    std::counting_semaphore<> wait_{0};    // released: the thread waits for the port
     std::atomic<bool> closing_{false};
     bool sending_ = false;
     bool waiting_ = false;    // the thread is waiting for the port
-    bool again_ = false;      // something was written since
+    bool again_ = false;      // more was written since the thread began to wait
 };
 
 }    // namespace anogate

@@ -19,7 +19,7 @@ std::string first_line(const fs::path& file) {
     return line;
 }
 
-// Makers who do not number their adapters leave it out, or give all the same: that of a CP2102 is "0001".
+// Adapters that are not numbered have no serial number, or all the same one: a CP2102 has "0001".
 bool is_number(const std::string& serial) { return serial != "0001" && serial.find_first_not_of('0') != serial.npos; }
 
 std::string name_by_path(const fs::path& root, const std::string& tty) {
@@ -55,7 +55,7 @@ PortIdentity port_identity(const fs::path& root, const std::string& device) {
     return port;
 }
 
-// Ports of one adapter with several are no twins.
+// The ports of one adapter are not twins of each other.
 std::vector<std::string> twins_of(const fs::path& root, const PortIdentity& port) {
     std::vector<std::string> twins;
     if (port.usb.empty()) return twins;

@@ -1,4 +1,4 @@
-// Which USB adapter a serial port is, and whether it can be told from another one of its kind.
+// The USB adapter of a serial port, and whether it can be distinguished from another adapter of its kind.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -9,37 +9,39 @@ namespace anogate {
 struct PortIdentity {
     std::string device;     // "/dev/ttyUSB0"
     std::string usb;        // "1a86:7523"; empty: no USB device
-    std::string serial;     // its serial number; empty: it has none, or one that all of its kind have
+    std::string serial;     // its serial number; empty: none, or one that all adapters of its kind have
     std::string place;      // the USB socket: "1-1.2"; empty: no USB device
-    std::string by_path;    // its name in /dev/serial/by-path, which stays with the socket; empty: there is none
+    std::string by_path;    // its name in /dev/serial/by-path, which belongs to the socket; empty: none
 
-    /// Names in /dev/serial/by-id may lead to another adapter after plugging: nothing tells one from another.
+    /// Whether names in /dev/serial/by-id may lead to another adapter after re-plugging, because adapters of this kind can't be
+    /// distinguished.
     bool is_one_of_many() const noexcept { return !usb.empty() && serial.empty(); }
 };
 
-/// Of `device`, which may be a symbolic link. `root` is "/", or a folder with the same structure. Fields that can't be read are empty.
+/// The identity of `device`, which may be a symbolic link. `root` is "/", or a folder with the same structure. Fields that can't
+/// be read are empty.
 PortIdentity port_identity(const std::filesystem::path& root, const std::string& device);
 
-/// The other ports of the same kind that are plugged in, when nothing but their sockets tells them apart: "/dev/ttyUSB1".
+/// The other connected ports of the same kind that differ from `port` only by their USB sockets: "/dev/ttyUSB1".
 std::vector<std::string> twins_of(const std::filesystem::path& root, const PortIdentity& port);
 
-/// Notices that a name leads to an adapter in another USB socket than before while a twin is plugged in.
+/// Detects that a name leads to an adapter in another USB socket than before while a twin is connected.
 class SocketWatch {
 public:
-    /// To be called each time `device` was opened.
+    /// To be called each time after `device` is opened.
     void opened(const std::filesystem::path& root, const std::string& device);
     /// The sockets of the adapter that was opened first and of the present one.
     const std::string& from() const noexcept { return from_; }
     const std::string& to() const noexcept { return to_; }
-    /// Empty: the adapter is the first one, as far as can be known.
+    /// A connected twin of the present adapter, if that is in another socket than the first; empty: no change was detected.
     const std::string& twin() const noexcept { return twin_; }
 
 private:
     std::string from_, to_, twin_;
 };
 
-/// Why `device`, a name in /dev/serial/by-id, may lead to another adapter, and which name to use; empty: it does not, or it is not
-/// plugged in and its name does not show it.
+/// The reason why `device`, a name in /dev/serial/by-id, may lead to another adapter, and the name to use; empty: it does not, or
+/// it is not connected and its name does not show it.
 std::string fault_of_by_id(const std::filesystem::path& root, const std::string& device);
 
 }    // namespace anogate

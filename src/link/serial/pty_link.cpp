@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr Duration between_looks = std::chrono::milliseconds{100};    // polling where inotify is not available
 
-// Lets the group dialout, which may use serial ports, use this one.
+// Gives access to the group dialout, as for serial ports.
 void let_dialout_in(int terminal) {
     if (const group* dialout = ::getgrnam("dialout"); dialout && ::fchown(terminal, uid_t(-1), dialout->gr_gid) == 0)
         ::fchmod(terminal, 0660);
@@ -39,7 +39,7 @@ Opened<UniqueFd> PtyLink::open_wire() {
         return Unexpected{error_text("can't open a pseudo-terminal", errno)};
     device_ = name;
     {
-        const UniqueFd user_side = open_user_side();    // after its first close our side reports when no program has it open
+        const UniqueFd user_side = open_user_side();    // after its first close, our side reports when no program has it open
         if (!user_side) return Unexpected{error_text(device_, errno)};
         terminal::make_raw(user_side.get());
         let_dialout_in(user_side.get());
@@ -50,7 +50,7 @@ Opened<UniqueFd> PtyLink::open_wire() {
     if (linked) return ours;
     claim_.release();
     look_.cancel();
-    watch_.close();    // otherwise the next user of a pseudo-terminal with this number would count as ours
+    watch_.close();    // another pseudo-terminal may get this number; its users would count as ours
     return Unexpected{linked.error()};
 }
 
@@ -63,8 +63,8 @@ Expected<void> PtyLink::link_path() {
     return link_to_terminal(device_, path);
 }
 
-// The events only say when to look: equal events are merged, so they can't be counted. The number of inotify instances of a user
-// is limited; while we have none, look_ polls.
+// The events only trigger a check: equal events are merged, so they can't be counted. The number of inotify instances per user is
+// limited; without one, look_ polls.
 void PtyLink::watch_users() {
     watch_.close();
     UniqueFd notify{::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)};
@@ -86,14 +86,15 @@ void PtyLink::look() {
     if (fd() >= 0) look_for_users();
 }
 
-// Watches the link at the path as it is now, even one of another program, until that is gone.
+// Watches the current symbolic link at the path, even if another program made it, until it is removed.
 void PtyLink::watch_path() {
     if (!watch_.is_open()) return;
     constexpr std::uint32_t gone = IN_DELETE_SELF | IN_MOVE_SELF | IN_ATTRIB;
     ::inotify_add_watch(watch_.fd(), settings().as<PtySettings>().path.c_str(), gone | IN_DONT_FOLLOW);
 }
 
-// Makes the link again if it was removed: by a cleaner of /tmp, or by a second gateway that had taken the path and ended.
+// Makes the symbolic link again if it was removed: by a cleaner of /tmp, or by a second gateway that had claimed the path and
+// stopped.
 void PtyLink::keep_path() {
     std::error_code ec;
     const fs::file_status there = fs::symlink_status(settings().as<PtySettings>().path, ec);
@@ -108,7 +109,7 @@ void PtyLink::keep_path() {
 
 void PtyLink::came_up() { context_.host.link_down(*this, nobody_there()); }
 
-// Our side reports POLLHUP while no program has the other side open. What the last program wrote is read first.
+// Our side reports POLLHUP while no program has the other side open. The data of the last program is read first.
 void PtyLink::look_for_users() {
     pollfd ours{fd(), POLLIN, 0};
     if (::poll(&ours, 1, 0) < 0) return;
@@ -127,7 +128,7 @@ void PtyLink::read_ended(int error) {
     if (up_) users_gone();
 }
 
-// Discards what the last program did not read, and resets its terminal settings.
+// Discards the data that the last program did not read, and resets its terminal settings.
 void PtyLink::users_gone() {
     up_ = false;
     context_.host.link_down(*this, nobody_there());
@@ -160,7 +161,7 @@ void PtyLink::stop() {
     watch_.close();
 }
 
-// Closing our side loses what the other side has not read.
+// Closing our side discards the data that the other side has not read.
 std::size_t PtyLink::unsent() const {
     const UniqueFd user_side = open_user_side();
     return user_side ? terminal::unread(user_side.get()) : 0;
@@ -215,7 +216,7 @@ constinit const LinkKind pty_kind{
             const std::string& path = link.as<PtySettings>().path;
             return path.substr(path.rfind('/') + 1);
         },
-    .has_uart = [](const LinkSettings&) { return true; },    // a program that stands for a device, such as a simulator
+    .has_uart = [](const LinkSettings&) { return true; },    // such as a simulator in place of a device
     .path =
         [](const LinkSettings& link) {
             return LinkPath{link.as<PtySettings>().path, true};

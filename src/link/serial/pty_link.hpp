@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-/// Up while a program has it open: data sent before would be out of date when a program reads it.
+/// Up while a program has it open: data sent earlier would be stale when a program reads it.
 class PtyLink final : public StreamLink {
 public:
     PtyLink(LinkId id, LinkSettings settings, const LinkContext& context)
@@ -36,9 +36,9 @@ private:
     LinkError nobody_there() const;
 
     std::string device_;    // /dev/pts/N
-    PathClaim claim_;       // so that one gateway only makes this path
+    PathClaim claim_;       // so that only one gateway makes this path
     Descriptor watch_;      // inotify: device_ was opened, or the link at the path was changed
-    Alarm look_;            // the same by polling where there is no inotify
+    Alarm look_;            // polls instead if inotify is not available
     bool up_ = false;
 };
 

@@ -26,7 +26,7 @@ std::string busy_text(const std::string& device) {
     return device + " is in use by " + (holder ? holder->text() : "another program");
 }
 
-/// The error for an absent port, with a suggestion for "ttyUSB0" and "/dev/ttyUSB0:115200", as other programs write it.
+/// The error for an absent port, with a suggestion for "ttyUSB0" and "/dev/ttyUSB0:115200", the forms of other programs.
 std::string absent_text(const std::string& device) {
     const std::size_t colon = device.rfind(':');
     const bool baud = colon != device.npos && device.size() - colon > 3 &&
@@ -59,7 +59,7 @@ LinkError open_error(const std::string& device, int error) {
     }
 }
 
-// Programs that do not lock the port: what it receives goes to one of both, byte by byte.
+// The other program did not lock the port: each received byte goes to only one of the two.
 LinkError of_shared_port(const std::string& device, const DeviceHolder& holder) {
     return {"shared_port",
             holder.text() + " has " + device + " open, too, without a lock, and reads part of the data: stop it",
@@ -86,7 +86,7 @@ Opened<UniqueFd> SerialLink::open_port() {
     return fd;
 }
 
-// A stored port is not opened again: that would reset many boards by the DTR line.
+// A stored port is not opened again: that would reset many boards through the DTR line.
 Opened<UniqueFd> SerialLink::open_wire() {
     const std::string& device = settings().as<SerialSettings>().device;
     auto stored = context_.host.take_stored(*this);
@@ -173,10 +173,10 @@ std::uint32_t SerialLink::byte_rate() const {
     return uart_rate(actual_baud_ != 0 ? actual_baud_ : s.baud, s.parity != Parity::none, s.stop_bits);
 }
 
-// For a USB modem class device (cdc_acm) the rate has no meaning: it is as fast as USB.
+// A USB modem class device (cdc_acm) ignores the rate: it is as fast as USB.
 std::uint32_t SerialLink::line_rate() const {
     const Pace pace = settings().as<SerialSettings>().pace;
-    const bool is_off = pace == Pace::off && settings().gap == Duration{};    // a gap begins when the line has sent the frame
+    const bool is_off = pace == Pace::off && settings().gap == Duration{};    // a gap begins when the frame is on the line
     if (is_off || (pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
     return byte_rate();
 }

@@ -1,4 +1,4 @@
-// A serial port. Waited for while it is absent, unplugged or in use.
+// A serial port. The link waits while the port is absent, unplugged or in use.
 #pragma once
 #include <link/serial/half_duplex.hpp>
 #include <link/serial/port_identity.hpp>
@@ -36,7 +36,7 @@ private:
 
     int wire_ = -1;    // the open descriptor; -1: none
     std::uint32_t actual_baud_ = 0;
-    std::optional<DeviceHolder> shared_with_;    // has the port open as well
+    std::optional<DeviceHolder> shared_with_;    // another program that has the port open
     SocketWatch socket_;
 
     std::unique_ptr<HalfDuplex> rs485_;    // nullptr: full duplex

@@ -17,7 +17,7 @@ enum class FlowControl : std::uint8_t { none, hardware };
 
 struct SerialSettings {
     std::string device;
-    std::uint32_t baud = 500000;    // any integer rate the driver can make
+    std::uint32_t baud = 500000;    // any integer rate that the driver supports
     Parity parity = Parity::none;
     std::uint8_t stop_bits = 1;    // 1 or 2
     FlowControl flow = FlowControl::none;

@@ -1,4 +1,4 @@
-// termios2 and BOTHER come with the kernel's headers, which can't be included beside <termios.h>.
+// termios2 and BOTHER are in the kernel's headers, which can't be included together with <termios.h>.
 #include <link/serial/serial_settings.hpp>
 #include <link/serial/termios.hpp>
 #include <sys/errors.hpp>
@@ -23,7 +23,7 @@ namespace {
 void set_line(termios2& t, const SerialSettings& settings) {
     t.c_iflag = t.c_oflag = t.c_lflag = 0;
     t.c_iflag |= IGNBRK;
-    t.c_cflag = CS8 | CREAD | CLOCAL | BOTHER;    // and no HUPCL: closing must not reset the board behind the port
+    t.c_cflag = CS8 | CREAD | CLOCAL | BOTHER;    // no HUPCL: closing must not reset the connected board
     if (settings.parity != Parity::none) t.c_cflag |= PARENB;
     if (settings.parity == Parity::odd) t.c_cflag |= PARODD;
     if (settings.stop_bits == 2) t.c_cflag |= CSTOPB;
@@ -42,7 +42,7 @@ bool is_same_line(const termios2& a, const termios2& b) {
 
 void set_modem_line(int fd, int line, bool on) noexcept { ::ioctl(fd, on ? TIOCMBIS : TIOCMBIC, &line); }
 
-// Drivers without this option refuse; that does no harm.
+// Drivers without this option refuse; the error is ignored.
 void ask_for_low_latency(int fd) noexcept {
     serial_struct serial{};
     if (::ioctl(fd, TIOCGSERIAL, &serial) != 0) return;
@@ -63,7 +63,7 @@ std::size_t bytes_in(int fd, unsigned long queue) noexcept {
 
 }    // namespace
 
-// Setting unchanged values again makes some chips lose the bytes they are receiving.
+// Setting unchanged values again makes some chips lose the bytes that they are receiving.
 Expected<std::uint32_t> configure(int fd, const SerialSettings& settings, bool is_receiving) {
     termios2 t{};
     if (::ioctl(fd, TCGETS2, &t) != 0) return Unexpected{errno == ENOTTY ? "this is not a serial port" : error_text(errno)};
@@ -102,7 +102,7 @@ void claim(int fd) noexcept {
 }
 void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
 
-// First waits for the driver's buffer, by its size and the rate; then for the chip's, where the driver reports it.
+// First waits for the driver's buffer, by its size and the rate; then for the chip's buffer, if the driver reports it.
 void wait_until_sent(int fd, Duration byte_time, const std::atomic<bool>& stop) noexcept {
     constexpr Duration max_pause = std::chrono::milliseconds{20};
     constexpr Duration min_pause = std::chrono::microseconds{50};

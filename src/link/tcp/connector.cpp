@@ -83,13 +83,13 @@ void Connector::try_next() {
     if (open_ == 0) fail(std::move(why_));
 }
 
-// The descriptor can't be taken out of its own callback: the connection goes on with a copy.
+// The descriptor can't be moved within its own callback: the connection uses a duplicate.
 void Connector::has_ended(Try& attempt) {
     int error = connect_error(attempt.descriptor.fd());
-    // Where nothing listens at a port that the kernel gives to who connects, it may join a socket to itself.
+    // If the port is in the ephemeral range and nothing listens on it, the kernel may connect a socket to itself.
     if (error == 0 && local_endpoint(attempt.descriptor.fd()) == attempt.endpoint) {
         error = ECONNREFUSED;
-        const linger at_once{1, 0};    // or the port would not be free for a minute
+        const linger at_once{1, 0};    // otherwise the port stays in use for a minute
         ::setsockopt(attempt.descriptor.fd(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
     }
     UniqueFd fd{error == 0 ? ::fcntl(attempt.descriptor.fd(), F_DUPFD_CLOEXEC, 0) : -1};

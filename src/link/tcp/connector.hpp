@@ -17,7 +17,7 @@ namespace anogate {
 ///          stop()                                               // neither is called
 class Connector {
 public:
-    /// The next address is tried this much later, or at once when the one before fails; the first that answers counts.
+    /// The next address is tried after this time, or at once if the previous one fails. The first connection is used.
     static constexpr ano::Duration between_tries = std::chrono::milliseconds{250};
     static constexpr ano::Duration patience = std::chrono::seconds{10};
 
@@ -45,9 +45,9 @@ private:
     Connected connected_;
     Failed failed_;
     std::vector<Endpoint> endpoints_;
-    std::vector<std::unique_ptr<Try>> tries_;    // as many as were begun
+    std::vector<std::unique_ptr<Try>> tries_;    // those that were begun
     std::size_t open_ = 0;                       // tries that have not ended
-    LinkError why_;                              // of the last that failed
+    LinkError why_;                              // of the last failed try
     Alarm next_, deadline_;
 };
 

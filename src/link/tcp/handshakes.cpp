@@ -18,7 +18,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t descriptors_of_one = 6;    // its socket twice, twice an event, and again at its end
+constexpr std::size_t descriptors_of_one = 6;    // its socket twice, an event twice, and once more at its end
 
 std::uint64_t waiting_party(const IpAddress& address) {
     const std::size_t size = address.v6 ? 8 : 4;
@@ -38,7 +38,7 @@ struct Handshakes::One {
 
     Endpoint peer;
     WaitingConnection facts{};
-    std::shared_ptr<TlsConnection> tls{};    // once it has sent something
+    std::shared_ptr<TlsConnection> tls{};    // set when the peer has sent something
     Descriptor socket;
     Errand step;
 };
@@ -55,7 +55,7 @@ Handshakes::Handshakes(const LinkContext& context, TlsContext& tls, Done done, F
 
 Handshakes::~Handshakes() { close(); }
 
-// A thread that works has its connection to itself, and ends soon.
+// A thread that still computes owns its connection, and ends soon.
 void Handshakes::close() {
     for (const auto& one : all_) one->step.stop(ano::TimePoint::min());
     all_.clear();
@@ -96,7 +96,7 @@ std::vector<WaitingConnection> Handshakes::facts() const {
     return facts;
 }
 
-// What is being computed is looked at when that is done.
+// Handshakes that are being computed are checked when the computation ends.
 void Handshakes::end_those(Duration age, bool silent_alone, const std::string& why) {
     const TimePoint now = context_.host.now();
     std::vector<One*> late;
@@ -113,7 +113,7 @@ void Handshakes::await(One& one) {
     one.socket.read_with([this, &one] { heard(one); });
 }
 
-// While there is no whole record, there is nothing to work at.
+// A computation begins only with a complete record.
 void Handshakes::heard(One& one) try {
     if (!one.tls) {
         if (has_hung_up(one.socket.fd())) return fail(one, "the other end closed the connection during the handshake");

@@ -1,5 +1,5 @@
-// TLS handshakes of a listening port, until they are done. Many may wait, and a few are computed at a time, so that a host gets in
-// however many strangers connect.
+// TLS handshakes of a listening port, until they are done. Many may wait and a few are computed at a time, so that a host can
+// connect even if many strangers do.
 #pragma once
 #include <gateway/ip.hpp>
 #include <link/link_context.hpp>
@@ -29,15 +29,16 @@ struct Refusals {
 
 class Handshakes {
 public:
-    static constexpr std::size_t places = 256;     // some 10 KB each
-    static constexpr std::size_t at_a_time = 2;    // are computed, each in a thread
+    static constexpr std::size_t places = 256;     // about 10 KB each
+    static constexpr std::size_t at_a_time = 2;    // computed in parallel, each in a thread
     using Done = std::function<void(UniqueFd, const Endpoint& peer, std::shared_ptr<TlsConnection>)>;
     using Failed = std::function<void(const std::string& why)>;
 
     Handshakes(const LinkContext& context, TlsContext& tls, Done done, Failed failed);
     ~Handshakes();
 
-    /// False: there is no place for it, as all are held by trusted ones or there are no descriptors. Whoever gives way for it is counted.
+    /// False: no place is free, because trusted peers hold all of them, or too few descriptors are left. A connection dropped to
+    /// make room is counted.
     bool add(UniqueFd fd, const Endpoint& peer, bool is_trusted);
     void close();
     const Refusals& gave_way() const noexcept { return gave_way_; }
@@ -62,8 +63,8 @@ private:
     TlsContext& tls_;
     Done done_;
     Failed failed_;
-    std::vector<std::unique_ptr<One>> all_;      // in the order in which they came
-    std::vector<std::unique_ptr<One>> ended_;    // destroyed when no call of theirs runs
+    std::vector<std::unique_ptr<One>> all_;      // in order of arrival
+    std::vector<std::unique_ptr<One>> ended_;    // destroyed after their calls have returned
     std::size_t at_work_ = 0;
     Refusals gave_way_;
     Alarm turns_, patience_, sweep_;

@@ -1,4 +1,4 @@
-// How much of a connection may be on the way, so that an urgent frame is not long behind it.
+// Limits the bytes in flight on a TCP connection, so that an urgent frame does not wait long behind them.
 #pragma once
 #include <ano/time.hpp>
 
@@ -9,9 +9,10 @@
 
 namespace anogate {
 
-/// Bytes that TCP sends faster than the slowest line on the way carries them wait there, where no frame can pass another. So about as
-/// much is sent as waits `most_waiting` there, or one round trip where that is longer. Where that limits, nearly all of it has to arrive
-/// once a minute: only then the kernel sees the round trip of a line on which nothing waits.
+/// Bytes that TCP sends faster than the slowest line of the path can carry queue up before that line, where no frame can pass
+/// another. So about as much is in flight as queues for `most_waiting` there, or for one round trip if that is longer. While this
+/// limits sending, the bytes in flight drain to `nearly_none` once per minute: only then can the kernel measure the round trip of
+/// a path without a queue.
 class InFlightLimit {
 public:
     static constexpr std::size_t least = 6 * 1024;    // always allowed: 25 ms at 2 Mbit/s
@@ -20,16 +21,16 @@ public:
     static constexpr std::size_t nearly_none = 2 * 1024;
     static constexpr ano::Duration between_drains = std::chrono::minutes{1};
     static constexpr ano::Duration between_probes = std::chrono::seconds{15};
-    /// By which an acknowledgement may be late: no sign of a longer way.
+    /// An acknowledgement may be this late without a longer path.
     static constexpr ano::Duration late_acknowledgement = std::chrono::milliseconds{280};
 
-    /// As the kernel measured them: smoothed, and the shortest of the last minutes.
+    /// As measured by the kernel: smoothed, and the shortest of the last minutes.
     struct RoundTrip {
         ano::Duration now{}, shortest{};
     };
 
-    /// Zero: more may be sent while `in_flight` bytes are not acknowledged. Otherwise ask again after that time. `measure` returns the
-    /// RoundTrip; it is called only when it matters.
+    /// Zero: more may be sent while `in_flight` bytes are not acknowledged. Otherwise call again after the returned time.
+    /// `measure` returns the RoundTrip; it is called only if needed.
     template <typename Measure>
     ano::Duration wait(std::size_t in_flight, ano::TimePoint now, Measure measure) {
         if (in_flight == 0) probed(now);
@@ -52,7 +53,8 @@ public:
     std::size_t limit() const noexcept { return limit_; }
 
 private:
-    // All has to arrive, and then the next write: the time that takes is the length of the way.
+    // First all bytes in flight must be acknowledged (`empties`), then the next write (`measures`): its time is the round trip of
+    // the path.
     enum class Probe : std::uint8_t { none, empties, measures };
 
     void probed(ano::TimePoint now) noexcept {
@@ -60,7 +62,7 @@ private:
         probe_ = probe_ == Probe::empties ? Probe::measures : Probe::none;
         began_ = probed_at_ = now;
     }
-    // The kernel's shortest is of up to five minutes ago, and the way may be longer now.
+    // The kernel's shortest round trip may be five minutes old, and the path may be longer now.
     ano::Duration when_nothing_waits(const RoundTrip& trip) const noexcept {
         return way_ > 2 * trip.shortest + late_acknowledgement ? way_ : trip.shortest;
     }
@@ -68,7 +70,7 @@ private:
         const bool seems_longer = limit_ == least && trip.now > 2 * trip.shortest + late_acknowledgement;
         if (seems_longer && probe_ == Probe::none && now - probed_at_ > between_probes) probe_ = Probe::empties;
     }
-    // Towards what makes the round trip as long as it may be; not again before the last change can be seen in it.
+    // Moves the limit towards the longest permitted round trip, and waits until the last change is visible in it.
     void adapt(std::size_t in_flight, const RoundTrip& trip, ano::TimePoint now) noexcept {
         const ano::Duration visible_after = std::max(trip.now, 3 * most_waiting);
         if (trip.now <= ano::Duration::zero() || in_flight < limit_ / 2 || now - adapted_at_ < visible_after) return;
@@ -81,7 +83,7 @@ private:
     }
 
     std::size_t limit_ = least;
-    bool was_limited_ = false;    // since nearly all had arrived
+    bool was_limited_ = false;    // since the last drain
     Probe probe_ = Probe::none;
     ano::Duration way_{};
     ano::TimePoint adapted_at_{}, drained_at_{}, probed_at_{}, began_{};

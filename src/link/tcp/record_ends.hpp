@@ -8,7 +8,7 @@
 
 namespace anogate {
 
-/// Counts the bytes that OpenSSL has read (RFC 8446, 5.1): it may hold the begin of a record whose rest has not arrived.
+/// Counts the bytes that OpenSSL has read (RFC 8446, 5.1): it may hold the beginning of a record whose rest is not yet received.
 class RecordEnds {
 public:
     static constexpr std::size_t header_size = 5;
@@ -22,7 +22,8 @@ public:
             bytes = bytes.subspan(size);
         }
     }
-    /// Bytes up to the end of the next record; or of its header, when that is not in `waiting`, the bytes that come next.
+    /// Number of bytes up to the end of the next record, or up to the end of its header if `waiting`, the next bytes, does not
+    /// contain that.
     int missing(std::span<const std::uint8_t> waiting) const noexcept {
         if (body_ > 0) return static_cast<int>(std::min(body_, max_body));
         const std::size_t header = header_size - has_;
@@ -42,7 +43,7 @@ private:
 
     std::array<std::uint8_t, header_size> header_{};
     std::size_t has_ = 0;     // bytes of the header
-    std::size_t body_ = 0;    // bytes that are still to be read
+    std::size_t body_ = 0;    // bytes still to be read
 };
 
 }    // namespace anogate

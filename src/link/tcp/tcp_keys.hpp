@@ -1,4 +1,4 @@
-// Configuration that the kinds of TCP links share.
+// Configuration shared by the kinds of TCP links.
 #pragma once
 #include <config/link_kind.hpp>
 #include <link/link_error.hpp>
@@ -17,7 +17,7 @@ inline constexpr std::string_view ca_help = "PEM file of the CA certificates to 
 
 /// An error if there is a certificate without a key, or a key without a certificate.
 void check_pair(const LinkCertificates& files, LinkFaults& faults);
-/// The error of files that can't be used as they are now, or of a certificate that expires within 14 days; empty: neither.
+/// The error for files that can't be used, or for a certificate that expires within 14 days; empty: neither.
 LinkError tls_trouble(TlsContext& tls);
 
 }    // namespace anogate

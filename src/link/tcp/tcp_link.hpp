@@ -1,4 +1,4 @@
-// A connection to one peer that listens: a Wi-Fi bridge, ser2net, a program on another computer. Encrypted or not.
+// A connection to one listening peer: a Wi-Fi bridge, ser2net, a program on another computer. Encrypted or not.
 #pragma once
 #include <link/reconnect.hpp>
 #include <link/tcp/connector.hpp>

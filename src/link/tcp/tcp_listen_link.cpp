@@ -19,9 +19,9 @@ namespace anogate {
 namespace {
 
 constexpr int accepts_per_turn = 64;
-constexpr Duration refusals_shown = std::chrono::minutes{10};    // what happened once is no trouble for good
+constexpr Duration refusals_shown = std::chrono::minutes{10};    // older ones are no longer reported
 constexpr Duration accept_pause = std::chrono::seconds{1};
-constexpr Duration one_exchange = std::chrono::seconds{1};    // so long a device may be silent within a conversation
+constexpr Duration one_exchange = std::chrono::seconds{1};    // longest silence of a device during an exchange
 
 ConnectionPlaces tcp_places(const TcpListenSettings& tcp) {
     const std::size_t quarter = tcp.max_peers / 4u;
@@ -74,9 +74,9 @@ private:
     }
 
     bool is_trusted_;
-    bool has_rival_ = false;    // another connection of the same device, which is not silent yet
+    bool has_rival_ = false;    // another connection of the same device was active recently
     TcpListenLink& link_;
-    std::bitset<256> heard_;    // the senders of its frames
+    std::bitset<256> heard_;    // the sources of its frames
     TimePoint heard_at_{};
 };
 
@@ -116,7 +116,7 @@ Opened<void> TcpListenLink::open() {
     return {};
 }
 
-// Without a descriptor for it the next connection would be reported again and again.
+// Without a free descriptor, the listener would report the waiting connection again and again, so it pauses.
 void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
         Accepted next = accept_tcp(listener_.fd());
@@ -186,8 +186,8 @@ bool TcpListenLink::is_allowed(const IpAddress& address, TimePoint now) {
     return tcp.allow.empty() && networks_.contain(address, now);
 }
 
-// A device that restarts connects anew, while its old connection seems to stand: it leads nowhere, and ends once it has been silent for a
-// while. Hosts share their addresses. True: there is one that is not silent.
+// A restarted device connects again, while its old connection still appears open. The old connection is closed once it has been
+// silent for `one_exchange`. Hosts share one address, so they are not checked. True: an old connection was active recently.
 bool TcpListenLink::has_rival(const Connection& from, std::uint8_t source) {
     if (ano::address::is_host(source)) return false;
     bool has = false;
@@ -262,7 +262,7 @@ LinkFacts TcpListenLink::facts() const {
 
 LinkError TcpListenLink::trouble() const {
     if (LinkError files = tls_ ? tls_trouble(*tls_) : LinkError{}; !files.text.empty()) return files;
-    const auto count_of = [now = context_.host.now()](const Refusals& refusals) {    // empty: none lately
+    const auto count_of = [now = context_.host.now()](const Refusals& refusals) {    // empty: none recently
         return refusals.count > 0 && now - refusals.last < refusals_shown ? std::to_string(refusals.count) : std::string{};
     };
     if (const std::string count = handshakes_ ? count_of(handshakes_->gave_way()) : ""; !count.empty())
@@ -353,7 +353,7 @@ void validate_tls_listener(const LinkSettings& link, LinkFaults& faults) {
 Reach reach_of_tcp(const LinkSettings& link) {
     const TcpListen& listen = link.as<TcpListen>();
     if (listen.local.address.is_loopback()) return Reach::here;
-    if (link.kind->encrypts && listen.tls.verify == TlsVerify::peer) return Reach::network;    // of those with a certificate
+    if (link.kind->encrypts && listen.tls.verify == TlsVerify::peer) return Reach::network;    // only peers with a certificate
     return listen.local.address.is_any() && (listen.allow_any || listen.allow.empty()) ? Reach::whole_networks : Reach::network;
 }
 

@@ -36,7 +36,7 @@ private:
     void accept();
     void accept_on();
     void welcome(UniqueFd fd, const Endpoint& peer);
-    /// After its handshake, if it is encrypted.
+    /// Opens a channel for the connection, after its handshake if it is encrypted.
     void admit(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted);
     bool is_trusted(const IpAddress& address) const;
     bool make_place(const IpAddress& address, TimePoint now);
@@ -52,13 +52,13 @@ private:
     OwnNetworks networks_;
     Endpoint local_;
     std::vector<std::unique_ptr<Connection>> connections_;
-    std::vector<std::unique_ptr<Connection>> ended_;    // destroyed when no call of theirs runs
+    std::vector<std::unique_ptr<Connection>> ended_;    // destroyed after their calls have returned
     Alarm sweep_;
-    Alarm accept_again_;                      // while there is no descriptor or memory for another connection
+    Alarm accept_again_;                      // after a lack of descriptors or memory
     std::unique_ptr<TlsContext> tls_;         // nullptr: not encrypted
-    std::optional<Handshakes> handshakes_;    // if it is
+    std::optional<Handshakes> handshakes_;    // if encrypted
     bool is_ending_ = false;
-    std::string last_fault_;    // of a handshake that failed
+    std::string last_fault_;    // of a failed handshake
     Refusals no_place_, no_memory_, failed_handshakes_;
     std::uint64_t outsiders_ = 0;
 };

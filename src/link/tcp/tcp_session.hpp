@@ -19,24 +19,24 @@ public:
     explicit TcpSession(const LinkContext& context);
     ~TcpSession() override;
 
-    /// To be called before each open(): how it is encrypted; nullptr: it is not.
+    /// To be called before each open(); nullptr: not encrypted.
     void encrypt_by(std::shared_ptr<TlsConnection> tls);
     void close() noexcept override;
-    /// Why the handshake failed, or the other end ended it all; empty: neither.
+    /// The reason why the handshake failed or the other end closed the encrypted connection; empty: neither.
     std::string tls_fault() const;
 
 protected:
     Opening go_on_opening() override;
     ssize_t read_some(std::span<std::uint8_t> room) override;
-    /// Keeps what the kernel has not sent below about 2 KiB, and what is on the way within InFlightLimit, so that urgent frames pass the
-    /// others in our queue. The socket option for the first (TCP_NOTSENT_LOWAT) delays only the event that it can be written: a write
-    /// beyond it is still taken.
+    /// Keeps the unsent bytes in the kernel below about 2 KiB, and the bytes in flight within InFlightLimit, so that urgent
+    /// frames pass the others in our queue. The socket option for the first (TCP_NOTSENT_LOWAT) only delays the event for
+    /// writing: the kernel still accepts a write beyond the limit.
     ssize_t write_some(std::span<const iovec> pieces) override;
     void write_later() override;
     bool holds_bytes() const override { return tls_ && tls_->unsent() > 0; }
     /// Bytes that the other end has not acknowledged.
     std::size_t not_acknowledged() const;
-    /// For how long data waits of which nothing was acknowledged meanwhile; zero: none waits. Answers to the probes of a closed window
+    /// The time since when data waits without any acknowledgement; zero: none waits. Answers to the probes of a closed window
     /// acknowledge nothing.
     std::chrono::milliseconds not_acknowledged_for() const;
 
@@ -44,10 +44,10 @@ private:
     bool begin_step();
     bool waits_for_acknowledgement();
 
-    std::shared_ptr<TlsConnection> tls_;                   // with the thread that works at its handshake
-    Errand step_;                                          // of the handshake: milliseconds of computing
-    std::optional<TlsConnection::Handshake> handshake_;    // what the last step came to
-    bool wants_record_ = false;                            // before the next step
+    std::shared_ptr<TlsConnection> tls_;                   // shared with the thread that computes its handshake
+    Errand step_;                                          // of the handshake: takes milliseconds of computing
+    std::optional<TlsConnection::Handshake> handshake_;    // result of the last step
+    bool wants_record_ = false;                            // a complete record, before the next step
     bool is_late_ = false;                                 // the handshake took too long
     Alarm handshake_ends_, read_on_, write_on_;
     InFlightLimit in_flight_limit_;

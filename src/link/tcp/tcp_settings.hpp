@@ -17,7 +17,7 @@ enum class TlsVerify : std::uint8_t { peer, none };
 struct LinkCertificates {
     std::string certificate;    // ours, with its intermediate certificates; empty: none
     std::string key;            // of the certificate, without a password
-    std::string ca;             // whose certificates we accept; empty: those of the system
+    std::string ca;             // authorities of accepted certificates; empty: those of the system
     TlsVerify verify = TlsVerify::peer;
     bool operator==(const LinkCertificates&) const = default;
 };
@@ -37,7 +37,7 @@ struct TcpListenSettings {
     bool allow_any = false;
     std::vector<Network> allow;    // empty without allow_any: the networks of our interfaces
     bool trusted_any = false;
-    std::vector<Network> trusted;    // a quarter of the places is kept for them
+    std::vector<Network> trusted;    // networks for which a quarter of the places is reserved
     LinkCertificates tls;            // of a `tls-listen` link
     bool operator==(const TcpListenSettings&) const = default;
 };

@@ -3,7 +3,7 @@
 #include <sys/errors.hpp>
 
 #include <linux/sockios.h>
-#include <linux/tcp.h>    // its tcp_info has the shortest round trip, that of netinet/tcp.h has not
+#include <linux/tcp.h>    // for tcp_info with the shortest round trip, which netinet/tcp.h lacks
 #include <netinet/in.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>

@@ -12,16 +12,16 @@
 
 namespace anogate {
 
-/// Bytes of a connection that the kernel should not hold unsent: an urgent frame can't pass them.
+/// Limit for the unsent bytes of a connection in the kernel, because an urgent frame can't pass them.
 inline constexpr std::size_t max_not_sent = 2048;
 
-/// No delay for small frames; writable only below max_not_sent; a connection whose other end is silent for about `dead_after` is closed by
-/// the kernel, whether we send or only read.
+/// No delay for small frames; writable only below max_not_sent. A connection whose other end is silent for about `dead_after` is
+/// closed by the kernel, whether we send or only read.
 void set_tcp_options(int fd, ano::Duration dead_after) noexcept;
 
-/// A non-blocking socket that begins to connect: it is writable when that has ended, see connect_error().
+/// A non-blocking socket that begins to connect: it is writable when connecting has succeeded or failed, see connect_error().
 Opened<UniqueFd> begin_connect(const Endpoint& to, ano::Duration dead_after);
-/// 0: it is connected; otherwise errno.
+/// 0: connected; otherwise errno.
 int connect_error(int fd) noexcept;
 
 /// A non-blocking listening socket. [::] accepts IPv4 too.
@@ -30,14 +30,14 @@ struct Accepted {
     UniqueFd fd;
     Endpoint peer;
 };
-/// The next connection; without a descriptor: none waits, see errno.
+/// The next connection; without a descriptor: none, see errno.
 Accepted accept_tcp(int listener) noexcept;
 
-/// Bytes that were given to the kernel, and that it has not sent for the first time.
+/// Bytes in the kernel that have not been sent even once.
 std::size_t not_sent(int fd) noexcept;
-/// Bytes that were given to the kernel, and the other end has not acknowledged.
+/// Written bytes that the other end has not acknowledged.
 std::size_t unacknowledged(int fd) noexcept;
-/// Zero where nothing has been measured.
+/// Zero: not measured yet.
 InFlightLimit::RoundTrip round_trip(int fd) noexcept;
 
 }    // namespace anogate

@@ -28,7 +28,7 @@ constexpr int max_handshake_steps = 64;    // each may cost a thread; a usual ha
 
 using Context = std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)>;
 
-/// The oldest error that OpenSSL noted in this thread, in words.
+/// The text of the oldest OpenSSL error in this thread.
 std::string openssl_fault() {
     const unsigned long error = ::ERR_get_error();
     ::ERR_clear_error();
@@ -36,7 +36,7 @@ std::string openssl_fault() {
     return reason ? reason : "TLS failed";
 }
 
-/// When the files were changed, their modes too; another value when one was replaced.
+/// Times and inodes of the files: differ after a change of a file or its mode, or if a file was replaced.
 using Times = std::array<std::pair<timespec, ino_t>, 3>;
 Times times_of(const LinkCertificates& files) {
     Times times{};
@@ -53,7 +53,7 @@ bool are_equal(const Times& one, const Times& two) {
     });
 }
 
-// OpenSSL does not tell why a file can't be read, and it would block on a pipe.
+// OpenSSL does not report why a file can't be read, and would block on a pipe.
 std::string fault_of_file(const std::string& file, bool is_secret) {
     struct stat facts {};
     if (::access(file.c_str(), R_OK) != 0 || ::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
@@ -79,7 +79,7 @@ std::string use_files(SSL_CTX* context, const LinkCertificates& files) {
     return {};
 }
 
-// Bytes that OpenSSL read from the socket.
+// Counts the bytes that OpenSSL reads from the socket.
 // NOLINTNEXTLINE(readability-non-const-parameter): OpenSSL gives the signature
 long note_read(BIO* bio, int what, const char* bytes, std::size_t, int, long, int result, std::size_t* size) {
     if (what == (BIO_CB_READ | BIO_CB_RETURN) && result > 0)
@@ -90,13 +90,13 @@ long note_read(BIO* bio, int what, const char* bytes, std::size_t, int, long, in
 }    // namespace
 
 struct TlsConnection::Parts {
-    UniqueFd socket{};    // of its own: a handshake in a thread may outlast the connection
+    UniqueFd socket{};    // a duplicate: a handshake in a thread may outlast the connection
     std::unique_ptr<SSL, void (*)(SSL*)> ssl{nullptr, ::SSL_free};
-    std::vector<std::uint8_t> taken{};    // given to OpenSSL, and not on the wire yet: it must get the same bytes again
+    std::vector<std::uint8_t> taken{};    // passed to OpenSSL but not sent yet: the next call must pass the same bytes
     std::string fault{};
     RecordEnds records{};     // of the handshake
     int steps = 0;            // of the handshake
-    bool has_more = false;    // read() has left off before the socket had no more
+    bool has_more = false;    // read() stopped before the socket was empty
 };
 
 TlsConnection::TlsConnection(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
@@ -145,7 +145,7 @@ TlsConnection::Handshake TlsConnection::go_on() {
     return Handshake::failed;
 }
 
-// The kernel also reports the end of input, and less than the record when it has no memory for more.
+// The kernel also reports the end of input as readable, and less than a record if it lacks memory.
 bool TlsConnection::has_record() {
     const int fd = parts_->socket.get();
     std::array<std::uint8_t, RecordEnds::header_size> waiting{};
@@ -159,7 +159,7 @@ bool TlsConnection::has_record() {
     return has;
 }
 
-// Not more than some records, as each may be of one byte.
+// Limits the number of records per call, because each may contain only one byte.
 ssize_t TlsConnection::read(std::span<std::uint8_t> room) {
     ::ERR_clear_error();
     std::size_t size = 0;
@@ -220,7 +220,7 @@ struct TlsContext::Loaded {
 TlsContext::TlsContext(LinkCertificates files, Side side) : files_{std::move(files)}, side_{side} {}
 TlsContext::~TlsContext() = default;
 
-// While a pair of files is being replaced, the one before goes on.
+// While the files are being replaced, the previous ones stay in use.
 Opened<void> TlsContext::refresh() {
     const Times times = times_of(files_);
     if (loaded_ && are_equal(loaded_->times, times)) {
@@ -235,7 +235,7 @@ Opened<void> TlsContext::refresh() {
     ::SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
     ::SSL_CTX_set_options(context, SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION | SSL_OP_IGNORE_UNEXPECTED_EOF);
     ::SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER | SSL_MODE_RELEASE_BUFFERS);
-    ::SSL_CTX_set_default_passwd_cb(context, [](char*, int, int, void*) { return 0; });    // never asks at the terminal
+    ::SSL_CTX_set_default_passwd_cb(context, [](char*, int, int, void*) { return 0; });    // never prompts at the terminal
     const int verify = files_.verify == TlsVerify::peer ? SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT : SSL_VERIFY_NONE;
     ::SSL_CTX_set_verify(context, verify, nullptr);
     ::ERR_clear_error();

@@ -24,27 +24,28 @@ public:
     TlsConnection& operator=(const TlsConnection&) = delete;
 
     enum class Handshake { done, wants_to_read, wants_to_write, failed };
-    /// To be called again when the socket can be read or written, as the result asks. `failed`: fault() says why.
+    /// To be called again when the socket can be read or written, depending on the result. `failed`: fault() returns the reason.
     Handshake go_on();
-    /// After wants_to_read: go_on() has a whole record, or the end of input, to work on. While there is none the socket reports nothing.
+    /// After wants_to_read: whether a complete record or the end of input is available for go_on(). Until then the socket does
+    /// not report that it is readable.
     bool has_record();
     /// The handshake is done.
     bool is_done() const noexcept;
     const std::string& fault() const noexcept;
 
-    /// As read() and writev(). What write() has taken may still wait here; the next call sends it first.
+    /// As read() and writev(). Bytes accepted by write() may be buffered here; the next call sends them first.
     ssize_t read(std::span<std::uint8_t> room);
     ssize_t write(std::span<const iovec> pieces);
-    /// Of what write() has taken: bytes that wait here.
+    /// Number of bytes that write() accepted and that are still buffered here.
     std::size_t unsent() const noexcept;
-    /// More may be there although the socket reports nothing.
+    /// Whether more may be readable although the socket does not report it.
     bool has_more() const noexcept;
 
 private:
     std::unique_ptr<Parts> parts_;
 };
 
-/// The certificates of a link. The files are read again when they have changed; connections that are open go on.
+/// The certificates of a link. Changed files are read again; open connections are not affected.
 class TlsContext {
 public:
     enum class Side { connects, listens };
@@ -55,12 +56,12 @@ public:
 
     /// For a connected socket. `host`: the name or address that the other end's certificate must have; empty: any.
     Opened<std::shared_ptr<TlsConnection>> connection(int fd, const std::string& host);
-    /// Reads the files when they have changed. Those that can't be used now don't replace the ones before: see fault().
+    /// Reads the files if they have changed. Files that can't be used do not replace the previous ones: see fault().
     Opened<void> refresh();
-    /// Why the files can't be used as they are now; empty: they can.
+    /// The reason why the current files can't be used; empty: they can.
     const std::string& fault() const noexcept { return fault_; }
-    /// Full days until our certificate expires, below zero when it has; std::nullopt: there is none. Reads the files as refresh() does, so
-    /// that the status tells of new ones although nobody connects.
+    /// Full days until our certificate expires, negative if it has expired; std::nullopt: no certificate. Reads the files as
+    /// refresh() does, so that the status shows new files even if no peer connects.
     std::optional<std::int64_t> days_left();
 
 private:

@@ -1,4 +1,4 @@
-// Buffers to receive many datagrams with one system call. One for the whole loop: nothing stays in it after a read.
+// Buffers to receive many datagrams with one system call. One for the whole loop: each read overwrites the content.
 #pragma once
 #include <ano/room.hpp>
 #include <link/clocks.hpp>
@@ -57,7 +57,7 @@ public:
         for (std::size_t i = 0; i < max_datagrams; ++i) bytes_[i * room] = 0;
     }
 
-    /// Reads what is there, up to `max_datagrams`. Returns how many, 0 when there is none, or -1 and errno.
+    /// Reads the waiting datagrams, up to `max_datagrams`. Returns their number, 0 if there are none, or -1 and errno.
     int receive(int fd) noexcept {
         for (std::size_t i = 0; i < max_datagrams; ++i) {
             pieces_[i] = {bytes_.get() + i * room, room};

@@ -1,4 +1,4 @@
-// The datagrams of one peer that were read and wait for their turn.
+// The datagrams of one peer that were read and are waiting for their turn.
 #pragma once
 #include <ano/room.hpp>
 #include <ano/time.hpp>
@@ -11,16 +11,16 @@
 
 namespace anogate {
 
-/// First in, first out; when it is full, the oldest give way. No allocation after construction.
+/// First in, first out; when the queue is full, the oldest datagrams are dropped. No allocation after construction.
 class DatagramQueue {
 public:
     struct Datagram {
         std::span<const std::uint8_t> bytes;
         ano::TimePoint arrived_at;
     };
-    static constexpr std::size_t max_bytes = 68 * 1024;    // that wait, with a Head each: more than the largest datagram
+    static constexpr std::size_t max_bytes = 68 * 1024;    // waiting, with a Head each: more than the largest datagram
 
-    /// Copies the datagram, which has at most 65,535 bytes. Returns how many older ones were dropped to make room for it.
+    /// Copies the datagram, which has at most 65,535 bytes. Returns the number of older ones dropped to make room for it.
     std::size_t push(std::span<const std::uint8_t> bytes, ano::TimePoint arrived_at) noexcept {
         const std::size_t needed = sizeof(Head) + bytes.size();
         std::size_t dropped = 0;
@@ -33,7 +33,7 @@ public:
         ++count_;
         return dropped;
     }
-    /// Removes the oldest, of which there must be one. Its bytes stay valid until the next push().
+    /// Removes the oldest datagram; the queue must not be empty. The bytes stay valid until the next push().
     Datagram pop() noexcept {
         Head head;
         std::memcpy(&head, room_.get() + begin_, sizeof head);
@@ -50,7 +50,7 @@ private:
         ano::Duration arrived_at{};
         std::size_t size = 0;
     };
-    static constexpr std::size_t capacity = 2 * max_bytes;    // so that compacting is rare
+    static constexpr std::size_t capacity = 2 * max_bytes;    // twice, so that compacting is rare
 
     void compact() noexcept {
         std::memmove(room_.get(), room_.get() + begin_, end_ - begin_);

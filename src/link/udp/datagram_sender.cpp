@@ -46,7 +46,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         return report;
     };
     std::size_t mtu = way.mtu;
-    int failures = 0;    // of one datagram. An error may belong to an earlier one, so each is tried twice
+    int failures = 0;    // of one datagram. Each is tried twice, because an error may belong to an earlier one
     int reported = 0;
     std::size_t spent = 0;
     while (!outbox.empty()) {
@@ -76,7 +76,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         };
         report.error = errno;
         if (way.take_reports && may_be_reported(report.error) && (*way.take_reports)()) {
-            if (++reported < max_reported) continue;    // the error was about an earlier datagram; this one was not sent
+            if (++reported < max_reported) continue;    // the error belongs to an earlier datagram; this one was not sent
             outbox.set_congested();
             return stop(SendResult::no_memory);
         }
@@ -86,7 +86,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         case ENOBUFS:
         case ENOMEM: outbox.set_congested(); return stop(SendResult::no_memory);
         case EMSGSIZE:
-            if (room_->frames_in[0] > 1) mtu = 0;    // one frame a datagram may be small enough
+            if (room_->frames_in[0] > 1) mtu = 0;    // datagrams of one frame each may be small enough
             else if (++failures == 2) give_up(&SendCounters::too_big);
             break;
         case ECONNREFUSED:
@@ -94,7 +94,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
             if (++failures == 2) give_up(&SendCounters::send_failed);
             break;
         case ENETUNREACH:
-            if (!way.to) return stop(SendResult::broken);    // connected from an address that we no longer have: it can't recover
+            if (!way.to) return stop(SendResult::broken);    // connected from an address that was removed: can't recover
             [[fallthrough]];
         default:
             if (!way.take_reports || ++failures == 2) give_up(&SendCounters::send_failed);

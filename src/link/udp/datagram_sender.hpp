@@ -1,4 +1,4 @@
-// Sends an outbox as datagrams, many with one system call. One for the whole loop: nothing stays in it between calls.
+// Sends an outbox as datagrams, many with one system call. One for the whole loop: it has no state between calls.
 #pragma once
 #include <gateway/outbox.hpp>
 #include <link/pacing.hpp>
@@ -14,11 +14,11 @@
 namespace anogate {
 
 enum class SendResult {
-    done,         // nothing waits
-    full,         // go on when the socket is writable
-    no_memory,    // try again after no_memory_pause: the system does not report when memory is free
-    paced,        // the rest waits; Pacing calls when more may go
-    broken,       // the socket can't be used any more; `error` says why
+    done,         // the outbox is empty
+    full,         // continue when the socket is writable
+    no_memory,    // retry after no_memory_pause: the system does not report free memory
+    paced,        // the rest waits; Pacing calls when more may be sent
+    broken,       // the socket can't be used any more, see `error`
 };
 
 inline constexpr std::chrono::milliseconds no_memory_pause{5};
@@ -34,15 +34,15 @@ public:
     struct Way {
         int fd = -1;
         const SocketAddress* to = nullptr;    // nullptr: the connected peer
-        std::size_t mtu = 0;                  // waiting frames share datagrams of at most this size; 0: one frame each
+        std::size_t mtu = 0;                  // frames are packed into datagrams of at most this size; 0: one frame each
         // For sockets with an error queue: reads the reports about earlier datagrams and returns whether there were any.
         const std::function<bool()>* take_reports = nullptr;
-        std::size_t max_bytes = SIZE_MAX;    // in all; the rest stays in the outbox
-        RawTap* tap = nullptr;               // is told of every frame that is sent
+        std::size_t max_bytes = SIZE_MAX;    // in total; the rest stays in the outbox
+        RawTap* tap = nullptr;               // called for every frame sent
     };
 
     DatagramSender() : room_{new Room} {}
-    /// Sends what waits. Frames that can't go are counted in the outbox by cause.
+    /// Sends the waiting frames. Frames that can't be sent are counted in the outbox by cause.
     SendReport send_all(const Way& way, Outbox& outbox, Pacing& pacing, ano::TimePoint now);
 
 private:
@@ -52,7 +52,7 @@ private:
         std::array<std::span<const std::uint8_t>, max_frames> frames;
         std::array<iovec, max_frames> pieces;
         std::array<mmsghdr, max_datagrams> messages;
-        std::array<std::size_t, max_datagrams> frames_in;    // each datagram
+        std::array<std::size_t, max_datagrams> frames_in;    // per datagram
     };
 
     unsigned fill(std::size_t frames, const SocketAddress* to, std::size_t mtu) noexcept;

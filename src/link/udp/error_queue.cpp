@@ -13,7 +13,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t max_reports = 64;    // read in one call: a flood of reports must not hold up the loop
+constexpr std::size_t max_reports = 64;    // per call: a flood of reports must not block the loop
 
 bool from_network(const sock_extended_err& report) noexcept {
     return report.ee_origin == SO_EE_ORIGIN_ICMP || report.ee_origin == SO_EE_ORIGIN_ICMP6;

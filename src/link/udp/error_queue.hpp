@@ -1,5 +1,5 @@
-// ICMP errors about datagrams sent by a socket with many peers: the kernel queues each report with its destination, and also fails
-// one later call, for whatever destination.
+// ICMP errors for datagrams sent by a socket with many peers: the kernel queues each report with its destination, and also lets
+// one later call fail, whatever its destination.
 #pragma once
 #include <gateway/ip.hpp>
 
@@ -14,8 +14,8 @@ void keep_error_reports(int fd, bool v6_socket) noexcept;
 /// Whether `error` of a call may come from such a report. It may also be an error of the call itself.
 bool may_be_reported(int error) noexcept;
 
-/// Reads at most 64 reports and calls `on_refused` for each "port unreachable". Returns how many came from the network: while
-/// there are any, a call may have failed because of them.
+/// Reads at most 64 reports and calls `on_refused` for each "port unreachable". Returns the number of reports from the network:
+/// while there are any, a call may have failed because of them.
 std::size_t take_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused);
 
 }    // namespace anogate

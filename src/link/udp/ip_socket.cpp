@@ -170,7 +170,7 @@ std::string device_of(int fd) {
     return ::getsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, name, &size) == 0 ? name : "";
 }
 
-// A connected socket has the source address of its route, whatever it was bound to; port 0 has become a real port.
+// A connected socket has the source address of its route instead of the bound address; port 0 was replaced by a real port.
 bool is_udp_at(int fd, const Endpoint& local, const std::string& interface, const std::optional<Endpoint>& peer) {
     if (option(fd, SO_DOMAIN) != (local.address.v6 ? AF_INET6 : AF_INET) || option(fd, SO_PROTOCOL) != IPPROTO_UDP) return false;
     const Endpoint bound = local_endpoint(fd);
@@ -201,7 +201,7 @@ void set_options(int fd) noexcept {
 // Restores the default size, which a `rate` may have reduced.
 void reset_send_buffer(int fd) noexcept {
     const UniqueFd fresh{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
-    const int size = option(fresh.get(), SO_SNDBUF) / 2;    // the kernel doubles what it is given
+    const int size = option(fresh.get(), SO_SNDBUF) / 2;    // the kernel doubles the requested size
     if (size > 0) ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);
 }
 

@@ -13,7 +13,7 @@
 
 namespace anogate {
 
-/// An endpoint as system calls take it.
+/// An endpoint as a sockaddr for system calls.
 struct SocketAddress {
     sockaddr_storage storage{};
     socklen_t size = 0;
@@ -24,7 +24,7 @@ struct SocketAddress {
 };
 Endpoint endpoint_of(const sockaddr_storage& storage) noexcept;
 
-/// The endpoint with the index that its interface has now; std::nullopt while there is no such interface.
+/// The endpoint with the current index of its interface; std::nullopt: no such interface.
 std::optional<Endpoint> endpoint_now(const EndpointSpec& written);
 /// The error for a missing interface or address.
 LinkError no_interface(const std::string& interface);
@@ -32,23 +32,23 @@ LinkError no_address(const std::string& address);
 
 /// The current networks of our interfaces, loopback included.
 std::vector<Network> own_networks();
-/// The index of the interface that has `address` now; 0 for none.
+/// The index of the interface that has `address` now; 0: none.
 unsigned interface_of(const IpAddress& address);
 
-/// The IPv4 source address of a datagram to `there`. 0.0.0.0 stands for the Internet: the address of the default route, or else of
-/// the first interface with an address. std::nullopt when there is no route.
+/// The IPv4 source address of a datagram to `there`. 0.0.0.0 means the Internet: the address of the default route, or else of the
+/// first interface with an address. std::nullopt: no route.
 std::optional<IpAddress> source_towards(const IpAddress& there);
 
-/// A non-blocking UDP socket bound to `local`, allowed to send broadcasts. [::] receives IPv4 too. With `interface` it receives and
-/// sends by that interface only, whatever address a datagram is for.
+/// A non-blocking UDP socket bound to `local`, allowed to send broadcasts. [::] receives IPv4 too. With `interface` it receives
+/// and sends only on that interface, independent of the address of a datagram.
 Opened<UniqueFd> open_udp(const EndpointSpec& local, bool share_port, const std::string& interface = {});
-/// `stored`, with default options, if open_udp() would make the same socket and it is connected to `peer` (std::nullopt: not
-/// connected). Otherwise `stored` is closed and the result is empty.
+/// Returns `stored`, with default options, if open_udp() would make the same socket and it is connected to `peer` (std::nullopt:
+/// not connected). Otherwise `stored` is closed and the result is empty.
 UniqueFd reuse_udp(UniqueFd stored, const EndpointSpec& local, const std::string& interface,
                    const std::optional<Endpoint>& peer = {});
 /// The peer it is connected to; std::nullopt: none.
 std::optional<Endpoint> connected_to(int fd) noexcept;
-/// For a slow connection (a radio): an urgent frame can't overtake data in the kernel's buffer.
+/// For a slow connection (a radio), because an urgent frame can't overtake data in the kernel's buffer.
 void keep_send_buffer_small(int fd) noexcept;
 /// The endpoint it is bound to, with the real port if it was bound to port 0.
 Endpoint local_endpoint(int fd) noexcept;

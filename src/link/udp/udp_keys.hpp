@@ -1,4 +1,4 @@
-// Configuration that both kinds of UDP links share.
+// Configuration shared by both kinds of UDP links.
 #pragma once
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>

@@ -23,9 +23,9 @@ namespace {
 constexpr Duration join_again = std::chrono::seconds{3};
 constexpr Duration join_slack = std::chrono::seconds{1};
 constexpr Duration look_up_slack = std::chrono::seconds{1};
-constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may recover without ever sending anything
+constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may recover without sending anything
 
-// Devices and bridges have IPv4, also where the name has IPv6 addresses too; but `bind` decides.
+// Prefers IPv4, which devices and bridges have even if the name also has IPv6 addresses; `bind` takes precedence.
 IpAddress best_of(const std::vector<IpAddress>& addresses, const std::optional<EndpointSpec>& bind) {
     const bool v6 = bind && bind->address.v6;
     const auto found = std::find_if(addresses.begin(), addresses.end(), [v6](const IpAddress& one) { return one.v6 == v6; });
@@ -52,7 +52,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
 
 void UdpLink::start() {
     channel_ = context_.host.open_channel(*this, settings().as<UdpSettings>().peer.text());
-    stored_ = context_.host.take_stored(*this);    // now, since a name may take longer to be found than they are kept
+    stored_ = context_.host.take_stored(*this);    // now, because a look-up may take longer than they are kept
     reconnect_.start();
 }
 
@@ -72,7 +72,7 @@ Opened<void> UdpLink::find_and_open() {
     return {};
 }
 
-// A device may get another address, and nothing at the socket shows it.
+// A device may get another address without any error at the socket.
 void UdpLink::look_up_again() {
     const HostSpec& peer = settings().as<UdpSettings>().peer;
     look_up_.set(context_.host.now() + context_.names.kept_for());
@@ -120,7 +120,7 @@ Opened<UniqueFd> UdpLink::open_to(const Endpoint& peer) {
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
     if (settings().as<UdpSettings>().bind) local = *settings().as<UdpSettings>().bind;
-    if (multicast) {    // bound to another address, a socket would not receive from the group
+    if (multicast) {    // bound to another address, the socket would not receive from the group
         local.address = {local.address.v6, {}, 0};
         local.interface.clear();
     }
@@ -143,8 +143,8 @@ Opened<UniqueFd> UdpLink::open_to(const Endpoint& peer) {
     return socket;
 }
 
-// Joins by `interface`, or the interface with the address of `bind`, or the one of the kernel's route. It is no error if the socket
-// has joined already.
+// Joins on `interface`, or the interface with the address of `bind`, or the one of the kernel's route. It is no error if the
+// socket has joined already.
 Opened<void> UdpLink::join_group(int fd) const {
     const Endpoint peer = endpoint_of(to_.storage);
     const auto& bind = settings().as<UdpSettings>().bind;
@@ -178,7 +178,7 @@ Opened<void> UdpLink::join_group(int fd) const {
     return Unexpected{"can't join the multicast group " + peer.address.text() + ": " + error_text(errno)};
 }
 
-// When an interface goes or the route changes, the membership ends without any error at the socket.
+// When an interface is removed or the route changes, the membership ends without any error at the socket.
 void UdpLink::keep_joined() {
     if (auto joined = join_group(descriptor_.fd()); !joined) return fail(std::move(joined.error()));
     rejoin_.set(context_.host.now() + join_again);
@@ -241,7 +241,7 @@ void UdpLink::read() {
     context_.host.flush();
 }
 
-// Our own multicast and broadcast datagrams come back to us.
+// The socket also receives our own multicast and broadcast datagrams.
 bool UdpLink::own(const sockaddr_storage& sender, TimePoint now) {
     const Endpoint from = endpoint_of(sender);
     if (from.port != local_.port) return false;

@@ -18,7 +18,7 @@ namespace anogate {
 
 struct SendReport;
 
-/// An absent peer is no error: its refusals are counted and shown.
+/// An absent peer is no error: its ICMP refusals are counted and shown.
 class UdpLink final : public Link, public RawPort {
 public:
     UdpLink(LinkId id, LinkSettings settings, const LinkContext& context);
@@ -29,13 +29,14 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : 0; }
-    /// None for a multicast group: the groups and the sending interface of a stored socket can't be read and would stay.
+    /// -1 for a multicast group: the groups and the sending interface of a stored socket can't be read, so the next run would
+    /// keep them.
     int storable_wire() const override { return is_multicast_ ? -1 : descriptor_.fd(); }
     LinkFacts facts() const override;
     LinkError trouble() const override;
     RawPort* raw_port() override { return this; }
     void set_tap(RawTap* tap) override { tap_ = tap; }
-    /// As one datagram.
+    /// Sends the bytes as one datagram.
     bool write_raw(std::span<const std::uint8_t> bytes) override;
 
 private:
@@ -62,17 +63,17 @@ private:
     Alarm expiry_;
     Alarm again_;    // after SendResult::no_memory
     Alarm rejoin_;
-    Alarm look_up_;    // of a peer with a name
+    Alarm look_up_;    // for a peer given by name
     InterfaceWatch interface_watch_;
     Pacing pacing_;
     RawTap* tap_ = nullptr;
-    std::optional<StoredLink> stored_;    // of the gateway before, until the socket is open
+    std::optional<StoredLink> stored_;    // of the previous run, until the socket is open
     bool connected_ = false;              // false for broadcast and multicast
     bool is_multicast_ = false;
     SocketAddress to_;
     unsigned to_interface_ = 0;    // of the peer's address; 0: none
     Endpoint local_;
-    OwnNetworks networks_;    // to recognise our own datagrams that come back
+    OwnNetworks networks_;    // to recognise our own datagrams
     std::uint64_t refused_ = 0;
     LinkError trouble_;
     TimePoint trouble_at_{};

@@ -21,12 +21,12 @@ namespace {
 
 constexpr Duration quiet = std::chrono::milliseconds{100};
 constexpr Duration look_slack = std::chrono::seconds{1};
-constexpr Duration look_at_suspect = std::chrono::seconds{1};    // how often a peer may be asked whether it is a gateway
+constexpr Duration look_at_suspect = std::chrono::seconds{1};    // shortest time between checks whether a peer is a gateway
 
-// While datagrams wait for their turn, the socket is read again after this time: its buffer must not get full.
+// While datagrams are waiting for their turn, the socket is read again after this time, before its buffer is full.
 constexpr Duration turn = std::chrono::microseconds{500};
-constexpr int max_batches = 16;                                    // in a turn: other links wait meanwhile
-constexpr Duration at_the_end = std::chrono::milliseconds{100};    // for what waits when reading ends
+constexpr int max_batches = 16;                                    // per turn: other links wait meanwhile
+constexpr Duration at_the_end = std::chrono::milliseconds{100};    // for datagrams that wait when reading stops
 
 PeerBook::Options book_options(const UdpListenSettings& udp) {
     const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
@@ -35,7 +35,7 @@ PeerBook::Options book_options(const UdpListenSettings& udp) {
     return {udp.peer_timeout, udp.max_peers, udp.max_per_address ? *udp.max_per_address : quarter, kept, for_trusted};
 }
 
-// From the system each time, so that the number of one sender does not help to guess another's.
+// From the system's random source each time, so that the number of one sender does not help to guess that of another.
 std::uint64_t random_number() {
     std::random_device source;
     return std::uint64_t{source()} << 32 | source();
@@ -46,7 +46,7 @@ void hold_back_all(Outbox& outbox, TimePoint now) {
     while (outbox.gather(next, now) > 0) outbox.drop_frame(&SendCounters::held_back);
 }
 
-// Tells `far` the frames that are about to be sent: an answer to one of them shows that the peer receives.
+// Passes the frames about to be sent to `far`: an answer to one of them proves that the peer receives.
 void remember(FarPeer& far, Outbox& outbox, std::size_t budget, TimePoint now) {
     std::array<std::span<const std::uint8_t>, 32> next;
     const std::size_t count = outbox.gather(next, now, budget);
@@ -133,7 +133,7 @@ void UdpListenLink::read() {
     context_.host.flush();
 }
 
-// False: the socket was found empty, or has failed.
+// False: the socket is empty, or reading failed.
 bool UdpListenLink::read_batch() {
     const int count = context_.batch.receive(descriptor_.fd());
     if (count <= 0) {
@@ -161,12 +161,13 @@ void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::ui
     if (is_new) peer = admit(endpoint, datagram, now);
     if (!peer) return;
     latest_ = peer;
-    // The first datagram of a peer does not wait: what it sent before its channel was opened is no copy of what left by it.
+    // The first datagram of a peer is processed at once: frames sent before the channel was opened can't be copies of frames sent
+    // on it.
     if (is_crowded() && !is_new) store(*peer, datagram, arrived_at);
     else take(*peer, datagram, arrived_at, now);
 }
 
-// The peer may be forgotten here.
+// May remove the peer.
 void UdpListenLink::take(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now) {
     peer.channel.arrived_at = arrived_at;
     if (std::exchange(peer.came, true)) book_.came(peer.channel.id);
@@ -196,7 +197,7 @@ void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
     deliver(peer.channel, peer.endpoint, frame);
 }
 
-// The peer may be forgotten here: nothing of it is in use any more.
+// May remove the peer: no reference to it is in use here.
 void UdpListenLink::end_of_datagram(Peer& peer, TimePoint now) {
     if (peer.is_gateway) return forget(peer);
     if (!peer.far) return;
@@ -207,8 +208,8 @@ void UdpListenLink::end_of_datagram(Peer& peer, TimePoint now) {
     }
 }
 
-// A peer that sends frames of devices, or is to receive those of a host, may be another gateway's listening socket. A loopback address
-// is not asked: no datagram from outside has such a source.
+// A peer that sends frames of devices, or receives those of a host, may be another gateway's listening socket. A loopback address
+// is not checked: no datagram from outside has such a source.
 void UdpListenLink::ask_suspect(Peer& peer, TimePoint now) {
     if (now < peer.ask_at || joins_gateways() || peer.endpoint.address.is_loopback()) return;
     peer.ask_at = now + look_at_suspect;
@@ -234,12 +235,12 @@ void UdpListenLink::say(const Endpoint& to, const std::optional<ListeningNotice>
     if (notice) send(to, frame_of(*notice));
 }
 
-// Does not forget peers: frames of the refused peer may be in the middle of sending.
+// Does not remove peers: the outbox of the refused peer may be in use by the sender.
 bool UdpListenLink::take_reports() {
     const TimePoint now = context_.host.now();
     return take_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
                const Peer* peer = find(there);
-               // set_no_later(): if an alarm does the sending, postponing look_ each time would delay it for ever.
+               // set_no_later(): if an alarm triggers the sending, postponing look_ each time would delay it for ever.
                if (peer && book_.refused(peer->channel.id, now)) look_.set_no_later(now);
            }) > 0;
 }
@@ -262,10 +263,10 @@ void UdpListenLink::expire(Peer& peer) {
         context_.host.flush();
     }
     await_rest(peer);
-    if (peer.is_gateway) look_.set_no_later(now);    // not forgotten here: its own alarm is calling
+    if (peer.is_gateway) look_.set_no_later(now);    // not removed here: its own alarm is calling
 }
 
-// Of an incomplete frame.
+// Sets the expiry of an incomplete frame.
 void UdpListenLink::await_rest(Peer& peer) {
     if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
 }
@@ -351,7 +352,7 @@ constexpr Key<LinkSettings> listen_keys[] = {
 
 void validate_listener(const LinkSettings& link, LinkFaults& faults) {
     const Listen& listen = link.as<Listen>();
-    constexpr std::uint64_t much_memory = 64'000'000;    // bytes of waiting frames, for a small computer
+    constexpr std::uint64_t much_memory = 64'000'000;    // bytes of waiting frames, much for a small computer
     const std::uint64_t memory = std::uint64_t{link.queue} * listen.max_peers;
     if (link.hello && *link.hello != Duration{})
         faults.error("hello",

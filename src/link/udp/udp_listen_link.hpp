@@ -1,4 +1,4 @@
-// A listening UDP port. A sender of a complete good frame becomes a peer with its own channel.
+// A listening UDP port. The sender of a complete valid frame becomes a peer with its own channel.
 #pragma once
 #include <gateway/arrival.hpp>
 #include <gateway/peers/listener_check.hpp>
@@ -38,18 +38,18 @@ public:
     }
 
 protected:
-    /// The socket is bound.
+    /// Called when the socket is bound.
     virtual void opened(const Endpoint&) {}
-    /// Whether datagrams of an unknown sender are looked at.
+    /// Whether datagrams of an unknown sender are parsed.
     virtual bool allowed(const Endpoint& sender, TimePoint now);
-    /// Whether this good frame of an unknown sender makes it a peer. Called for each frame of a datagram until one does; then deliver()
-    /// gets all of them.
+    /// Whether this valid frame of an unknown sender makes it a peer. Called for each frame of a datagram until the result is
+    /// true; then deliver() gets all of them.
     virtual bool welcomes(const Endpoint&, ano::FrameView) { return true; }
-    /// Whether peers may be listening sockets of other gateways. Then peers outside our networks are sent to without a limit.
+    /// Whether peers may be listening sockets of other gateways. If so, sending to peers outside our networks is not limited.
     virtual bool joins_gateways() const { return false; }
-    /// A good frame of a peer.
+    /// Called for each valid frame of a peer.
     virtual void deliver(Channel& channel, const Endpoint&, ano::FrameView frame) { context_.host.receive(channel, frame); }
-    /// All frames of a datagram have been delivered.
+    /// Called when all frames of a datagram have been delivered.
     virtual void delivered() {}
 
     const LinkContext& context() const noexcept { return context_; }
@@ -95,26 +95,26 @@ private:
     Descriptor descriptor_;
     Arrival arrival_;
     Reconnect reconnect_;
-    Alarm look_;    // to forget overdue peers
+    Alarm look_;    // to remove expired peers
     InterfaceWatch interface_watch_;
-    Pacing pacing_;                   // of all peers together
-    std::size_t first_served_ = 0;    // the peer that sends first when more may go; each in turn
+    Pacing pacing_;                   // for all peers together
+    std::size_t first_served_ = 0;    // index of the peer to send to first; rotates
     std::vector<std::unique_ptr<Peer>> peers_;
     Peer* latest_ = nullptr;    // the last sender, found without a search
-    ChannelSet waiting_;        // the peers with datagrams that were read and wait for their turn
+    ChannelSet waiting_;        // the peers with datagrams that wait for their turn
     TurnShares shares_;
-    TimePoint turn_ends_{};    // what is read later waits
+    TimePoint turn_ends_{};    // datagrams read later wait
     Alarm next_turn_;
-    ano::FrameParser probe_;    // for senders that are not peers yet
+    ano::FrameParser probe_;    // parses datagrams of unknown senders
     ReceiveCounters unassigned_;
     PeerBook book_;
     std::function<std::uint64_t()> random_;
     ListenerCheck check_;
     std::uint64_t gateways_ = 0;     // other gateways that sent here
-    std::uint64_t no_place_ = 0;     // datagrams of unknown senders refused: max_peers is reached
-    std::uint64_t no_memory_ = 0;    // the same: there is too little memory for a peer
-    std::uint64_t outsiders_ = 0;    // the same: they are outside `allow`
-    std::string last_gateway_;       // the last of them
+    std::uint64_t no_place_ = 0;     // refused datagrams of unknown senders: max_peers is reached
+    std::uint64_t no_memory_ = 0;    // the same: too little memory for a peer
+    std::uint64_t outsiders_ = 0;    // the same: outside `allow`
+    std::string last_gateway_;       // the last of these gateways
     OwnNetworks networks_;
     std::function<bool()> take_reports_;
     Endpoint local_;

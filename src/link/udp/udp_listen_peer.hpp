@@ -1,4 +1,4 @@
-// What UdpListenLink keeps of each peer. For its own sources only.
+// The state of a peer of UdpListenLink. Internal to its sources.
 #pragma once
 #include <ano/address.hpp>
 #include <ano/conversation.hpp>
@@ -28,12 +28,12 @@ struct UdpListenLink::Peer {
     Channel& channel;
     Alarm expiry;
     Alarm again;                                 // after SendResult::no_memory
-    std::unique_ptr<DatagramQueue> waiting{};    // nullptr: none has waited since all had their turn
+    std::unique_ptr<DatagramQueue> waiting{};    // nullptr: no datagram waits
     std::unique_ptr<FarPeer> far;                // set for a peer outside our networks, until it has shown that it receives
-    TimePoint ask_at{};                          // earliest time to ask whether it is a listening gateway
+    TimePoint ask_at{};                          // earliest time to check whether it is a listening gateway
     TimePoint suspended_until{};                 // its frames are refused until then
-    bool came = false;                           // a datagram of it was taken
-    bool is_gateway = false;                     // it answered so; to be forgotten when its datagram has been read
+    bool came = false;                           // a datagram of it was processed
+    bool is_gateway = false;                     // according to its answer; removed when its datagram is processed
 };
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// UdpListenLink: who becomes a peer, and who is forgotten.
+// UdpListenLink: accepting and removing peers.
 #include <link/feed.hpp>
 #include <link/udp/udp_listen_link.hpp>
 #include <link/udp/udp_listen_peer.hpp>
@@ -20,7 +20,8 @@ std::vector<StoredPeer> UdpListenLink::peers() const {
     return peers;
 }
 
-// Otherwise peers that only receive would get nothing any more. The current settings decide whether they are admitted.
+// Restores stored peers, because peers that only receive would not register again. The current settings decide whether they are
+// admitted.
 void UdpListenLink::restore_peers(std::vector<StoredPeer> peers, TimePoint now) try {
     std::sort(peers.begin(), peers.end(),
               [](const StoredPeer& a, const StoredPeer& b) { return a.memory.heard_at > b.memory.heard_at; });
@@ -38,7 +39,7 @@ void UdpListenLink::restore_peers(std::vector<StoredPeer> peers, TimePoint now) 
     }
     if (!peers_.empty()) look_.set(book_.next_look(now));
 } catch (const std::bad_alloc&) {
-    return;    // they become peers again when they send
+    return;    // they are registered again when they send
 }
 
 UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
@@ -56,7 +57,7 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
     if (!can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
     bool commands = false;
     if (!is_welcome(endpoint, datagram, now, commands)) return nullptr;
-    if (check_.is_refused(endpoint)) {    // a gateway that does not know yet that it is refused
+    if (check_.is_refused(endpoint)) {    // a gateway that was not yet notified of the refusal
         say(endpoint, check_.question_back(endpoint, now));
         return refuse(datagram), nullptr;
     }
@@ -78,7 +79,7 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
     return peer;
 } catch (const std::bad_alloc&) {
     ++no_memory_;
-    return refuse(datagram), nullptr;    // refuse rather than end the program
+    return refuse(datagram), nullptr;    // no exception: it would end the program
 }
 
 void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
@@ -86,7 +87,7 @@ void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
     unassigned_.bytes_in += datagram.size();
 }
 
-// A peer needs about 100 KB, so there may be no memory for it.
+// A peer needs about 100 KB, so the allocation may fail.
 UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now, PeerBook::Rank rank) {
     const bool near = networks_.contain(endpoint.address, now), far = is_far(endpoint.address, now);
     Channel* channel = context_.host.open_channel(*this, endpoint.text());
@@ -99,14 +100,14 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
         context_.host.close_channel(*channel, {});
         throw;
     }
-    channel->heard_at = now;         // its first frame may still wait behind a false header
+    channel->heard_at = now;         // its first frame may still be waiting behind a false header
     context_.host.link_up(*this);    // for the new channel
     book_.add(channel->id, endpoint, near, now, rank);
     look_.set_no_later(book_.next_look(now));
     return peers_.back().get();
 }
 
-// Neither our own socket nor another of our links can be a peer.
+// Refuses our own socket and the sockets of our other links.
 bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
     const bool near = networks_.contain(sender.address, now);
     if (!anogate::can_be_peer(sender, networks_.all())) return false;
@@ -130,7 +131,7 @@ bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
     return udp.allow.empty() && networks_.contain(sender.address, now);
 }
 
-// `commands` becomes true when it holds a command of a host.
+// Sets `commands` if the datagram contains a command of a host.
 bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands) {
     const ano::ParserCounters before = probe_.counters();
     bool found = false;
@@ -179,7 +180,7 @@ void UdpListenLink::forget_overdue_peers() {
     const LoopWatch& loop = context_.host.turn();
     const TimePoint now = loop.now();
     if (now < loop.last_standstill() + read_first)
-        return look_.set(now + read_first);    // frames received during a standstill may not be read yet
+        return look_.set(now + read_first);    // frames that arrived during a standstill may not be read yet
     const ChannelSet overdue = book_.overdue(now);
     for (std::size_t i = peers_.size(); i-- > 0;)
         if (overdue.contains(peers_[i]->channel.id) || peers_[i]->is_gateway) forget(*peers_[i]);

@@ -1,4 +1,5 @@
-// UdpListenLink: what is read while the datagrams of others are processed waits, and each peer has the same share of the time.
+// UdpListenLink: datagrams that are read while those of other peers are processed wait, and each peer gets the same share of the
+// time.
 #include <link/udp/udp_listen_link.hpp>
 #include <link/udp/udp_listen_peer.hpp>
 
@@ -7,7 +8,7 @@
 
 namespace anogate {
 
-// A single peer takes nothing from others, so its datagrams never wait.
+// The datagrams of a single peer never wait, because they delay no others.
 bool UdpListenLink::is_crowded() const { return !waiting_.empty() || (peers_.size() > 1 && ano::Clock::now() >= turn_ends_); }
 
 void UdpListenLink::store(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at) try {

@@ -13,21 +13,21 @@ namespace anogate {
 
 struct UdpListenSettings {
     EndpointSpec local;
-    std::string interface;    // the only interface it receives and sends by; empty: any
+    std::string interface;    // the only interface for receiving and sending; empty: any
     ano::Duration peer_timeout = std::chrono::seconds{60};
     std::uint16_t max_peers = 16;
     std::optional<std::uint16_t> max_per_address;    // std::nullopt: a quarter of max_peers, at least 2
     bool allow_any = false;
     std::vector<Network> allow;    // empty without allow_any: the networks of our interfaces
     bool trusted_any = false;
-    std::vector<Network> trusted;    // networks besides those of our interfaces whose peers are sent to without limit
+    std::vector<Network> trusted;    // networks in addition to ours; sending to their peers is not limited
     bool operator==(const UdpListenSettings&) const = default;
 };
 
 struct UdpSettings {
     HostSpec peer;
     std::optional<EndpointSpec> bind;
-    std::string interface;    // as of UdpListenSettings
+    std::string interface;    // as in UdpListenSettings
     bool operator==(const UdpSettings&) const = default;
 };
 
