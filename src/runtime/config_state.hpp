@@ -12,9 +12,9 @@ namespace anogate {
 
 struct ConfigState {
     enum class Runs {
-        file,            // the configuration that was read last
-        unconfirmed,     // the same, but it is undone when it is not confirmed in time
-        not_the_file,    // the earlier one: that of the file was not confirmed
+        file,            // the last configuration read
+        unconfirmed,     // the same, but restored to the previous one unless confirmed in time
+        not_the_file,    // the previous one: that of the file was not confirmed
     };
     std::string file;    // empty: the configuration is from the command line
     Runs runs = Runs::file;

@@ -1,4 +1,4 @@
-// The message for a conflict: two devices may have the same id, or one device is heard on two links.
+// The message for a conflict: two devices may have the same id, or frames of one device are received on two links.
 #pragma once
 #include <gateway/hints.hpp>
 #include <gateway/router.hpp>
@@ -10,9 +10,9 @@ namespace anogate {
 class Gateway;
 
 SharedSource meaning_of(const Gateway& gateway, const Conflict& conflict);
-/// "0xDC is heard on fc and radio: …", with what to do about it.
+/// "0xDC is heard on fc and radio: …", with the action to take.
 std::string conflict_text(const Gateway& gateway, const Conflict& conflict);
-/// The line for an address that is at home on another link now.
+/// The line for an address whose route moved to another link.
 std::string move_text(const Gateway& gateway, const Router::Moved& moved);
 
 }    // namespace anogate

@@ -15,13 +15,13 @@ namespace {
 
 using Kind = http::WebSocket::Kind;
 
-constexpr std::size_t message_size = 16 * 1024;    // bytes of a message to a program, unless one frame is larger
+constexpr std::size_t message_size = 16 * 1024;    // bytes per message to a program, unless one frame is larger
 constexpr std::size_t frames_per_message = 64;
 constexpr std::uint16_t going_away = 1001, policy_violation = 1008,
                         try_again_later = 1013;    // why a WebSocket is closed (RFC 6455)
 constexpr std::size_t max_name = 64;
 
-// Not a kind that can be configured.
+// This kind can't be configured.
 constinit const LinkKind control_kind{.name = "control", .carries = Carries::datagrams};
 
 }    // namespace
@@ -62,7 +62,7 @@ public:
         const auto pass = [this](ano::FrameView frame) { host().receive(*channel_, frame); };
         const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(message.data()), message.size()};
         feed_datagram(channel_->parser, bytes, channel_->arrived_at, pass);
-        channel_->parser.finish();    // a message is whole frames
+        channel_->parser.finish();    // a message contains only complete frames
         while (const auto frame = channel_->parser.next()) pass(*frame);
         const std::uint64_t skipped = channel_->parser.counters().skipped_bytes - skipped_before;
         if (skipped > 0) tell(std::to_string(skipped) + " bytes of a message were not part of a complete frame and were ignored");
@@ -70,7 +70,7 @@ public:
         host().flush();
     }
 
-    /// The link is being destroyed: it must not be used any more.
+    /// The link is being destroyed and must not be used any more.
     void detach() {
         channel_ = nullptr;
         alive_.reset();
@@ -96,7 +96,7 @@ public:
     }
 
 private:
-    // Only one message is under way; frames that are queued meanwhile wait in the outbox, by its rules.
+    // Sends one message at a time; other frames wait in the outbox, where they may expire or be superseded.
     void send_waiting() {
         Outbox& outbox = channel_->outbox;
         if (socket_->waiting() > 0) return outbox.set_congested();
@@ -120,7 +120,8 @@ private:
         socket_->send(std::make_shared<const std::string>("{\"error\": \"" + what + "\"}"), Kind::text);
     }
 
-    // Frames that waited during a standstill are as old as it: all that come until a whole turn of the loop brought none.
+    // Frames that waited during a standstill count as old as the standstill: all frames received until a complete turn of the
+    // loop reads none.
     void look_for_more() {
         reads_then_ = socket_->reads();
         const auto clocks = host().turn().clocks();
@@ -206,7 +207,7 @@ http::Response ControlLink::join(const http::Request& request, std::uint8_t own_
     return response;
 }
 
-// Passes through a parser like every received byte, so that it is counted.
+// The frame passes a parser, as all received bytes do, so that it is counted.
 void ControlLink::send(ano::FrameView frame) {
     const TimePoint now = context_.host.now();
     if (!sender_) {

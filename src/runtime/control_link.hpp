@@ -1,4 +1,4 @@
-// The link `control`: frames that programs send through the control interface. Each WebSocket of GET /link is a channel of it.
+// The link `control`: frames of programs that use the control interface. Each WebSocket of GET /link is a channel of it.
 #pragma once
 #include <ano/flush.hpp>
 #include <gateway/forwarder.hpp>
@@ -13,7 +13,7 @@
 
 namespace anogate {
 
-/// Why Gateway::control() has none.
+/// The reason why Gateway::control() returns nullptr.
 inline constexpr std::string_view no_control_link = "all 64 links are in use, so the link 'control' is not available";
 
 class LinkSocket;
@@ -22,7 +22,7 @@ class ControlLink final : public Link {
 public:
     ControlLink(LinkId id, LinkSettings settings, const LinkContext& context, Forwarder& forwarder);
     ~ControlLink() override;
-    /// Its settings, as if it were one of the configured links.
+    /// The settings of the link `control`, as if it were configured.
     static LinkSettings link_settings(const Settings& settings);
 
     void start() override { context_.host.link_up(*this); }
@@ -31,13 +31,13 @@ public:
     void flush(Channel& channel) override;
     UnassignedTraffic unassigned_traffic() const override;
 
-    /// GET /link?name=N&id=P: makes the program a channel.
+    /// GET /link?name=N&id=P: opens a channel for the program.
     http::Response join(const http::Request& request, std::uint8_t own_id);
     /// Closes the connections of programs whose port id now belongs to another link or to the gateway itself.
     void give_up_ports(std::uint8_t own_id);
     /// POST /send: forwards one frame that belongs to no connected program. Its source address is not learned.
     void send(ano::FrameView frame);
-    /// Forwarder::flush_parsers() before `next`, which send() is to get.
+    /// Forwarder::flush_parsers() before `next`, the frame that will be passed to send().
     ano::Flush flush_parsers(ano::FrameView next);
 
 private:
@@ -47,7 +47,7 @@ private:
     LinkContext context_;
     Forwarder& forwarder_;
     std::array<LinkSocket*, max_channels> sockets_{};    // by channel
-    std::unique_ptr<Channel> sender_;                    // of the frames of send(); nullptr: nothing was sent yet
+    std::unique_ptr<Channel> sender_;                    // for the frames of send(); nullptr: none yet
     bool reads_ = true;
 };
 

@@ -9,7 +9,7 @@ ForwarderLink forwarder_link(const LinkSettings& s, std::uint8_t group, const st
     const bool is_for_programs = s.kind->listens || (s.kind->path != nullptr && s.kind->path(s).is_made);
     link.route = {s.id,  takes && s.takes_floods(), takes && s.takes_broadcasts(), group,
                   takes, s.profile == Profile::old, takes && !is_for_programs};
-    // From the rate follows when the rest of a frame is overdue.
+    // The rate determines when the rest of a frame is overdue.
     link.parser = {s.max_data, line_rate_of(s).bytes_per_second, quiet_of(*s.kind), s.frame_gap.value_or(Duration{})};
     const FlushSizes flush = flush_sizes_of(s);
     link.outbox = {s.queue, s.effective_max_data_out(), s.age, flush.first, flush.again};

@@ -5,7 +5,7 @@
 
 namespace anogate {
 
-/// `group`: the number of its group, 0: none. `aliases`: those of every link.
+/// `group`: the number of its group, 0: none. `aliases`: those of all links.
 ForwarderLink forwarder_link(const LinkSettings& link, std::uint8_t group, const std::vector<AliasSettings>& aliases);
 
 }    // namespace anogate

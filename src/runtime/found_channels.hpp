@@ -1,4 +1,4 @@
-// Finds out which channels exist, by looking at samples of the frames. No I/O.
+// Determines from samples of the frames which channels (topics) exist. No I/O.
 #pragma once
 #include <ano/messages.hpp>
 #include <record/decoded_channels.hpp>
@@ -17,7 +17,7 @@
 
 namespace anogate {
 
-/// Frames of the same kind come by the same link, from the same sender, with the same id.
+/// Frames of the same kind have the same link, sender and id.
 struct FrameKind {
     std::string link;
     std::uint8_t source = 0, id = 0;
@@ -25,25 +25,25 @@ struct FrameKind {
 };
 FrameKind kind_of(const RecordedFrame& frame);
 
-/// A channel, and one kind of frames that has messages for it. Valid as long as the FoundChannels that made it.
+/// A channel, and one kind of frames that contains messages for it. Valid as long as the FoundChannels that made it.
 struct FoundChannel {
     const DecodedChannel* channel;
     const DecodedSchema* schema;
     FrameKind kind;
 };
 
-/// The new channels that a frame has messages for.
+/// The new channels for which a frame contains messages.
 class FirstFrame {
 public:
-    /// `is_of_new_link`: it is the first frame of its link, and is kept.
+    /// `is_of_new_link`: the frame is the first of its link, and is stored.
     FirstFrame(const RecordedFrame& frame, std::vector<FoundChannel> found, bool is_of_new_link);
-    /// The first frame of its link, otherwise std::nullopt. A decoder that is given these frames in the same order names the links in the
-    /// same way as here. Valid as long as this object.
+    /// The frame, if it is the first of its link; otherwise std::nullopt. A decoder that receives these frames in the same order
+    /// names the links in the same way. Valid as long as this object.
     std::optional<RecordedFrame> frame() const;
     const std::vector<FoundChannel>& found() const noexcept { return found_; }
     /// The channels no longer exist.
     void forget() noexcept { found_.clear(); }
-    /// Those of flexible messages.
+    /// The channels of flexible messages no longer exist.
     void forget_flexible() {
         std::erase_if(found_, [](const FoundChannel& found) { return ano::is_flexible(found.kind.id); });
     }
@@ -61,7 +61,7 @@ public:
     /// nullptr: no new channel.
     const FirstFrame* look_at(const RecordedFrame& frame);
     const std::deque<FirstFrame>& first_frames() const noexcept { return first_frames_; }
-    /// The frames that follow are decoded with this: channels of flexible messages found later are new ones.
+    /// Decodes the following frames with `decoding`: channels of flexible messages found later are new ones.
     void use(DecodingPtr decoding);
     /// The link was removed: channels of a later link of the same name are new ones.
     void forget(std::string_view link);

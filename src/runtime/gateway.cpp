@@ -60,7 +60,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
 
 Gateway::~Gateway() = default;
 
-// The links of a group share a number, as long as there are any.
+// The links of a group share a number while the group has links.
 std::uint8_t Gateway::group_number(const std::string& group) {
     const auto is_unused = [this](const std::string& name) {
         return std::none_of(links_.begin(), links_.end(), [&](const LinkState& s) { return s.link->settings().group == name; });
@@ -141,7 +141,7 @@ LinkState& Gateway::state(const Link& link) {
 Link& Gateway::link_named(const std::string& name) const {
     for (const LinkState& s : links_)
         if (s.link->name() == name) return *s.link;
-    throw std::logic_error("no link is called " + name);    // impossible with a checked configuration
+    throw std::logic_error("no link is called " + name);    // not possible with a checked configuration
 }
 
 void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
@@ -175,7 +175,7 @@ std::optional<StoredLink> Gateway::take_stored(const Link& link) {
     return std::nullopt;
 }
 
-// A different device file under the same name has other peers.
+// Skips a link whose name leads to a different device file, because its peers are others.
 void Gateway::restore_addresses() {
     for (const StoredState::OfLink& stored : stored_.links)
         for (const LinkState& s : links_)
@@ -192,7 +192,7 @@ void Gateway::restore_addresses(const Link& link, const StoredState::OfLink& sto
         }
 }
 
-// Independent of the wire: a copy may still come by another link.
+// Independent of the device file: a copy may still be received on another link.
 void Gateway::restore_brought() {
     for (const StoredState::OfLink& stored : stored_.links)
         for (const LinkState& s : links_)
@@ -220,10 +220,10 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     names_.stop();
     turn();
     unread_since_ = beat_.loop().clocks();
-    forwarder_.stop_asking();    // nobody reads an answer any more
+    forwarder_.stop_asking();    // answers are not read any more
     flush();
     stop_by_ = now() + patience;
-    stop_check_.set(now_ + stop_look);    // the kernel's counters show written bytes only a moment later
+    stop_check_.set(now_ + stop_look);    // the kernel's counters include written bytes only a moment later
 }
 
 void Gateway::check_stop() {
@@ -270,7 +270,7 @@ bool Gateway::streams_speak() const {
 
 Channel* Gateway::open_channel(Link& link, std::string peer) {
     const LinkKind& kind = *link.settings().kind;
-    const bool has_many = kind.listens || kind.replays;    // no other channel is closed for a peer of such a link
+    const bool has_many = kind.listens || kind.replays;    // no other channel is closed for such a link
     if (!has_many && forwarder_.channels().size() == max_channels) make_channel_free();
     Channel* const channel = forwarder_.open_channel(link.id(), std::move(peer), now_);
     if (channel && !channel->peer.empty() && state(link).up) peer_log_.came(link.name(), channel->peer, now_);
@@ -291,7 +291,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (voice_) voice_->speak();
 }
 
-// Flushing a link may report a failure, which may queue frames: repeated until nothing is left.
+// Repeats until no channel is left, because flushing a link may report a failure, which may queue frames.
 void Gateway::flush() {
     if (voice_) voice_->speak();
     while (Channel* const channel = forwarder_.next_to_flush()) {

@@ -1,4 +1,4 @@
-// The centre of the program: owns the links, the Forwarder and what they need from the loop: timers, GPIO, log.
+// The central object of the program: owns the links and the Forwarder, and connects them with the loop: timers, GPIO, log.
 #pragma once
 #include <config/difference.hpp>
 #include <gateway/forwarder.hpp>
@@ -38,13 +38,13 @@ struct LinkState {
     bool was_up = false;       // at any time since the start
     bool must_come = false;    // `required`, and configured at the start
     TimePoint since{};         // the last change of `up`
-    LinkError error;           // why it is not up
+    LinkError error;           // the reason why it is not up
 };
 
 /// The interface of the loop to the gateway as a device.
 class GatewayVoice {
 public:
-    /// Sends everything that waits. Called after every received frame, and at the end of every batch.
+    /// Sends all waiting frames. Called after every received frame, and at the end of every batch.
     virtual void speak() = 0;
     virtual void link_changed(const LinkState& link) = 0;
     virtual void conflict_began(const std::string& what) = 0;
@@ -59,7 +59,8 @@ protected:
 class RecordingService {
 public:
     virtual void link_lost(const LinkState& link) = 0;
-    /// Begin and end the recording of the configuration, or one by its defaults. Return empty, or a clause with the reason why not.
+    /// Start and stop the configured recording, or one with its defaults. Return empty, or a clause with the reason for the
+    /// failure.
     virtual std::string start_recording() = 0;
     virtual std::string stop_recording() = 0;
     /// The section `recording` of the status.
@@ -70,7 +71,7 @@ protected:
     ~RecordingService() = default;
 };
 
-/// One thread, one loop: everything is called from the io_context it was made with.
+/// One thread, one loop: all functions are called from the io_context that was passed to the constructor.
 class Gateway final : public LinkHost {
 public:
     /// `settings` must have been checked: names are unique, routes name links.
@@ -80,20 +81,22 @@ public:
     /// Opens every link, in the order of the configuration. `on_required_missing` is called with its name when a required
     /// link is not up 10 s later.
     void start(std::function<void(const std::string&)> on_required_missing);
-    /// Before start(): continues from the state that the previous run left. Descriptors that no link uses are closed by the end of start().
+    /// Before start(): continues from the state that the previous run stored. Descriptors that no link uses are closed by the end
+    /// of start().
     void go_on_from(StoredState stored);
-    /// `call` is called in stop(), when nothing is read any more and before the links are closed: it may store the state for the next run.
+    /// `call` is called in stop(), after reading has ended and before the links are closed: it may store the state for the next
+    /// run.
     void before_closing(std::function<void()> call) { before_closing_ = std::move(call); }
-    /// `call` is called at the begin of stop(): parts that send by themselves must end.
+    /// `call` is called at the beginning of stop(): parts that send on their own must stop.
     void before_stopping(std::function<void()> call) { before_stopping_ = std::move(call); }
-    /// Reads no more, sends waiting frames for at most `patience`, closes everything and calls `on_stopped`; nothing of the
-    /// gateway keeps the loop alive after that. A second call ends it at once.
+    /// Stops reading, sends waiting frames for at most `patience`, closes everything and calls `on_stopped`; after that, no part
+    /// of the gateway keeps the loop alive. A second call stops it at once.
     void stop(Duration patience, std::function<void()> on_stopped);
 
-    /// Changes the settings. `settings` must have been checked; `difference` is the difference from settings(). Links that stay the same
-    /// lose nothing. Frames that wait in links to be removed are sent for at most `patience`; then everything is changed in one turn of the
-    /// loop, and `on_changed` is called. Not to be called from a callback of a link or an alarm of the gateway, nor while another change
-    /// is under way. When stop() is called first, nothing is changed.
+    /// Changes the settings. `settings` must have been checked; `difference` is the difference from settings(). Links that stay
+    /// the same lose no frames. Frames that wait in links to be removed are sent for at most `patience`; then all changes are
+    /// made in one turn of the loop, and `on_changed` is called. Not to be called from a callback of a link or an alarm of the
+    /// gateway, nor while another change is in progress. If stop() was called before, nothing is changed.
     void change(Settings settings, Difference difference, Duration patience, std::function<void()> on_changed);
 
     Channel* open_channel(Link& link, std::string peer) override;
@@ -109,41 +112,42 @@ public:
     TimePoint now() override { return now_ = Clock::now(); }
     const LoopWatch& turn() override;
 
-    /// Forgets where `address` was heard. False: nothing was known.
+    /// Removes the learned route of `address`. False: there was none.
     bool forget(std::uint8_t address) { return forwarder_.forget(address); }
 
     const Settings& settings() const noexcept { return settings_; }
-    /// What decodes the frames: the layouts of flexible messages, and the links with attitude=lx. Never nullptr; another one after a change.
+    /// The decoding of frames: the layouts of flexible messages, and the links with attitude=lx. Never nullptr; another object
+    /// after a change.
     const DecodingPtr& decoding() const noexcept { return decoding_; }
     /// The number of changes of decoding().
     std::uint64_t decoding_changes() const noexcept { return decoding_changes_; }
-    /// The layouts of set_flexible(), else those of the configuration. decoding() has also those of recordings that links play, for ids
-    /// that have none here.
+    /// The layouts of set_flexible(), else those of the configuration. decoding() also has the layouts of replayed recordings for
+    /// ids that have none here.
     const std::vector<ano::FlexibleSpec>& own_flexible() const noexcept { return flexible_ ? *flexible_ : settings_.flexible; }
-    /// Uses these layouts until the configuration has others than now.
+    /// Uses these layouts until those of the configuration change.
     void set_flexible(std::vector<ano::FlexibleSpec> flexible);
-    /// Layouts of set_flexible() are in use, which differ from the configuration.
+    /// Whether layouts of set_flexible() are in use, which differ from the configuration.
     bool has_flexible_of_its_own() const noexcept { return flexible_.has_value(); }
-    /// A configuration with other layouts is in use for good: drops those that change() has set aside.
+    /// A configuration with other layouts is confirmed: drops the layouts that change() has set aside.
     void settle_flexible();
-    /// The configuration before is back: so are the layouts that change() has set aside.
+    /// The previous configuration is restored: restores the layouts that change() has set aside.
     void restore_flexible();
-    /// `call`: layouts of set_flexible() were dropped, since the configuration has changed.
+    /// `call` is called when layouts of set_flexible() are dropped because the configuration has changed.
     void on_flexible_overruled(std::function<void()> call) { on_flexible_overruled_ = std::move(call); }
     const Forwarder& forwarder() const noexcept { return forwarder_; }
     const Channel& channel(ChannelId id) const { return forwarder_.channel(id); }
-    /// Whether the loop stood still.
+    /// The detector of standstills of the loop.
     const LoopWatch& loop() const noexcept { return beat_.loop(); }
     const std::vector<LinkState>& links() const noexcept { return links_; }
-    /// The time when stop() ended the reading.
+    /// The time at which stop() ended reading.
     const ClockReading& unread_since() const noexcept { return unread_since_; }
     const LinkSettings& settings(LinkId link) const { return links_by_id_[index(link)]->settings(); }
     const std::string& name(LinkId link) const { return links_by_id_[index(link)]->name(); }
-    /// nullptr when there is none.
+    /// nullptr: none is configured.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
     asio::io_context& io() noexcept { return io_; }
     Gpio& gpio() noexcept { return *gpio_; }
-    /// The link `control`, made by the first call; nullptr: the maximum number of links is reached.
+    /// The link `control`, created by the first call; nullptr: the maximum number of links is reached.
     ControlLink* control();
     AlarmClock& alarms() noexcept { return alarms_; }
     /// As Forwarder::add_observer().
@@ -153,30 +157,32 @@ public:
     void remove_observer(Forwarder::Observer& observer) { forwarder_.remove_observer(observer); }
     /// As in the Forwarder.
     void set_exclusive(LinkId link, bool exclusive) { forwarder_.set_exclusive(link, exclusive); }
-    /// nullptr, as at first: the gateway is no device. `voice` must outlive the gateway, or be reset to nullptr.
+    /// nullptr (the default): the gateway is not a device. `voice` must outlive the gateway, or be reset to nullptr.
     void set_voice(GatewayVoice* voice) noexcept { voice_ = voice; }
     const GatewayVoice* voice() const noexcept { return voice_; }
-    /// nullptr, as at first: there are no recordings. Lifetime as of set_voice().
+    /// nullptr (the default): no recordings. Lifetime as for set_voice().
     void set_recording(RecordingService* service) noexcept { recording_ = service; }
     RecordingService* recording() const noexcept { return recording_; }
     void set_own(Forwarder::Own* own) noexcept { forwarder_.set_own(own); }
-    /// Frames of the gateway itself: to the sender of a request on that channel, and to all hosts that were heard. As in the Forwarder.
+    /// Send frames of the gateway itself: to the sender of a request on that channel, and to all known hosts. As in the
+    /// Forwarder.
     void answer(ChannelId to, ano::FrameView frame) { forwarder_.answer(to, frame, now()); }
     void say_to_heard(ano::FrameView frame) { forwarder_.say_to_heard(frame, now()); }
-    /// `call` gets the gateway's own answers to requests that were sent in its own name. Empty: nobody needs them.
+    /// `call` receives the gateway's own answers to requests that were sent in its own name. Empty: the answers are not needed.
     void on_answer_to_ourselves(std::function<void(ano::FrameView)> call) { hears_own_ = std::move(call); }
     void answer_ourselves(ano::FrameView frame) {
         if (hears_own_) hears_own_(frame);
     }
-    /// `call` gets the reason, as a clause, when the gateway refuses a request that was sent in its own name.
+    /// `call` receives the reason, as a clause, when the gateway refuses a request that was sent in its own name.
     void on_refusal_to_ourselves(std::function<void(const std::string&)> call) { hears_refusal_ = std::move(call); }
     void refuse_ourselves(const std::string& why) {
         if (hears_refusal_) hears_refusal_(why);
     }
-    /// Asks all devices to answer; `tell` gets one line for each that does. Returns empty, or a clause with the reason why it can't begin.
+    /// Sends a query to all devices; `tell` receives one line for each answer. Returns empty, or a clause with the reason why the
+    /// scan can't begin.
     using Scan = std::function<std::string(const std::function<void(const std::string&)>& tell)>;
     void on_scan(Scan call) { scan_ = std::move(call); }
-    /// `call` gets each channel whose wire is lost, or which is about to be closed.
+    /// `call` receives each channel whose connection is lost, or which is about to be closed.
     void on_loss(std::function<void(ChannelId)> call) { tells_loss_ = std::move(call); }
     std::string scan(const std::function<void(const std::string&)>& tell) {
         return scan_ ? scan_(tell) : "requests to devices are not available here";
@@ -190,7 +196,7 @@ public:
 
 private:
     // gateway_change.cpp
-    struct Changing {    // a change that waits for links to be removed
+    struct Changing {    // a change in progress, until links can be removed
         Settings settings;
         Difference difference;
         std::function<void()> on_changed;
@@ -203,7 +209,7 @@ private:
     struct Retired {
         std::vector<LastHomes> homes{};
         Gpio::Lines lines{};
-        std::vector<std::unique_ptr<Link>> links{};    // destroyed before the lines: they may call them
+        std::vector<std::unique_ptr<Link>> links{};    // destroyed before the lines, which they may call
     };
     bool goes(const LinkState& state) const;
     void start(LinkState& state);
@@ -245,11 +251,11 @@ private:
 
     asio::io_context& io_;
     Settings settings_;
-    std::optional<std::vector<ano::FlexibleSpec>> flexible_;    // in place of those in settings_
+    std::optional<std::vector<ano::FlexibleSpec>> flexible_;    // instead of those in settings_
     struct SetAside {
         std::vector<ano::FlexibleSpec> flexible, of_file;
     };
-    std::optional<SetAside> set_aside_;    // layouts of set_flexible(), and those of the configuration at that time
+    std::optional<SetAside> set_aside_;    // layouts of set_flexible(), and the configured ones at that time
     DecodingPtr decoding_ = decoding_of(settings_, settings_.flexible);
     std::uint64_t decoding_changes_ = 0;
     std::function<void()> on_flexible_overruled_;
@@ -260,7 +266,7 @@ private:
     Resolver names_{io_};
     Forwarder forwarder_;
     std::unique_ptr<Gpio> gpio_;
-    std::vector<LinkState> links_;    // declared after everything that links refer to; in the order of the configuration
+    std::vector<LinkState> links_;    // after all members that links refer to; in configuration order
     std::array<Link*, max_links> links_by_id_{};
     std::vector<std::string> groups_{""};    // by number
     TunnelLink* tunnel_ = nullptr;           // one of links_
@@ -289,7 +295,7 @@ private:
     std::function<void(ChannelId)> tells_loss_;
     std::optional<Changing> changing_;
     Alarm change_check_;
-    std::vector<std::unique_ptr<Link>> former_controls_;    // kept: a program that is just joining may still refer to one
+    std::vector<std::unique_ptr<Link>> former_controls_;    // kept: a program that is connecting may still refer to one
     std::deque<Retired> retired_;    // removed objects, kept while the loop may still hold callbacks of them
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };

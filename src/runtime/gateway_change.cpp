@@ -18,7 +18,7 @@ constexpr Duration change_look = std::chrono::milliseconds{10};
 bool ends(Change change) { return change == Change::changed || change == Change::removed; }
 bool begins(Change change) { return change == Change::changed || change == Change::added; }
 
-// Both are links to one port, so that the devices of one are those of the other.
+// Whether both links use the same port, and therefore have the same devices.
 bool have_one_port(const LinkSettings& a, const LinkSettings& b) {
     if (a.kind != b.kind) return false;
     return a.kind->path ? a.kind->path(a).path == a.kind->path(b).path : a.of_kind == b.of_kind;
@@ -135,8 +135,8 @@ void Gateway::remove(LinkState& state, Retired& retired) {
     retired.links.push_back(std::move(state.link));
 }
 
-// A frame that acts on a device goes where that was heard last, also if the link was remade since: with the same port, or else with
-// the same name.
+// A frame that acts on a device is sent to the link where that device was last heard, even if the link was recreated: with the
+// same port, or else with the same name.
 void Gateway::restore_homes(const std::vector<LastHomes>& homes, LinkSet fresh) {
     for (const LastHomes& was : homes) {
         const Link* heir = nullptr;
@@ -150,7 +150,7 @@ void Gateway::restore_homes(const std::vector<LastHomes>& homes, LinkSet fresh) 
     }
 }
 
-// The link `control`, which is not configured, is closed to make room: its programs are told to connect again.
+// The link `control`, which is not configured, is closed to make room: its programs get a message to connect again.
 void Gateway::make_room_for_links(Retired& retired) {
     const std::size_t wanted = settings_.links.size() + (settings_.tunnel ? 1 : 0);
     if (!control_ || is_control_configured(settings_) || wanted < max_links) return;
@@ -169,7 +169,7 @@ void Gateway::add_links(const Difference& difference, LinkSet& fresh) {
     else fresh.insert(add_tunnel());
 }
 
-// The order of the configuration; links that it does not name come last.
+// In the order of the configuration, followed by links that are not configured.
 void Gateway::put_links_in_order() {
     const auto place = [this](const LinkState& s) {
         const auto& links = settings_.links;
@@ -188,7 +188,7 @@ void Gateway::start_links(LinkSet fresh) {
     beat();    // opening the links may take long
 }
 
-// The callbacks of the objects closed now are before ours in the queue of the loop.
+// The loop calls the queued callbacks of the closed objects before the one that is queued here.
 void Gateway::retire(Retired retired) {
     retired_.push_back(std::move(retired));
     asio::post(io_, [this, alive = std::weak_ptr<bool>{is_alive_}] {

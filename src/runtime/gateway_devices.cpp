@@ -39,20 +39,20 @@ namespace {
 constexpr std::size_t max_note = 64 * 1024;
 constexpr std::string_view unfinished = ".new";    // keep_file()
 
-// Asking again would have the same result, unlike with a link that is down for a moment.
 ano::Encoding encoding_of(TextEncoding encoding) {
     return encoding == TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
 }
 
-// A file of keep(), of devices: a note, or alarm limits.
+// Whether `name` is a file of keep() for devices: a note, or alarm limits.
 bool is_kept_name(std::string_view name) { return is_note(name) || address_of_limits_file(name); }
 
-// Of a peer in a network: a program that starts again has another port.
+// The host of a peer in a network, without the port, which changes when a program restarts.
 std::string_view host_of(const Channel& channel) { return std::string_view{channel.peer}.substr(0, channel.peer.rfind(':')); }
 std::string words_of(const std::string& link, std::string_view peer) {
     return peer.empty() ? link : link + " (" + std::string{peer} + ")";
 }
 
+// Whether a repeated request would fail as well, unlike after a short loss of the link.
 bool is_for_good(ReceiveCause cause) { return cause == &ReceiveCounters::denied_in || cause == &ReceiveCounters::inhibited; }
 bool is_for_good(SendCause cause) { return cause == &SendCounters::denied_out || cause == &SendCounters::too_big; }
 
@@ -85,8 +85,9 @@ bool GatewayDevices::Place::has(const Gateway& gateway, const Channel& channel) 
     return its_group.empty() ? link == gateway.name(channel.link) && peer == host_of(channel) : group == its_group;
 }
 
-// An address moves when its holder is silent, and in a network anybody can send in the name of a lost device. So a device that stays_lost() is
-// believed only where it was, or by a wire or the link that it is pinned to.
+// An address moves when its holder is silent, and in a network any sender can forge the address of a lost device. Therefore
+// frames of a device that stays_lost() are accepted as its own only at its last place, on a link that is not a network, or on a
+// link that it is pinned to.
 GatewayDevices::Sender GatewayDevices::sender(const Channel& from, std::uint8_t source) {
     const Router& router = gateway_.forwarder().router();
     if (router.claims(source, from.id)) return Sender::another;
@@ -111,8 +112,8 @@ void GatewayDevices::tell_unknown(const Channel& from, std::uint8_t source) {
         name, here, words_of(places_[source].link, places_[source].peer), name);
 }
 
-// A frame that is not of the device itself gets into no log, and neither raises an alarm nor ends one. Where it may be of a lost device that is
-// back elsewhere, which gets commands there, it may raise one.
+// A frame that is not from the device itself is not logged, and neither raises nor ends an alarm. A frame that may be from a lost
+// device in another place may raise one, because commands to the device are sent there.
 bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView frame) try {
     if (from.id == ourselves) return false;
     const Sender sender = of_.sender(from, frame.source());
@@ -153,7 +154,7 @@ std::string GatewayDevices::scan(const std::function<void(const std::string&)>& 
     return refused ? refused->error : std::string{};
 }
 
-// Called before the loop runs.
+// To be called before the loop runs.
 void GatewayDevices::remember_notes() {
     const std::string folder = state_folder();
     std::error_code ec;
@@ -162,7 +163,7 @@ void GatewayDevices::remember_notes() {
         const std::string name = entry.path().filename().string();
         if (!name.ends_with(unfinished)) remember_file(folder, name);
         else if (is_kept_name(name.substr(0, name.size() - unfinished.size())))
-            forget_file(entry.path().string());    // its writing was cut off
+            forget_file(entry.path().string());    // writing it was interrupted
     }
 }
 
@@ -180,7 +181,7 @@ void GatewayDevices::remember_file(const std::string& folder, const std::string&
     else log_warning("{}; {}", fault, loss_of_note(name));
 }
 
-// Several gateways of one user have the same folder: each takes its own notes only.
+// Several gateways of one user share the folder: each reads only its own notes.
 void GatewayDevices::remember_note(const std::string& folder, const std::string& name, std::string text) {
     const bool is_of_calibration = sensor_of_note(name).has_value();
     if (const std::string damage = damage_of_note(name, text); !damage.empty())
@@ -289,7 +290,7 @@ bool GatewayDevices::is_waiting(std::uint8_t address) {
     return false;
 }
 
-// What the driver holds has not left yet.
+// Bytes in the driver count as not sent.
 std::string GatewayDevices::takes_nothing(std::uint8_t address) {
     std::string why;
     for (const LinkState& state : gateway_.links()) {
@@ -319,7 +320,7 @@ bool GatewayDevices::came_from(std::uint8_t address) {
     return gateway_.forwarder().channels().contains(heard_from_) && !gateway_.forwarder().router().claims(address, heard_from_);
 }
 
-// The frame may have another destination by now: an alias.
+// Uses `sends_to_`, because the destination of the frame may already be replaced by an alias.
 void GatewayDevices::offered(const Channel& to, ano::FrameView frame, ChannelId from) {
     if (from != ourselves) return;
     if (!sends_) return service_.sent_by_others(frame, gateway_.time());    // a hello, or a frame of POST /send
@@ -372,7 +373,7 @@ LinkSet GatewayDevices::links_to(std::uint8_t address, ano::TimePoint now) const
     return links.empty() ? router.learned(address, now).links : links;
 }
 
-// The links of a group lead to the same place.
+// All links of a group lead to the same place.
 UnitPlace GatewayDevices::unit_place(std::uint8_t address, ano::TimePoint now) {
     const ControlSettings& control = gateway_.settings().control;
     UnitPlace place;
@@ -410,7 +411,7 @@ ano::host::Whereabouts GatewayDevices::whereabouts(std::uint8_t address, ano::Ti
     const LinkSet links = links_to(address, now);
     where.is_known = !links.empty() || address == gateway_.settings().gateway.id;
     const auto conflicts = router.conflicts(now);
-    const bool is_pinned = !router.pinned(address).empty();    // then it is known which device is meant
+    const bool is_pinned = !router.pinned(address).empty();    // a pinned route identifies the device
     where.in_conflict = !is_pinned &&
                         std::any_of(conflicts.begin(), conflicts.end(), [&](const Conflict& c) { return c.address == address; });
     std::size_t channels = 0;
@@ -461,7 +462,7 @@ bool GatewayDevices::may_answer_for(std::uint8_t source, std::uint8_t port) {
     return source != port && !speaks_itself && ways.contains(heard_by_);
 }
 
-// The manners for the strictest of the links to this address.
+// The strictest limits of all links to this address.
 const ano::FlexibleLayouts& GatewayDevices::layouts() const { return gateway_.decoding()->layouts(); }
 
 DeviceManners GatewayDevices::manners(std::uint8_t address) {

@@ -1,4 +1,5 @@
-// The host engine of the gateway: its frames enter through the link `control`; it receives frames as an observer of the Forwarder.
+// The host engine of the gateway: sends its frames through the link `control`, and receives frames as an observer of the
+// Forwarder.
 #pragma once
 #include <devices/device_net.hpp>
 #include <devices/device_service.hpp>
@@ -18,8 +19,8 @@ namespace anogate {
 
 class Gateway;
 
-/// It costs nothing while no request to a device is under way, except for DeviceService::idle_after behind the last. Its source address
-/// is not learned.
+/// No cost while no request to a device is in progress, except during DeviceService::idle_after following the last one. Its
+/// source address is not learned.
 class GatewayDevices final : public DeviceNet, private Forwarder::Observer {
 public:
     /// `gateway` outlives it.
@@ -27,7 +28,7 @@ public:
     ~GatewayDevices() override;
 
     DeviceService& service() noexcept { return service_; }
-    /// The gateway ends.
+    /// To be called when the gateway stops.
     void stop();
 
     ano::TimePoint now() override;
@@ -60,7 +61,7 @@ private:
     void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override;
     void refused(LinkId to, ano::FrameView frame, SendCause cause) override;
 
-    /// Keeps the log lines of devices and judges values that have limits, also while the service does not listen.
+    /// Stores the log lines of devices and checks values that have limits, also while the service does not listen.
     struct AlwaysListener final : Forwarder::Observer {
         explicit AlwaysListener(GatewayDevices& of) : of_{of} {}
         void received(const Channel&, ano::FrameView, TimePoint) override {}
@@ -82,7 +83,7 @@ private:
     void remember_file(const std::string& folder, const std::string& name);
     void remember_note(const std::string& folder, const std::string& name, std::string text);
     LinkSet links_to(std::uint8_t address, ano::TimePoint now) const;
-    /// Where a device is, as far as that tells it from strangers.
+    /// The location of a device, as far as it distinguishes the device from others with its address.
     struct Place {
         std::string link, group;
         std::string peer;    // without its port
@@ -95,18 +96,18 @@ private:
     Gateway& gateway_;
     Alarm alarm_;
     Errand errand_;
-    std::deque<Chore> chores_;    // that wait for errand_
+    std::deque<Chore> chores_;    // waiting for errand_
     bool sends_ = false;
-    LinkId heard_by_{};                   // of the frame that the service is processing
-    ChannelId heard_from_ = ourselves;    // of the same
+    LinkId heard_by_{};                   // link of the frame that the service is processing
+    ChannelId heard_from_ = ourselves;    // its channel
     bool was_taken_ = false;
     std::uint8_t sends_to_ = 0;
-    std::array<ChannelSet, 256> left_by_{};    // by destination: the channels that got the last frame to it
+    std::array<ChannelSet, 256> left_by_{};    // by destination: the channels of the last frame to it
     std::array<DrainWatch, max_channels> drains_{};
     Unsent refusal_;
-    DeviceService service_;    // its destructor calls this object, so only what needs it comes after it
+    DeviceService service_;    // its destructor calls this object, so only members that need it follow
     AlwaysListener always_;
-    std::array<Place, 256> places_;    // by device: where it was last heard as itself; no link: nowhere
+    std::array<Place, 256> places_;    // by device: where it was last identified; no link: nowhere
 };
 
 }    // namespace anogate

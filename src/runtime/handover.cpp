@@ -14,7 +14,7 @@ namespace {
 
 constexpr char state_name[] = "state";
 constexpr char wire_name[] = "wire";
-constexpr off_t max_state = 1 << 20;    // bytes; 64 channels that each have every address need some 400 KB
+constexpr off_t max_state = 1 << 20;    // bytes; 64 channels with all addresses each need about 400 KB
 
 UniqueFd find(std::vector<NamedDescriptor>& descriptors, const std::string& name) {
     for (auto& [its_name, fd] : descriptors)

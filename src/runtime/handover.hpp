@@ -1,13 +1,13 @@
-// Restart without loss: passes open descriptors, and what is known of the peers behind them, from one run of the service to the next.
+// Restart without loss: passes open descriptors, and the state of their peers, from one run of the service to the next.
 #pragma once
 #include <runtime/stored_state.hpp>
 
 namespace anogate {
 
-/// The state that the previous run left; empty without one, or without systemd. Descriptors that can't be used are closed.
+/// The state that the previous run stored; empty without one, or without systemd. Descriptors that can't be used are closed.
 StoredState take_handover();
 
-/// Stores the state of the gateway for the next run. The gateway must not read any more.
+/// Stores the state of the gateway for the next run. The gateway must have stopped reading.
 void hand_over(const Gateway& gateway);
 
 }    // namespace anogate

@@ -34,9 +34,10 @@ std::vector<ConfigText> files_of(const nlohmann::json& list) {
 
 namespace {
 
-constexpr std::size_t max_depth = 8;    // deeper than a kept configuration
+constexpr std::size_t max_depth = 8;    // more than a stored configuration has
 
-/// Reads the head of a CBOR item (RFC 8949, 3.): its major type and argument. std::nullopt: it is cut off, or of indefinite length.
+/// Reads the head of a CBOR item (RFC 8949, 3.): its major type and argument. std::nullopt: it is truncated, or of indefinite
+/// length.
 struct CborHead {
     unsigned major = 0;
     std::uint64_t argument = 0;
@@ -56,11 +57,11 @@ std::optional<CborHead> take_head(std::string_view& bytes) {
     return head;
 }
 
-/// Whether the library may read the bytes: it follows items in each other by calling itself, until the stack ends, also strings of
-/// indefinite length, which no writer of ours makes. The bytes are one whole item that is at most max_depth deep.
+/// Whether the library may parse the bytes. It parses nested items recursively, including strings of indefinite length (never
+/// written by us), and could overflow the stack. True: the bytes are one complete item with at most max_depth levels.
 bool is_shallow_cbor(std::string_view bytes) {
     enum Major : unsigned { byte_string = 2, text_string = 3, array = 4, map = 5, tag = 6 };
-    std::array<std::uint64_t, max_depth> left{};    // the items that are still to come, by depth
+    std::array<std::uint64_t, max_depth> left{};    // number of missing items, by depth
     std::size_t depth = 0;
     do {
         const auto head = take_head(bytes);

@@ -10,31 +10,31 @@
 namespace anogate {
 
 struct KeptConfig {
-    std::vector<ConfigText> unconfirmed;    // the files of the new one: when they were changed since, they count as wanted
-    std::vector<ConfigText> confirmed;      // the configuration that ran before
+    std::vector<ConfigText> unconfirmed;    // the files of the new one; used again once they are changed
+    std::vector<ConfigText> confirmed;      // the previous configuration
 };
 
-/// The path in state_folder() for `what` of the gateway with this configuration file: each gateway of a user has its own.
-/// Empty: there is no folder, or no configuration file.
+/// The path in state_folder() for `what` of the gateway with this configuration file: each gateway of a user has its own. Empty:
+/// no folder, or no configuration file.
 std::string kept_path(const std::string& what, const std::string& config_file);
 
-/// The path for the kept configuration of `config_file`: in $STATE_DIRECTORY of the unit, else in the user's folder for the state of
-/// programs. Empty: there is none.
+/// The path for the kept configuration of `config_file`: in $STATE_DIRECTORY of the unit, else in the user's folder for the state
+/// of programs. Empty: none.
 std::string kept_config_path(const std::string& config_file);
 
-/// Compares without the names: the same file may be named in several ways.
+/// Ignores the names, because one file may have several.
 bool have_same_texts(const std::vector<ConfigText>& one, const std::vector<ConfigText>& other);
 
-/// The bytes of a file of keep_config(). std::nullopt: they are damaged. Whatever the bytes are, this needs little of the stack.
+/// Parses the bytes of a file of keep_config(). std::nullopt: they are damaged. The use of the stack is bounded for any input.
 std::optional<KeptConfig> parse_kept_config(std::string_view bytes);
 
-// These read and write a disk, and may block.
+// These functions access the disk and may block.
 
-/// Returns empty, or why it could not be kept. When it returns, the file is synced to the disk and survives a loss of power.
+/// Returns empty, or the reason for the failure. After a success the file is synced to the disk and survives a loss of power.
 std::string keep_config(const std::string& path, const KeptConfig& config);
-/// std::nullopt: there is none, or, with a `fault` in words, it can't be read.
+/// std::nullopt: there is no file, or it can't be read; then `fault` is the reason.
 std::optional<KeptConfig> kept_config(const std::string& path, std::string& fault);
-/// Returns empty, or why it is still there.
+/// Removes the file. Returns empty, or the reason for the failure.
 std::string forget_config(const std::string& path);
 
 }    // namespace anogate

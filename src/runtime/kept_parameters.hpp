@@ -6,15 +6,15 @@
 
 namespace anogate {
 
-/// `what`.json in $STATE_DIRECTORY of the unit; else, in the user's folder for the state of programs, one for each configuration
-/// file. Empty: there is no folder, or no configuration file.
+/// The path of `what`.json in $STATE_DIRECTORY of the unit; else, in the user's folder for the state of programs, one for each
+/// configuration file. Empty: there is no folder, or no configuration file.
 std::string kept_state_path(const std::string& what, const std::string& config_file);
 
-/// parameters.json in $STATE_DIRECTORY of the unit; else, in the user's folder for the state of programs, one for each configuration
-/// file. Empty: there is no folder, or no configuration file.
+/// The path of parameters.json in $STATE_DIRECTORY of the unit; else, in the user's folder for the state of programs, one for
+/// each configuration file. Empty: there is no folder, or no configuration file.
 std::string kept_parameters_path(const std::string& config_file);
 
-/// Reads a disk, and may block. A file that can't be read is logged, and ignored.
+/// Reads the disk and may block. A file that can't be read is logged and ignored.
 WrittenValues kept_parameters(const std::string& path);
 
 }    // namespace anogate

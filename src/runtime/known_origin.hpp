@@ -1,4 +1,4 @@
-// Whether a frame came from where nobody else can send in the name of its source.
+// Whether the origin of a frame rules out a forged source address.
 #pragma once
 #include <config/link_kind.hpp>
 #include <runtime/gateway.hpp>
@@ -7,8 +7,8 @@
 
 namespace anogate {
 
-/// `source` is not at home elsewhere, and came by a serial port, CAN or another link that is no network, or by the link that it is pinned
-/// to. In a network anybody can send in the name of a device.
+/// True: `source` has no home elsewhere, and the frame was received on a serial port, CAN or another link that is not a network,
+/// or on a link that `source` is pinned to. In a network any sender can forge the address of a device.
 inline bool is_known_origin(const Gateway& gateway, const Channel& from, std::uint8_t source) {
     const Router& router = gateway.forwarder().router();
     const bool is_wired = gateway.settings(from.link).kind->reach == nullptr;

@@ -17,7 +17,7 @@
 namespace anogate {
 namespace {
 
-// Of several conflicts of the link, the one that a user mends most easily.
+// Of several conflicts of the link, shows the one that is easiest to fix.
 void set_shared(LinkFigures& f, const Gateway& gateway, const std::vector<Conflict>& conflicts, LinkId link) {
     const auto rank = [](SharedSource one) {
         return one == SharedSource::two_peers       ? 4
@@ -34,7 +34,7 @@ void set_shared(LinkFigures& f, const Gateway& gateway, const std::vector<Confli
     }
 }
 
-// The link, and all that conflicts join to it: what explains a conflict is said at each of its links.
+// The link, and all links connected with it by conflicts: the explanation of a conflict is shown at each of its links.
 LinkSet joined_by(const std::vector<Conflict>& conflicts, LinkId link) {
     LinkSet all;
     all.insert(link);
@@ -46,7 +46,7 @@ LinkSet joined_by(const std::vector<Conflict>& conflicts, LinkId link) {
     return all;
 }
 
-// The last of several rings.
+// Of several loops, shows the last.
 void set_ring(LinkFigures& f, const Gateway& gateway, LinkSet links, TimePoint now) {
     for (const ChannelId id : gateway.forwarder().channels()) {
         if (!links.contains(gateway.channel(id).link)) continue;
@@ -57,13 +57,13 @@ void set_ring(LinkFigures& f, const Gateway& gateway, LinkSet links, TimePoint n
     }
 }
 
-// The device of a frame that was not sent as it was unknown; std::nullopt when it is heard by now.
+// The address of a device that was unknown when a frame was sent to it; std::nullopt: it is known by now.
 std::optional<std::uint8_t> still_unknown(const Gateway& gateway, std::optional<std::uint8_t> address, TimePoint now) {
     const bool is_known = address && !gateway.forwarder().router().learned(*address, now).links.empty();
     return is_known ? std::nullopt : address;
 }
 
-// A device on this link whose frames go to another link, since that link has the id of the device as its port id.
+// A device on this link whose frames are sent to another link, because the port id of that link equals the id of the device.
 std::uint8_t hidden_device(const Gateway& gateway, LinkId link, TimePoint now) {
     const Router& router = gateway.forwarder().router();
     for (std::uint8_t a = 1; a <= ano::address::last_port_id; ++a) {
@@ -113,7 +113,7 @@ bool has_device(const Gateway& gateway, LinkId link) {
     return false;
 }
 
-// A likely mistake of the user, although the link works: shown as its hint, not as its error.
+// A likely configuration mistake although the link works: shown as a hint, not as an error.
 bool is_hint(const LinkError& trouble) { return trouble.id == "shared_port" || trouble.id == "other_adapter"; }
 
 Hint hint_of(LinkError trouble) {

@@ -1,4 +1,4 @@
-// The figures of a link at one moment, for the status, the metrics and the log.
+// A snapshot of the figures of a link, for the status, the metrics and the log.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/hints.hpp>
@@ -13,10 +13,10 @@ struct LinkState;
 
 /// The counters are sums over its channels, its former channels, and the traffic that belonged to no channel.
 struct LinkReport {
-    LinkFigures figures;    // its strings are those of the gateway: valid as long as the links
+    LinkFigures figures;    // its strings refer to the gateway: valid as long as the links
     std::size_t waiting = 0;
-    LinkError error{};    // why the link is down, or what is wrong with it; its text is empty when nothing is
-    Hint hint{};          // its text is empty when there is none
+    LinkError error{};    // the reason why the link is down, or its fault; empty text: none
+    Hint hint{};          // empty text: none
 };
 LinkReport report_of(const Gateway& gateway, const LinkState& state, ano::TimePoint now);
 

@@ -5,7 +5,7 @@
 namespace anogate {
 namespace {
 
-constexpr ano::Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes have no stamp: half the wait of stick frames
+constexpr ano::Duration beat_of_streams = std::chrono::milliseconds{100};    // half the age limit of stick frames
 constexpr ano::Duration calm_beat = std::chrono::milliseconds{500};
 constexpr ano::Duration slack = std::chrono::milliseconds{20};
 
@@ -22,7 +22,8 @@ ano::Duration LoopBeat::turn(const ClockReading& clocks) {
     return turn.suspended;
 }
 
-// After a standstill, a beat is called when everything that waited was read; but not if that beat itself detected the standstill.
+// A standstill ends with the first beat after it, because all waiting data was read by then; the beat that detected the
+// standstill does not count.
 void LoopBeat::end(bool streams_speak) {
     if (!noticed_) loop_.end_standstill();
     calm_ = !noticed_ && !streams_speak;
@@ -31,7 +32,7 @@ void LoopBeat::end(bool streams_speak) {
     alarm_.set(loop_.now() + period);
 }
 
-// Between slow beats: a stream needs faster beats; a time stamp of a received datagram shows a standstill too.
+// A stream switches to the faster beats. The time stamp of a received datagram also reveals a standstill.
 void LoopBeat::heard(bool by_stream, ano::TimePoint arrived_at) {
     if (by_stream) {
         if (!calm_) return;

@@ -15,17 +15,17 @@ class LoopBeat {
 public:
     LoopBeat(AlarmClock& alarms, std::function<void()> call);
 
-    /// Returns how long the machine slept (suspended) since the last turn: everything that waits is older by that time.
+    /// Returns how long the machine was suspended since the last turn: all waiting data is older by that time.
     ano::Duration turn(const ClockReading& clocks);
     /// Begins the processing of a beat.
     void begin() noexcept { noticed_ = false; }
-    /// `streams_speak`: bytes come from serial ports or ptys, which have no time stamps.
+    /// `streams_speak`: bytes are being received from serial ports or ptys, which have no time stamps.
     void end(bool streams_speak);
-    /// Something was received, from a stream or not; `arrived_at` is its time of arrival.
+    /// Data was received, from a stream or a datagram socket; `arrived_at` is its time of arrival.
     void heard(bool by_stream, ano::TimePoint arrived_at);
 
     void cancel() noexcept { alarm_.cancel(); }
-    /// At the end of the program: logs the rest.
+    /// To be called at the end of the program: logs the rest.
     void finish();
 
     const LoopWatch& loop() const noexcept { return loop_; }

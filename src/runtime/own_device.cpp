@@ -17,7 +17,7 @@ namespace {
 
 using LogColor = GatewayDevice::LogColor;
 
-// A Link has the channel in its lower bits and a number that is used once above them: see link_of().
+// A Link contains the channel in its lower bits and a unique number above them: see link_of().
 constexpr GatewayDevice::Link channel_bits = 6;
 constexpr GatewayDevice::Link link_of_ourselves = ano::device::every_link - 1;
 
@@ -38,7 +38,7 @@ OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, Wr
              }},
       errand_{gateway.io()} {
     gateway_.set_voice(this);
-    reload_.on_settled([this] {    // not while the device is processing a request
+    reload_.on_settled([this] {    // not while it processes a request
         asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_}] {
             if (alive.expired()) return;
             configure();
@@ -66,7 +66,7 @@ void OwnDevice::configure() {
     await();
 }
 
-// The number of a closed channel is used again by another peer, which must not get the answers for the old one.
+// The number of a closed channel is reused for another peer, which must not receive the answers for the old one.
 OwnDevice::Link OwnDevice::link_of(const Channel& channel) {
     if (channel.id == ourselves) return link_of_ourselves;
     Place& place = places_[index(channel.id)];
@@ -102,7 +102,7 @@ void OwnDevice::speak() {
     }
 }
 
-// The caller is still sending its request: it gets the answer in the next turn of the loop.
+// The caller is still sending its request, so the answer is delivered in the next turn of the loop.
 void OwnDevice::answer_ourselves(ano::FrameView frame) {
     asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_},
                                bytes = std::vector<std::uint8_t>{frame.bytes().begin(), frame.bytes().end()}] {
@@ -137,7 +137,7 @@ std::string OwnDevice::save(const WrittenValues& written) {
     return {};
 }
 
-// Does nothing while the file waits to be confirmed.
+// Does nothing while the file is waiting for confirmation.
 void OwnDevice::keep_in_step() {
     WrittenValues still = kept_;
     if (gateway_.config_state().runs != ConfigState::Runs::file || !saves_.empty() ||
@@ -168,7 +168,7 @@ void OwnDevice::next_save() {
     });
 }
 
-// A reload without a confirmation time would confirm the configuration that waits for its confirmation.
+// Refuses while a configuration is waiting for confirmation: a reload without a confirmation time would confirm it.
 std::string OwnDevice::reload() {
     if (gateway_.config_state().runs == ConfigState::Runs::unconfirmed)
         return "a reloaded configuration is still waiting for confirmation";

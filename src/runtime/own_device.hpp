@@ -1,4 +1,4 @@
-// Connects the GatewayDevice (the gateway as an ANO device) with the loop: passes frames to it, and carries out its decisions.
+// Connects the GatewayDevice (the gateway as an ANO device) with the loop: passes frames to it, and executes its operations.
 #pragma once
 #include <managed/gateway_device.hpp>
 #include <runtime/gateway.hpp>
@@ -17,19 +17,19 @@ namespace anogate {
 class Reload;
 struct ReloadOutcome;
 
-/// The source address of its frames is not learned. The frames are subject to the rules of the links that send them.
+/// The source address of its frames is not learned. The rules of the sending links apply to the frames.
 class OwnDevice final : public GatewayVoice, private Forwarder::Own, private GatewayDeeds {
 public:
-    /// `kept_path`: kept_parameters_path(), the file with `kept`. Gateway and reload outlive it.
+    /// `kept_path`: kept_parameters_path(), the file with `kept`. `gateway` and `reload` must outlive this object.
     OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, WrittenValues kept);
     ~OwnDevice();
     OwnDevice(const OwnDevice&) = delete;
     OwnDevice& operator=(const OwnDevice&) = delete;
 
-    /// To be called when the running configuration is known. Removes kept values that the configuration file has overruled; otherwise they
-    /// would be back when the file returns to its old value.
+    /// To be called when the running configuration is known. Removes kept values that the configuration file has overruled;
+    /// otherwise they would take effect again when the file returns to its old value.
     void keep_in_step();
-    /// To be called when the gateway ends: nothing more is sent.
+    /// To be called when the gateway stops: nothing more is sent.
     void stop();
 
     void speak() override;
@@ -63,9 +63,9 @@ private:
 
     struct Save {
         WrittenValues values;
-        bool is_asked_for = false;    // by a host, which waits for the answer
+        bool is_asked_for = false;    // a host is waiting for the answer
     };
-    /// A channel that frames for the gateway came from; its number as a `Link` is never used again.
+    /// A channel that received frames for the gateway; its number as a `Link` is never reused.
     struct Place {
         TimePoint opened_at{};
         Link link = 0;
@@ -74,14 +74,14 @@ private:
     Gateway& gateway_;
     Reload& reload_;
     std::string kept_path_;
-    WrittenValues kept_;    // as they are on the disk
+    WrittenValues kept_;    // as stored on the disk
     GatewayDevice device_{*this};
     std::array<Place, max_channels> places_{};
     Link places_used_ = 0;
     Alarm alarm_;
     Errand errand_;
     std::deque<Save> saves_;    // the first one is being written
-    bool reloads_ = false;      // a reload that a host asked for is under way
+    bool reloads_ = false;      // a reload requested by a host is in progress
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 

@@ -1,4 +1,4 @@
-// Logs which peers came and went, in few lines.
+// Logs new and removed peers, with a limited number of lines.
 #pragma once
 #include <sys/alarm.hpp>
 
@@ -8,8 +8,8 @@
 
 namespace anogate {
 
-/// A host that sends from many ports is a new peer with each of them, and must not fill the disk with lines. So there are at most 32
-/// lines in five seconds, and one with the number of the others.
+/// A host that sends from many ports is a new peer with each of them, and must not fill the disk with lines. Therefore at most 32
+/// lines are logged per five seconds, and one line with the number of the others.
 class PeerLog {
 public:
     explicit PeerLog(AlarmClock& alarms) : rest_{alarms, [this] { tell_rest(); }} {}
@@ -17,7 +17,7 @@ public:
     void came(const std::string& link, const std::string& peer, ano::TimePoint now);
     /// `why` may be empty.
     void went(const std::string& link, const std::string& peer, std::string_view why, ano::TimePoint now);
-    /// At the end of the program: logs the rest at once.
+    /// To be called at the end of the program: logs the rest at once.
     void finish();
 
 private:

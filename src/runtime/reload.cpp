@@ -53,7 +53,7 @@ struct Reload::Job {
     WrittenValues written;
 
     ReadConfig wanted{};
-    Settings applied{};    // with the values that hosts wrote
+    Settings applied{};    // includes the values that hosts wrote
     ReloadOutcome outcome{};
 
     void work();
@@ -77,7 +77,7 @@ void Reload::Job::work() {
     if (!request.dry_run) prepare_restart();
 }
 
-// Done before anything changes, in case of a loss of power.
+// Runs before any change, because the power may fail.
 bool Reload::Job::prepare_restart() {
     std::string fault;
     if (!outcome.confirm_within) fault = forget_config(kept_path);
@@ -210,7 +210,7 @@ void Reload::finish(const ReloadOutcome& outcome, const Done& done) {
     next();
 }
 
-// Removes the kept configuration first: it is confirmed only when that is gone.
+// Removes the kept configuration first: the new one is confirmed only when that has succeeded.
 void Reload::begin_confirm(const std::function<void(std::string)>& done) {
     const auto refuse = [this, &done](std::string why) {
         done(std::move(why));
@@ -274,7 +274,7 @@ void Reload::write(WrittenValues written) {
     });
 }
 
-// Compares in a thread, since that takes a while with large configurations.
+// Compares in a thread, because comparing large configurations takes long.
 void Reload::apply_written() {
     struct Comparison {
         Settings running, wanted;
@@ -310,7 +310,7 @@ void Reload::restart(const std::string& link) {
     });
 }
 
-// When the file has changed a key since its value was written, the file takes precedence.
+// If a key was changed in the file after a host wrote its value, the file takes precedence.
 void Reload::forget_stale() {
     for (const std::string& key : written_.forget_stale(confirmed_.settings))
         log_info("discarded the stored gateway parameter {}: the configuration changed after it was written", key);

@@ -1,4 +1,4 @@
-// Reloads the configuration while the gateway runs, and restores the old one when the new one is not confirmed in time.
+// Reloads the configuration while the gateway runs, and restores the previous one if the new one is not confirmed in time.
 #pragma once
 #include <config/config_error.hpp>
 #include <config/difference.hpp>
@@ -25,7 +25,7 @@ struct ReadConfig {
     Settings settings;
     std::vector<ConfigText> files;
 };
-/// Reads all of them. Called in a thread, where it may block.
+/// Reads all of it. Called in a thread, where it may block.
 using ReadAgain = std::function<std::variant<ReadConfig, ConfigErrors>()>;
 
 struct ReloadRequest {
@@ -34,20 +34,20 @@ struct ReloadRequest {
 };
 
 struct ReloadOutcome {
-    ConfigErrors faults{};    // of the configuration; with faults or a refusal, nothing was changed
+    ConfigErrors faults{};    // in the configuration; with faults or a refusal, nothing was changed
     std::string refusal{};    // another reason why nothing was changed; empty: none
     Difference difference{};
     bool dry_run = false;
     std::optional<ano::Duration> confirm_within{};    // std::nullopt: no confirmation is needed
-    std::string door_fault{};    // why control.http is shut now: of its tokens or its certificate; empty: it is not
+    std::string door_fault{};    // why control.http is off: a fault of its tokens or certificate; empty: it is on
 };
 
-/// Requests are processed one after the other, in order; but a confirmation, and the end of the time for it, come before waiting requests.
-/// The files are read, checked and compared in a thread; the gateway is changed in the loop.
+/// Requests are processed one after the other, in order. A confirmation and the expiry of its time are processed before waiting
+/// requests. The files are read, checked and compared in a thread; the gateway is changed in the loop.
 class Reload {
 public:
-    /// `running`: the last confirmed configuration; `written`: the values that hosts wrote in addition. The gateway was made from both.
-    /// `kept_path`: kept_config_path(). The gateway outlives this object.
+    /// `running`: the last confirmed configuration; `written`: the values that hosts wrote in addition. The gateway was created
+    /// from both. `kept_path`: kept_config_path(). The gateway must outlive this object.
     Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadAgain read_again, std::string kept_path,
            WrittenValues written = {});
 
@@ -56,24 +56,25 @@ public:
 
     using Done = std::function<void(const ReloadOutcome&)>;
     void reload(const ReloadRequest& request, Done done);
-    /// The same for SIGHUP: further calls while one waits to begin have no effect.
+    /// The same for SIGHUP: further calls before the reload begins have no effect.
     void reload_soon();
-    /// Confirms the running configuration. `done` gets empty, or the reason why it was not confirmed.
+    /// Confirms the running configuration. `done` receives empty, or the reason why it was not confirmed.
     void confirm(std::function<void(std::string refusal)> done);
     /// The values that hosts wrote as parameters of the gateway: they take effect like a reload, and are applied again after each reload.
     void write(WrittenValues written);
-    /// Closes the link and makes it anew. Further calls while one waits to begin have no effect.
+    /// Closes the link and creates it again. Further calls before the restart begins have no effect.
     void restart(const std::string& link);
     /// The part of the running settings that is from the files, and the values that were written in addition.
     const Settings& of_files() const noexcept { return unconfirmed_ ? unconfirmed_->settings : confirmed_.settings; }
     const WrittenValues& written() const noexcept { return written_; }
-    /// `call`: the running configuration, or its source, may have changed.
+    /// `call` is called when the running configuration or its source may have changed.
     void on_settled(std::function<void()> call) { on_settled_ = std::move(call); }
-    /// `call` is called after each change by a reload, and calls `done` with the fault of what it read again, or empty.
+    /// `call` is called after each change by a reload. It must call `done` with a fault of the files that it read again, or
+    /// empty.
     void on_reloaded(std::function<void(std::function<void(std::string fault)> done)> call) { on_reloaded_ = std::move(call); }
-    /// `call` gets the names of links that were changed, added or removed.
+    /// `call` receives the names of links that were changed, added or removed.
     void on_links_changed(std::function<void(const std::vector<std::string>&)> call) { on_links_changed_ = std::move(call); }
-    /// Processes and answers no more requests.
+    /// Stops processing and answering requests.
     void stop();
 
 private:
@@ -109,9 +110,9 @@ private:
     WrittenValues written_;
     std::optional<ReadConfig> unconfirmed_;    // the running configuration while it is not confirmed
     bool busy_ = false;
-    bool soon_ = false;                 // reload_soon() was called, and waits to begin
-    bool applies_ = false;              // write() was called, and waits to begin
-    std::set<std::string> restarts_;    // links whose restart waits to begin
+    bool soon_ = false;                 // a reload_soon() is waiting to begin
+    bool applies_ = false;              // a write() is waiting to begin
+    std::set<std::string> restarts_;    // links whose restart is waiting to begin
     bool stopped_ = false;
 };
 

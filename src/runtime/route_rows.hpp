@@ -19,7 +19,7 @@ struct RouteRow {
     std::optional<ano::TimePoint> heard_at;    // of a learned route
 };
 
-/// One row for each address with a route, by the rule that decides for it.
+/// One row for each address with a route, with the rule that applies.
 std::vector<RouteRow> route_rows(const Gateway& gateway, ano::TimePoint now);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Logs standstills of the loop, in few lines.
+// Logs standstills of the loop, with a limited number of lines.
 #pragma once
 #include <gateway/arrival.hpp>
 
@@ -6,15 +6,15 @@
 
 namespace anogate {
 
-/// Five lines at once, then one in ten seconds: on a machine that is too slow there are always standstills.
+/// At most five lines at once, then one per ten seconds, because a machine that is too slow has standstills all the time.
 class StandstillLog {
 public:
     void stood(const LoopWatch::Turn& turn, ano::TimePoint now);
-    /// At the end of the program: reports the rest.
+    /// To be called at the end of the program: logs the rest.
     void finish() const;
 
 private:
-    ano::TimePoint next_{};    // when the next line may be logged
+    ano::TimePoint next_{};    // earliest time of the next line
     std::uint64_t unsaid_ = 0;
 };
 

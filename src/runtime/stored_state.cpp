@@ -118,7 +118,7 @@ StoredState::OfLink link_of(const nlohmann::json& from, const ClockReading& unre
     return link;
 }
 
-// Keeps an equal number for each link.
+// Keeps the same number of frames for each link.
 void keep_newest(StoredState& state) {
     const auto links = std::count_if(state.links.begin(), state.links.end(),
                                      [](const auto& link) { return !link.brought.empty(); });

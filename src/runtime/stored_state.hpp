@@ -1,5 +1,5 @@
-// The state that a gateway passes to its next run: open descriptors, peers, where addresses were heard, and the frames that came by
-// the links of groups.
+// The state that a gateway passes to its next run: open descriptors, peers, learned addresses, and the frames received on links
+// of groups.
 #pragma once
 #include <gateway/duplicate_guard.hpp>
 #include <link/stored_link.hpp>
@@ -20,11 +20,11 @@ struct StoredAddress {
     ano::TimePoint heard_at{};
 };
 
-/// A channel of a link, by the name of its peer as people read it.
+/// A channel of a link, identified by the displayed name of its peer.
 struct StoredChannel {
     std::string peer;
     std::vector<StoredAddress> addresses{};
-    std::vector<std::uint8_t> first{};    // addresses that were first heard there, before they moved
+    std::vector<std::uint8_t> first{};    // addresses first heard there, before they moved
 };
 
 /// Identifies the file of an open descriptor, independent of the number of the descriptor.
@@ -41,7 +41,7 @@ struct StoredState {
         WireIdentity wire{};
         StoredLink link{};
         std::vector<StoredChannel> channels{};
-        std::vector<DuplicateGuard::Memory> brought{};    // frames of a link of a group
+        std::vector<DuplicateGuard::Memory> brought{};    // frames received on a link of a group
     };
     ClockReading unread_since{};
     std::vector<OfLink> links{};
@@ -50,10 +50,11 @@ struct StoredState {
 /// The maximum number of frames of groups; the newest ones are stored.
 inline constexpr std::size_t max_stored_frames = 4096;
 
-/// The gateway must not read any more. The descriptors are duplicates: both programs have them open until the gateway closes its own.
+/// The gateway must have stopped reading. The descriptors are duplicates: both programs have them open until the gateway closes
+/// its own.
 StoredState state_of(const Gateway& gateway);
 
-/// Everything except the descriptors, as text.
+/// The state without the descriptors, as text.
 std::string text_of(const StoredState& state);
 /// std::nullopt: the text is of another version of the program, or its times are after `now`. The caller adds the descriptors.
 std::optional<StoredState> parse_stored_state(std::string_view text, const ClockReading& now);
