@@ -13,13 +13,13 @@ AlarmClock::AlarmClock(asio::io_context& io) : io_{io}, timer_{std::make_shared<
 
 AlarmClock::~AlarmClock() = default;
 
-// At the end of a ring, the timer is set once for all.
+// ring() sets the timer once at its end.
 void AlarmClock::arm(ano::TimePoint latest) {
     if (!ringing_ && (!rings_at_ || latest < *rings_at_)) wait(latest);
 }
 
 void AlarmClock::wait(ano::TimePoint latest) {
-    rings_at_.reset();    // until async_wait(), which may find no memory, has succeeded
+    rings_at_.reset();    // until async_wait() has succeeded: it may throw for lack of memory
     timer_->expires_at(latest);
     timer_->async_wait([this, mine = ++generation_](error_code ec) {
         if (ec || mine != generation_) return;
@@ -41,7 +41,7 @@ void AlarmClock::ring_next() {
 
 void AlarmClock::ring() {
     const ano::TimePoint now = ano::Clock::now();
-    // A call may make and end alarms: look each up afresh, and let each keep its place.
+    // A call may create and destroy alarms: each step reads alarms_ again, and no element moves.
     ringing_ = true;
     for (std::size_t i = 0; i < alarms_.size(); ++i) {
         Alarm* alarm = alarms_[i];
@@ -54,7 +54,7 @@ void AlarmClock::ring() {
     std::optional<ano::TimePoint> next;
     for (const Alarm* alarm : alarms_)
         if (alarm->at_) next = std::min(next.value_or(ano::TimePoint::max()), *alarm->at_ + alarm->slack_);
-    if (next && next != rings_at_) wait(*next);    // also later: to set it costs less than a wake-up for nothing
+    if (next && next != rings_at_) wait(*next);    // also if later: setting it costs less than a needless wake-up
 }
 
 void AlarmClock::remove(Alarm* alarm) noexcept {

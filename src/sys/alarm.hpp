@@ -1,4 +1,4 @@
-// Many alarms on one timer: the process wakes once for all alarms that are due at about the same time.
+// Many alarms on one timer: the process wakes up once for all alarms that are due at about the same time.
 #pragma once
 #include <ano/time.hpp>
 #include <sys/asio_fwd.hpp>
@@ -13,7 +13,7 @@ namespace anogate {
 
 class Alarm;
 
-/// The timer behind every Alarm of a loop. Outlives them.
+/// The timer used by all Alarms of a loop. Must outlive them.
 class AlarmClock {
 public:
     explicit AlarmClock(asio::io_context& io);
@@ -31,16 +31,16 @@ private:
 
     struct Timer;
     asio::io_context& io_;
-    std::shared_ptr<Timer> timer_;    // whose end tells what was posted that we are gone
+    std::shared_ptr<Timer> timer_;    // expires with this object; posted handlers check it
     std::vector<Alarm*> alarms_;
     std::optional<ano::TimePoint> rings_at_;
     std::uint64_t generation_ = 0;
     bool ringing_ = false;
-    bool rings_next_ = false;    // a ring is posted
+    bool rings_next_ = false;    // a ring() is posted
 };
 
-/// Calls its function once, between the time it was set to and `slack` later; a slack lets alarms share one wake-up.
-/// Setting it again replaces the time; destruction and cancel() end it.
+/// Calls its function once, between the set time and `slack` later; a slack lets alarms share one wake-up. Setting it again
+/// replaces the time; destruction and cancel() cancel it.
 class Alarm {
 public:
     Alarm(AlarmClock& clock, std::function<void()> call, ano::Duration slack = {});
@@ -49,15 +49,15 @@ public:
     Alarm& operator=(const Alarm&) = delete;
 
     void set(ano::TimePoint at);
-    /// Leaves it as it is when it is set to an earlier time.
+    /// Sets it, unless it is already set to an earlier time.
     void set_no_later(ano::TimePoint at) {
         if (!at_ || at < *at_) set(at);
     }
-    /// If it is set, it need not wait any longer: it rings as soon as the loop has done what it does now, which costs no wake-up.
+    /// If it is set, makes it due at once: it rings after the current handler of the loop, without an extra wake-up.
     void hurry();
     void cancel() noexcept { at_.reset(); }
     bool is_set() const noexcept { return at_.has_value(); }
-    /// Set to `time` or earlier.
+    /// Whether it is set to `time` or earlier.
     bool is_due(ano::TimePoint time) const noexcept { return at_ && *at_ <= time; }
 
 private:

@@ -1,4 +1,4 @@
-// The one place that includes Asio: <utility> comes first, which some headers of Boost 1.74 forget.
+// The only header that includes Asio. <utility> is first, because some headers of Boost 1.74 need it and do not include it.
 #pragma once
 #include <utility>
 

@@ -1,4 +1,4 @@
-// The names of Asio that headers need, without Asio.
+// Forward declarations of Asio for headers.
 #pragma once
 
 namespace boost::asio {

@@ -9,12 +9,12 @@
 
 namespace anogate {
 
-/// One thread takes batches; the thread that drops the last reference to one returns its memory. Neither thread waits for the other:
-/// memory that can't be returned at once is freed.
+/// One thread takes batches; the thread that releases the last reference to a batch returns its memory. Neither thread waits for
+/// the other: memory that can't be returned at once is freed.
 class BatchMemory {
 public:
     static constexpr std::size_t max_kept = 2 * 1024 * 1024;    // bytes
-    static constexpr std::size_t min_kept = 4096;               // of a batch: smaller ones are not worth keeping
+    static constexpr std::size_t min_kept = 4096;               // bytes of a batch; smaller ones are not kept
 
     /// `size` bytes of unspecified content; the capacity is at most twice that. Throws std::bad_alloc.
     std::shared_ptr<std::string> take(std::size_t size) {
@@ -23,7 +23,7 @@ public:
         batch->resize(size);
         return {batch.release(), [kept = kept_](std::string* used) { kept->give(std::unique_ptr<std::string>{used}); }};
     }
-    /// Frees the memory that is kept. Batches in use are freed, not kept, when they are released.
+    /// Frees the kept memory. Batches in use are freed, not kept, when they are released.
     void clear() { kept_ = std::make_shared<Kept>(); }
     std::size_t bytes_kept() const { return kept_->bytes(); }
 
@@ -32,7 +32,7 @@ private:
     public:
         Kept() { batches_.reserve(max_kept / min_kept); }
 
-        /// nullptr: there is none, the next one has a capacity above `max_capacity`, or another thread holds the lock.
+        /// nullptr: none is kept, the next one has a capacity above `max_capacity`, or another thread holds the lock.
         std::unique_ptr<std::string> take(std::size_t max_capacity) noexcept {
             const std::unique_lock lock{mutex_, std::try_to_lock};
             if (!lock || batches_.empty() || batches_.back()->capacity() > max_capacity) return nullptr;
@@ -46,7 +46,7 @@ private:
             const std::unique_lock lock{mutex_, std::try_to_lock};
             if (!lock || bytes_ + batch->capacity() > max_kept) return;
             bytes_ += batch->capacity();
-            batches_.push_back(std::move(batch));    // there is room for it
+            batches_.push_back(std::move(batch));    // does not allocate: the capacity suffices
         }
         std::size_t bytes() const {
             const std::lock_guard lock{mutex_};
@@ -56,7 +56,7 @@ private:
     private:
         mutable std::mutex mutex_;
         std::vector<std::unique_ptr<std::string>> batches_;
-        std::size_t bytes_ = 0;    // capacity of batches_
+        std::size_t bytes_ = 0;    // total capacity of batches_
     };
 
     std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();

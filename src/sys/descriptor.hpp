@@ -17,13 +17,13 @@ public:
     Descriptor& operator=(const Descriptor&) = delete;
     ~Descriptor();
 
-    /// Takes ownership of `fd`, which must be non-blocking. Waits for nothing yet.
+    /// Takes ownership of `fd`, which must be non-blocking. Makes no calls yet.
     void open(UniqueFd fd);
     bool is_open() const noexcept { return fd_ >= 0; }
     int fd() const noexcept { return fd_; }
 
-    /// Calls `call` each time there is something to read, until stop_reading() or close(). `call` need not read everything and must
-    /// not call read_with(). No effect while it is reading already.
+    /// Calls `call` each time there is data to read, until stop_reading() or close(). `call` need not read everything and must
+    /// not call read_with(). No effect while reading is already active.
     void read_with(std::function<void()> call);
     void stop_reading() noexcept { reading_ = false; }
 
@@ -37,7 +37,7 @@ private:
 
     struct Stream;
     std::unique_ptr<Stream> stream_;
-    std::function<void()> on_readable_;    // stays alive in close(), which it may call
+    std::function<void()> on_readable_;    // not destroyed by close(), which it may call
     std::function<void()> on_writable_;
     std::uint64_t generation_ = 0;    // counts open() and close(), to ignore callbacks of an earlier descriptor
     int fd_ = -1;

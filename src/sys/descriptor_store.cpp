@@ -42,17 +42,17 @@ std::vector<NamedDescriptor> take_descriptors() {
         if (::fcntl(first_passed + i, F_SETFD, FD_CLOEXEC) != 0) continue;
         const bool is_new = std::none_of(descriptors.begin(), descriptors.end(), [&](const auto& d) { return d.first == name; });
         descriptors.emplace_back(name, UniqueFd{first_passed + i});
-        if (is_new) remove_from_store(name);    // all of that name
+        if (is_new) remove_from_store(name);    // removes all of that name
     }
     return descriptors;
 }
 
-// FDPOLL=0: otherwise systemd closes a stored descriptor on an error, for example a UDP socket when nobody listens at the peer's port.
+// FDPOLL=0: otherwise systemd closes a stored descriptor on an error, for example a UDP socket whose peer refuses datagrams.
 bool store_descriptors(const std::string& name, std::span<const int> descriptors) {
     return notify_systemd("FDSTORE=1\nFDPOLL=0\nFDNAME=" + name, descriptors, Patience::some);
 }
 
-// systemd has processed everything when it closes the other end.
+// systemd closes the other end after it has processed everything.
 bool await_systemd() {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) return false;

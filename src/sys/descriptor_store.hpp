@@ -12,15 +12,15 @@ namespace anogate {
 
 using NamedDescriptor = std::pair<std::string, UniqueFd>;
 
-/// Takes out the descriptors that were passed to this process, and removes their variables from the environment. Call it once, before
-/// another thread runs. When LISTEN_PID is another process (our parent), its descriptors are left as they are, like sd_listen_fds(3)
-/// does: they stay open and unused while we run, and no program can inherit them, since we start none.
+/// Returns the descriptors that were passed to this process, and removes their variables from the environment. To be called once,
+/// before another thread runs. If LISTEN_PID is another process (our parent), its descriptors are not changed, as in
+/// sd_listen_fds(3): they stay open and unused while we run. No other program can inherit them, because we start none.
 std::vector<NamedDescriptor> take_descriptors();
 
-/// Stores copies of at most 253 descriptors under one name. False: systemd did not take them in time, or there is no systemd.
+/// Stores copies of at most 253 descriptors under one name. False: systemd did not accept them in time, or there is no systemd.
 bool store_descriptors(const std::string& name, std::span<const int> descriptors);
 
-/// Waits until systemd has processed everything that was sent to it. False: it did not in time.
+/// Waits until systemd has processed all messages sent to it. False: timed out.
 bool await_systemd();
 
 }    // namespace anogate

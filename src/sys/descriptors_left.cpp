@@ -15,7 +15,7 @@ std::size_t most_descriptors() noexcept {
 
 }    // namespace
 
-// A new one has the lowest free number.
+// A new descriptor gets the lowest free number.
 std::size_t descriptors_left() noexcept {
     const int next = ::dup(STDERR_FILENO);
     if (next < 0) return 0;

@@ -1,13 +1,14 @@
-// How many file descriptors this program may still open.
+// The number of file descriptors that this program may still open.
 #pragma once
 #include <cstddef>
 
 namespace anogate {
 
-/// At least so many; those of numbers below others that are open are not counted.
+/// A lower bound: free numbers below the highest open descriptors may not be counted.
 std::size_t descriptors_left() noexcept;
 
-/// So many are kept for links, whatever the clients of the control interface do; fewer where the program may have few at all.
+/// The number of descriptors reserved for links, independent of the clients of the control interface; fewer if the limit of the
+/// program is low.
 std::size_t descriptors_of_links() noexcept;
 
 }    // namespace anogate

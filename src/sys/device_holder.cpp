@@ -19,7 +19,7 @@ bool has_open(const fs::path& process, const fs::path& device) {
     return false;
 }
 
-// The kernel names the terminal of a master in its fdinfo: "tty-index: 5" is of /dev/pts/5.
+// The fdinfo of a master contains the number of its terminal: "tty-index: 5" means /dev/pts/5.
 bool has_master_of(const fs::path& process, const fs::path& device) {
     if (device.parent_path() != "/dev/pts") return false;
     std::error_code ec;
@@ -38,7 +38,7 @@ bool DeviceHolder::is_there() const {
     return fs::exists("/proc/" + std::to_string(pid), ec);
 }
 
-// Init holds the devices that a service has stored over its restart.
+// Init is skipped: it holds the devices that a service has stored for its restart.
 std::optional<DeviceHolder> device_holder(const std::string& device, OtherSide other_side) {
     constexpr int init = 1;
     std::error_code ec;

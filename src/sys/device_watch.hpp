@@ -1,4 +1,4 @@
-// Calls back when device nodes whose names begin with a prefix come, go, or change their permissions.
+// Calls back when device nodes whose names begin with a prefix are added, are removed, or change their permissions.
 #pragma once
 #include <sys/descriptor.hpp>
 
@@ -7,10 +7,10 @@
 
 namespace anogate {
 
-/// Watches /dev itself, not its subfolders. Without inotify it never calls.
+/// Watches /dev itself, not its subfolders. Makes no calls if inotify is not available.
 class DeviceWatch {
 public:
-    /// `call` is called from the loop, once for several changes; never after stop().
+    /// `call` is called from the loop, once for several changes at a time; never after stop().
     DeviceWatch(asio::io_context& io, std::string prefix, std::function<void()> call)
         : descriptor_{io}, prefix_{std::move(prefix)}, call_{std::move(call)} {}
 

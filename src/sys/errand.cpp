@@ -16,7 +16,7 @@
 
 namespace anogate {
 
-/// Shared with the thread, which may be left behind.
+/// Shared with the thread, which may outlive the Errand.
 struct Errand::Shared {
     std::function<void()> work;
     std::function<void(std::string)> done;    // used by the loop only
@@ -56,7 +56,7 @@ bool Errand::run(std::function<void()> work, std::function<void(std::string)> do
     return true;
 }
 
-// `done` may call run() again, which must not change the function that is being called.
+// Moves `done` before the call, because `done` may call run() again.
 void Errand::look() {
     if (!shared_->is_done.load(std::memory_order_acquire)) return;
     said_.close();

@@ -1,4 +1,4 @@
-// Runs work that may block (on a disk) in a thread of its own, and continues in the loop with its result.
+// Runs work that may block (on a disk) in a separate thread, and passes the result to the loop.
 #pragma once
 #include <ano/time.hpp>
 #include <sys/descriptor.hpp>
@@ -11,7 +11,7 @@
 
 namespace anogate {
 
-/// One piece of work at a time, each in a thread that ends with it. No mutex: the thread owns its data and hands it back at the end.
+/// One piece of work at a time, each in its own thread. No mutex: the thread owns its data and returns it at the end.
 class Errand {
 public:
     explicit Errand(asio::io_context& io);
@@ -19,14 +19,14 @@ public:
     Errand(const Errand&) = delete;
     Errand& operator=(const Errand&) = delete;
 
-    /// Calls `work` in the thread, where it must not touch data of others, and then `done` in the loop; `fault` is the message of the
-    /// exception that `work` threw, or empty. False: neither is called; why_not() says why.
+    /// Calls `work` in the thread, where it must not access other data, and then `done` in the loop; `fault` is the message of
+    /// the exception that `work` threw, or empty. False: neither is called; why_not() returns the reason.
     bool run(std::function<void()> work, std::function<void(std::string fault)> done);
-    /// After run() returned false, what was missing: "no thread is available".
+    /// The reason after run() returned false: "no thread is available".
     std::string_view why_not() const noexcept { return why_not_; }
     bool is_running() const noexcept { return shared_ != nullptr; }
     static constexpr ano::Duration patience_at_the_end = std::chrono::milliseconds{200};
-    /// `done` is not called any more. Waits briefly for the thread, until `by` at most; a thread that still hangs then is left behind.
+    /// `done` is not called any more. Waits briefly for the thread, at most until `by`; a thread that still hangs is detached.
     void stop() noexcept { stop(ano::Clock::now() + patience_at_the_end); }
     void stop(ano::TimePoint by) noexcept;
 
@@ -36,7 +36,7 @@ private:
 
     asio::io_context& io_;
     std::string_view why_not_;
-    Descriptor said_;    // an eventfd: the thread says that it is done
+    Descriptor said_;    // an eventfd: the thread has finished
     std::shared_ptr<Shared> shared_;
 };
 

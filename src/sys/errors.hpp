@@ -1,4 +1,4 @@
-// errno as words.
+// Texts for errno.
 #pragma once
 #include <cerrno>
 #include <string>

@@ -1,4 +1,4 @@
-// A value, or why there is none.
+// A value, or the reason why there is none.
 #pragma once
 #include <string>
 

@@ -16,7 +16,7 @@ namespace anogate {
 
 namespace {
 
-// The longest wait for room in the queue, until systemd has read from it.
+// The longest wait for room in the queue of systemd.
 constexpr timeval room_within{0, 200'000};
 
 bool send(std::string_view message, msghdr& header, int flags) noexcept {

@@ -1,4 +1,5 @@
-// Tells systemd the state of the program (the documented datagram protocol of $NOTIFY_SOCKET). Without systemd nothing happens.
+// Sends the state of the program to systemd (the documented datagram protocol of $NOTIFY_SOCKET). Without systemd, nothing is
+// sent.
 #pragma once
 #include <ano/time.hpp>
 
@@ -8,11 +9,11 @@
 
 namespace anogate {
 
-/// Sends one message such as "READY=1". False without systemd, or when the message could not be sent.
+/// Sends one message such as "READY=1". False: no systemd, or the message could not be sent.
 bool notify_systemd(std::string_view message) noexcept;
 /// `some`: waits up to 0.2 s for room in systemd's queue.
 enum class Patience { none, some };
-/// The same with at most 253 descriptors, of which systemd gets copies.
+/// The same with copies of at most 253 descriptors.
 bool notify_systemd(std::string_view message, std::span<const int> descriptors, Patience patience) noexcept;
 
 /// The interval for sending "WATCHDOG=1": half the time of the watchdog. std::nullopt: this process has no watchdog.

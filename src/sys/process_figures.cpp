@@ -25,7 +25,7 @@ std::optional<std::uint64_t> count_of_fds() {
     std::uint64_t count = 0;
     while (const dirent* entry = ::readdir(folder.get()))    // NOLINT(concurrency-mt-unsafe): the folder is ours
         if (entry->d_name[0] != '.') ++count;
-    return count - 1;    // the folder itself
+    return count - 1;    // without the descriptor of the folder itself
 }
 
 std::uint64_t max_fds() {
@@ -55,7 +55,7 @@ std::optional<ProcessTimes> parse_stat(std::string_view text) {
         text.remove_prefix(begin);
         const auto end = std::min(text.find(' '), text.size());
         std::from_chars(text.data(), text.data() + end,
-                        fields[number]);    // some fields are negative or letters, but none that is used here
+                        fields[number]);    // other fields may be negative or letters
         text.remove_prefix(end);
     }
     return ProcessTimes{fields[14] + fields[15], fields[22], fields[23], fields[24]};

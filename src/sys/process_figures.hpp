@@ -1,4 +1,4 @@
-// The resources that this process uses.
+// The resources used by this process.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,10 +14,10 @@ struct ProcessFigures {
     std::uint64_t max_fds = 0;
 };
 
-/// Reads them from /proc, which never blocks on a disk.
+/// Reads the figures from /proc, which never blocks on a disk.
 ProcessFigures this_process();
 
-/// From the text of /proc/PID/stat. std::nullopt: it has another form.
+/// Parses the text of /proc/PID/stat. std::nullopt: it has another form.
 struct ProcessTimes {
     std::uint64_t ticks = 0;            // of CPU time
     std::uint64_t started_ticks = 0;    // since the system started

@@ -26,7 +26,7 @@ std::optional<std::string> random_hex(std::size_t bytes) {
 std::optional<std::string> random_digits(std::size_t count) {
     std::uint32_t numbers = 1, drawn = 0;
     for (std::size_t i = 0; i < count; ++i) numbers *= 10;
-    const std::uint32_t even = UINT32_MAX - UINT32_MAX % numbers;    // above, the first numbers would be more likely
+    const std::uint32_t even = UINT32_MAX - UINT32_MAX % numbers;    // larger values would make the first numbers more likely
     do {
         if (!fill(&drawn, sizeof drawn)) return std::nullopt;
     } while (drawn >= even);

@@ -1,4 +1,4 @@
-// Secrets from the random numbers of the system.
+// Secrets from the system's random source.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -6,9 +6,9 @@
 
 namespace anogate {
 
-/// Two hex digits for each of so many bytes. std::nullopt: the system has none, see errno.
+/// `bytes` random bytes as hex, two digits each. std::nullopt: no random numbers are available, see errno.
 std::optional<std::string> random_hex(std::size_t bytes);
-/// So many decimal digits, each number of them as likely as any other; at most 9.
+/// `count` random decimal digits, at most 9; all numbers are equally likely.
 std::optional<std::string> random_digits(std::size_t count);
 
 }    // namespace anogate

@@ -24,9 +24,9 @@ void keep_pages_small() noexcept { ::prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0); }
 
 }    // namespace
 
-// The heap of the C library would not map each room separately, since its threshold for mmap is used only when the heap has to grow.
-// Otherwise a room is made from freed small pieces or from the free end of the heap, with pages that were touched before, and later
-// pieces behind it keep its memory in the heap.
+// The heap of the C library would not map each room separately, because it uses its threshold for mmap only when the heap has to
+// grow. Otherwise it would allocate a room from freed small pieces or from the free end of the heap, where pages were touched
+// before, and pieces allocated after it would keep its memory in the heap.
 void take_rooms_from_the_system() noexcept {
     static Mapped mapped;
     std::pmr::set_default_resource(&mapped);

@@ -4,7 +4,7 @@
 
 namespace anogate {
 
-/// After this call, each room is a memory mapping of its own, which is unmapped when the room is freed.
+/// After this call, each room is a separate memory mapping, which is unmapped when the room is freed.
 void take_rooms_from_the_system() noexcept;
 
 /// Whether the system could provide `size` more bytes now.

@@ -14,9 +14,9 @@ class ThreadQueue {
 public:
     explicit ThreadQueue(std::size_t places) : places_(places) {}
 
-    /// To be called by the pushing thread: once true, it stays true until its next push().
+    /// For the pushing thread: once true, it stays true until the next push().
     bool has_room() const noexcept { return pushed_ - popped_ < places_.size(); }
-    /// False: there is no room.
+    /// False: the queue is full.
     bool push(T item) {
         if (!has_room()) return false;
         places_[pushed_ % places_.size()] = std::move(item);

@@ -6,8 +6,8 @@
 
 namespace anogate {
 
-/// Begins a thread that blocks all signals from its first moment, so that the loop handles them, or they stay pending while it does not. That
-/// includes SIGTTOU, by which a terminal would stop a program that writes to it in the background. Throws as std::thread does.
+/// Begins a thread that blocks all signals from its start, so that the loop handles them, or they stay pending until it does.
+/// This includes SIGTTOU, with which a terminal would stop a background program that writes to it. Throws as std::thread does.
 template <class Run>
 std::thread begin_thread(Run run) {
     class Blocked {
@@ -24,7 +24,7 @@ std::thread begin_thread(Run run) {
     private:
         sigset_t before_{};
     };
-    const Blocked blocked;    // what the new thread inherits
+    const Blocked blocked;    // inherited by the new thread
     return std::thread{std::move(run)};
 }
 

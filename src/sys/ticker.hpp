@@ -7,7 +7,7 @@
 
 namespace anogate {
 
-/// Calls `call` once every interval. It keeps the loop alive from start() to stop().
+/// Calls `call` once per interval. Keeps the loop alive from start() to stop().
 class Ticker {
 public:
     Ticker(asio::io_context& io, std::function<void()> call) : timer_{io}, call_{std::move(call)} {}
@@ -18,8 +18,8 @@ public:
         stopped_ = false;
         wait();
     }
-    /// No call comes after it, not even one that is due already. (Asio can't cancel a timer that is due: its handler runs as if
-    /// nothing had happened.)
+    /// No calls are made afterwards, not even one that is already due. (Asio can't cancel a timer that is due: its handler runs
+    /// without an error.)
     void stop() {
         stopped_ = true;
         timer_.cancel();

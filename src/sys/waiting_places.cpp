@@ -11,9 +11,9 @@ namespace {
 using Stage = WaitingConnection::Stage;
 using All = std::span<const WaitingConnection>;
 
-constexpr std::size_t few = 4;    // connections of a party, which count as much as one
+constexpr std::size_t few = 4;    // up to this number of connections, all parties rank the same
 
-/// How many connections each party has.
+/// The number of connections of each party, at least `few`.
 class Parties {
 public:
     explicit Parties(All all) {

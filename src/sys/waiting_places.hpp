@@ -1,4 +1,4 @@
-// Connections that were accepted and have not shown yet who they are: whose turn is next, and which one gives way.
+// Accepted connections before authentication: selects the next one to process, and the one to drop if all places are taken.
 #pragma once
 #include <ano/time.hpp>
 
@@ -9,32 +9,34 @@
 
 namespace anogate {
 
-/// One connection that waits.
+/// One waiting connection.
 struct WaitingConnection {
     enum class Stage : std::uint8_t {
         silent,      // has sent nothing yet
-        begun,       // its next message is on the way
-        its_turn,    // has sent a message that costs work
-        at_work,     // that work is being done: it stays
+        begun,       // its next message is incomplete
+        its_turn,    // has sent a message that needs processing
+        at_work,     // is being processed: never dropped
     };
 
-    std::uint64_t party = 0;    // of one IPv4 address, or one /64 of IPv6
+    std::uint64_t party = 0;    // one IPv4 address, or one /64 of IPv6
     ano::TimePoint since{};
     Stage stage = Stage::silent;
-    bool goes_first = false;      // of a trusted address
-    bool has_answered = false;    // a message of ours, so its address is its own
+    bool goes_first = false;      // has a trusted address
+    bool has_answered = false;    // to a message of ours, so its address is not forged
 };
 
-/// So long one may be silent while others come.
+/// The longest silence while others connect.
 inline constexpr ano::Duration silent_while_others_come = std::chrono::seconds{3};
 
-/// All places are taken, and one more connects. It is never one that goes first, unless `for_first` and all do. The party with most
-/// connections has to give one: of its stages (silent, begun, its_turn) the one with most connections, of those the oldest. Up to four
-/// connections of a party count as four, so that a crowd of addresses with one each does not displace two of a household. std::nullopt: none.
+/// The connection to drop if all places are taken and one more connects. Never one that goes first, unless `for_first` is set and
+/// all go first. It belongs to the party with most connections; among the stages of that party (silent, begun, its_turn) to the
+/// one with most connections, and is the oldest of these. Up to four connections of a party count as four, so that many addresses
+/// with one connection each do not displace two connections of one household. std::nullopt: none.
 std::optional<std::size_t> gives_way(std::span<const WaitingConnection> all, bool for_first);
 
-/// Among those of `its_turn`: whoever goes first, then whoever has answered, then one of the party that has fewest connections, then the
-/// newest: when more come than can be worked at, the oldest give way, and work at them would be lost.
+/// The next connection to process, among those in `its_turn`: first those that go first, then those that have answered, then
+/// those of the party with fewest connections, then the newest. If more connect than can be processed, the oldest are dropped,
+/// and work on them would be lost.
 std::optional<std::size_t> next_turn(std::span<const WaitingConnection> all);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// An open folder in which something is created: moving it or replacing it by a link has no effect on us.
+// An open folder for creating files: moving the folder or replacing it by a link has no effect on us.
 #pragma once
 #include <sys/expected.hpp>
 #include <sys/unique_fd.hpp>
@@ -11,13 +11,13 @@ namespace anogate {
 /// Symbolic links in the path are followed only if root or our own user owns them.
 class HeldFolder {
 public:
-    HeldFolder() = default;    // no folder
+    HeldFolder() = default;    // has no folder
     static Expected<HeldFolder> of(const std::filesystem::path& path);
 
-    /// Gives up the descriptor. Afterwards no other function may be called.
+    /// Returns the descriptor. Afterwards no other function may be called.
     UniqueFd take() noexcept { return std::move(fd_); }
     int fd() const noexcept { return fd_.get(); }
-    /// Whether only root and our user can change what its path means.
+    /// Whether only root and our user can change where its path leads.
     bool is_fixed() const noexcept { return fixed_; }
     /// A path of the entry `name` in it that no other user can redirect.
     std::string at(const std::string& name) const { return "/proc/self/fd/" + std::to_string(fd_.get()) + "/" + name; }

@@ -34,7 +34,7 @@ std::string keep_file(const std::string& path, std::span<const std::uint8_t> byt
     fs::create_directories(fs::path{path}.parent_path(), ec);
     if (ec) return error_text(fs::path{path}.parent_path().string(), ec.value());
     const std::string unfinished = unfinished_of(path);
-    ::unlink(unfinished.c_str());    // it may be anything: opening a pipe would block
+    ::unlink(unfinished.c_str());    // not opened: it may be a pipe, which would block
     const UniqueFd file{::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600)};
     const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     if (file && write_all(file.get(), text) && std::rename(unfinished.c_str(), path.c_str()) == 0 && sync_folder(path)) return {};

@@ -8,13 +8,14 @@
 
 namespace anogate {
 
-/// Writes the file, and makes its folder. Returns empty, or the reason why not. An empty `path` means that there is no folder for it.
+/// Writes the file, and creates its folder. Returns empty, or the reason for the failure. An empty `path` means that there is no
+/// folder.
 std::string keep_file(const std::string& path, std::span<const std::uint8_t> bytes);
-/// The content, at most `max_bytes`; std::nullopt when the file does not exist, or, with a `fault` in words, when it can't be read. A pipe
-/// or a device at this path is not read: that might block for ever. For the start of the program: it removes what a keep_file() that was cut
-/// off has left.
+/// The content, at most `max_bytes`; std::nullopt: the file does not exist, or it can't be read; then `fault` is the reason. A
+/// pipe or a device at this path is not read, because that might block for ever. For the start of the program: also removes the
+/// remains of an interrupted keep_file().
 std::optional<std::string> read_kept_file(const std::string& path, std::size_t max_bytes, std::string& fault);
-/// Removes the file. Returns empty when it no longer exists, or the reason why not.
+/// Removes the file. Returns empty if it no longer exists, or the reason for the failure.
 std::string forget_file(const std::string& path);
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Folders that anogate makes when they are missing. Any other missing folder is a typing error, or its disk is not mounted yet.
+// Folders that anogate creates if they are missing. Any other missing folder is a typing error, or its disk is not mounted yet.
 #pragma once
 #include <sys/expected.hpp>
 
@@ -14,10 +14,10 @@ inline constexpr char runtime_folder[] = "/run/anogate";
 /// ($XDG_RUNTIME_DIR; empty: none) and anogate in it, or is below one of them.
 bool is_own_folder(const std::filesystem::path& folder, const std::string& runtime_dir);
 
-/// The folder of `path`; "." for a name alone.
+/// The folder of `path`; "." for a name without a folder.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
-/// Makes that folder if it is missing and is_own_folder(). An error if it does not exist afterwards.
+/// Creates that folder if it is missing and is_own_folder(). An error if it does not exist afterwards.
 Expected<void> make_folder_of(const std::filesystem::path& path);
 
 /// The error that make_folder_of() would return; changes nothing.

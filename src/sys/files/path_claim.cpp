@@ -18,14 +18,14 @@ namespace anogate {
 namespace {
 
 constexpr int folder_flags = O_PATH | O_DIRECTORY | O_CLOEXEC;
-constexpr int max_tries = 16;          // when others remove the lock file at that moment
+constexpr int max_tries = 16;          // if others remove the lock file at the same time
 constexpr int max_looked_at = 1000;    // lock files in one sweep()
 constexpr int lock_flags = O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
 constexpr char lock_prefix[] = ".lock-";
 
-// Only if no other user can create files there. Root decided who owns /run/anogate.
+// Opens the folder only if no other user can create files there. The owner of /run/anogate was chosen by root.
 UniqueFd open_trusted(const std::string& path, mode_t mode, uid_t owner) {
-    if (::mkdir(path.c_str(), mode) == 0) ::chmod(path.c_str(), mode);    // whatever the umask
+    if (::mkdir(path.c_str(), mode) == 0) ::chmod(path.c_str(), mode);    // independent of the umask
     UniqueFd folder{::open(path.c_str(), folder_flags | O_NOFOLLOW)};
     struct stat info {};
     if (!folder || ::fstat(folder.get(), &info) != 0 || (info.st_mode & 0002) != 0) return {};
@@ -54,7 +54,7 @@ bool is_at(const UniqueFd& folder, const char* name, const struct stat& file) {
     return ::fstatat(folder.get(), name, &there, AT_SYMLINK_NOFOLLOW) == 0 && is_same(file, there);
 }
 
-// Only the holder of its lock may remove a lock file. A process that opened it meanwhile then sees that the file is gone.
+// Only the holder of its lock may remove a lock file. A process that opened the file meanwhile detects that it was removed.
 void remove_stale(const UniqueFd& folder, const char* name) {
     const UniqueFd file{::openat(folder.get(), name, lock_flags)};
     struct stat info {};
@@ -78,8 +78,8 @@ void sweep(const UniqueFd& folder) {
 
 }    // namespace
 
-// The owner removes its file at the end, so a lock counts only if the file is still there. In a trusted folder the holder may be
-// another gateway's sweep(): try again.
+// The owner removes its file at the end, so a lock is valid only if the file still exists. In a trusted folder the holder may be
+// another gateway's sweep(), so locking is retried.
 PathClaim::Lock PathClaim::lock(bool trusted) {
     for (int i = 0; i < max_tries; ++i) {
         lock_ = UniqueFd{::openat(folder_.get(), name_.c_str(), lock_flags | O_CREAT, 0600)};

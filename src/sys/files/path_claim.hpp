@@ -1,4 +1,4 @@
-// A lock on a path, so that only one gateway creates a file there. The kernel releases it when the process ends in any way.
+// A lock on a path, so that only one gateway creates a file there. The kernel releases it when the process ends for any reason.
 #pragma once
 #include <sys/unique_fd.hpp>
 
@@ -9,9 +9,10 @@
 
 namespace anogate {
 
-/// The lock file is where no other user can create one: in /run/anogate for root and the service, in $XDG_RUNTIME_DIR/anogate for a
-/// user. Without either it is beside the path; if another user has put something there, the path is used without a lock, so that
-/// the other user can't block it. The folder is identified by its inode, because a path may be written in several ways.
+/// The lock file is in a folder where no other user can create one: in /run/anogate for root and the service, in
+/// $XDG_RUNTIME_DIR/anogate for a user. Without either it is next to the path; if another user has created a file there, the path
+/// is used without a lock, so that the other user can't block it. The folder is identified by its inode, because a path may be
+/// written in several ways.
 class PathClaim {
 public:
     PathClaim() = default;
@@ -21,7 +22,7 @@ public:
 
     struct Refusal {
         std::string why;
-        bool in_use = false;    // by another gateway, or another link of this one
+        bool in_use = false;    // by another gateway, or another link of this gateway
     };
     /// Does not block. The folder of `path` must exist. Taking the same path again keeps the lock.
     tl::expected<void, Refusal> take(const std::filesystem::path& path);

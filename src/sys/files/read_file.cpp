@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Opening a pipe would wait for somebody who writes, and reading a device may never end.
+// Opening a pipe would wait for a writer, and reading a device may never end.
 bool is_file(const std::string& path, std::error_code& error) {
     const fs::file_status is = fs::status(path, error);
     if (error || fs::is_regular_file(is)) return !error;
@@ -35,7 +35,7 @@ std::string read_file(const std::string& path, std::size_t max_bytes, std::error
         const ssize_t count = ::read(file.get(), piece.data(), piece.size());
         if (count == 0) return text;
         if (count < 0 && errno == EINTR) continue;
-        if (count < 0) {    // EAGAIN: /proc/kmsg and the like have no end
+        if (count < 0) {    // EAGAIN: /proc/kmsg and similar files have no end
             error = errno == EAGAIN ? make_error_code(std::errc::operation_not_supported)
                                     : std::error_code{errno, std::system_category()};
             return {};

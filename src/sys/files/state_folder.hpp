@@ -1,11 +1,11 @@
-// The folder for data that a program keeps until its next run.
+// The folder for data that a program stores for its next run.
 #pragma once
 #include <string>
 
 namespace anogate {
 
-/// The first of $STATE_DIRECTORY, which the unit gives (/var/lib/anogate); else $XDG_STATE_HOME/anogate, else
-/// ~/.local/state/anogate. Empty: there is none. It need not exist.
+/// The first folder in $STATE_DIRECTORY, which the unit sets (/var/lib/anogate); else $XDG_STATE_HOME/anogate, else
+/// ~/.local/state/anogate. Empty: none. It need not exist.
 std::string state_folder();
 
 }    // namespace anogate

@@ -33,7 +33,7 @@ Found find(const HeldFolder& folder, const std::string& name) {
 
 }    // namespace
 
-// symlink() never follows or replaces anything; a check beforehand could not guarantee that.
+// symlink() never follows or replaces an existing file; a check before the call could not guarantee that.
 Expected<void> link_to_terminal(const std::string& device, const fs::path& path) {
     const auto folder = HeldFolder::of(folder_of(path));
     if (!folder) return Unexpected{path.string() + ": " + folder.error()};

@@ -1,4 +1,4 @@
-// The path at which programs find our pseudo-terminal: a symbolic link. Files of other users are never replaced.
+// The path of our pseudo-terminal for other programs: a symbolic link. Files of other users are never replaced.
 #pragma once
 #include <sys/expected.hpp>
 
@@ -7,11 +7,11 @@
 
 namespace anogate {
 
-/// Makes the link; replaces only a link left by an earlier run of our own user. Anything else at the path stays, even if it appears at
-/// the last moment.
+/// Creates the symbolic link; replaces only one left by an earlier run of our own user. Any other file at the path is kept, even
+/// if it appears during the call.
 Expected<void> link_to_terminal(const std::string& device, const std::filesystem::path& path);
 
-/// Removes the link if it is still ours and leads to `device`.
+/// Removes the symbolic link if it is still ours and leads to `device`.
 void remove_link_to(const std::string& device, const std::filesystem::path& path);
 
 }    // namespace anogate

@@ -8,7 +8,7 @@
 
 namespace anogate {
 
-/// Writes all of `text` and syncs the file to its disk. False: errno says why; a disk that takes only a part is full (ENOSPC).
+/// Writes all of `text` and syncs the file to its disk. False: see errno; ENOSPC also if only a part could be written.
 inline bool write_all(int fd, std::string_view text) noexcept {
     while (!text.empty()) {
         const ssize_t n = ::write(fd, text.data(), text.size());
