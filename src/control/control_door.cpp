@@ -21,14 +21,14 @@ namespace anogate {
 namespace {
 
 constexpr Duration retry = std::chrono::milliseconds{500};
-constexpr std::size_t request_memory = 384 * 1024;    // bytes for a request with its response: no request is begun without them
+constexpr std::size_t request_memory = 384 * 1024;    // bytes for a request and its response; without them no request is accepted
 
 std::string host_name() {
     char name[HOST_NAME_MAX + 1] = {};
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-/// The absolute path, for programs that run in another folder.
+/// The absolute path, for programs in other working folders.
 std::string whole_path(const std::string& path) {
     std::error_code ec;
     const std::filesystem::path whole = std::filesystem::absolute(path, ec);
@@ -107,9 +107,9 @@ bool ControlDoor::open_local() {
     return true;
 }
 
-/// What is in the files of the TCP access.
+/// The content of the files for TCP access.
 struct ControlDoor::Files {
-    std::string fault{};    // empty: they are whole
+    std::string fault{};    // empty: none
     std::string token_file{}, token_file_id{};
     std::vector<http::Token> tokens{};
     std::shared_ptr<http::Tls> tls{};
@@ -159,7 +159,7 @@ void ControlDoor::renew(const std::function<void(std::string fault)>& done) {
     if (!goes) done("tokens and certificate were not reloaded: no thread is available");
 }
 
-// Without tokens or certificate it stays closed: access without protection would be worse than no access.
+// Without tokens or certificate, TCP stays closed: access without protection would be worse than no access.
 bool ControlDoor::shut(std::string why) {
     log_error("control.http stays off: {}", why);
     awaits_network_ = false;
@@ -180,8 +180,8 @@ void ControlDoor::name_network() {
     network_door_.hosts = settings_.hosts;
 }
 
-// One-time codes end with the tokens for which they were made. The name of the cookie stays while the program runs: a browser whose token
-// is still there stays signed in.
+// One-time codes become invalid with the tokens for which they were made. The name of the cookie stays the same while the program
+// runs: a browser whose token is still valid stays signed in.
 bool ControlDoor::use(Files files) {
     codes_ = {};
     if (!files.fault.empty()) return shut(std::move(files.fault));
@@ -211,7 +211,7 @@ void ControlDoor::try_again() {
     if (!awaits_local_ && !awaits_network_) again_.stop();
 }
 
-// The program that has the socket may end; then this one takes its place.
+// Retries, because the program that uses the socket may stop.
 void ControlDoor::try_local() {
     const http::Server::Outcome outcome = server_.start(socket_);
     if (!outcome.error.empty()) return;

@@ -1,4 +1,4 @@
-// The listening sockets of the control interface: its Unix socket, and TCP when that is configured.
+// The listening sockets of the control interface: its Unix socket, and TCP if configured.
 #pragma once
 #include <control/sign_in_codes.hpp>
 #include <gateway/settings.hpp>
@@ -14,28 +14,29 @@
 
 namespace anogate {
 
-/// Whether a TCP client at `address` needs a token. Not when an ordinary `user` started the gateway and only this machine can connect.
+/// Whether TCP clients need a token if the gateway listens on `address`. No token is needed if an ordinary `user` started the
+/// gateway and only this machine can connect.
 bool network_needs_token(const std::string& address, uid_t user);
 
-/// Tries again when a path or port is in use by another program, or an address is not available yet.
+/// Retries while a path or port is in use by another program, or an address is not available yet.
 class ControlDoor {
 public:
     ControlDoor(asio::io_context& io, ControlSettings settings);
 
     http::Routes& routes() noexcept { return server_.routes(); }
     void add_login_routes();
-    /// Reads tokens and certificate. False: the Unix socket can't be made at the configured path; the reason was logged. Faults of TCP are
-    /// logged only, and TCP stays closed.
+    /// Reads tokens and certificate. False: the Unix socket can't be created at the configured path; the reason was logged.
+    /// Faults of TCP are only logged, and TCP stays closed.
     bool open();
-    /// Accepts no more requests. Answers that are being sent are completed, for at most `patience`; those that are not made yet are waited
-    /// for until no_more_answers().
+    /// Accepts no more requests. Completes responses that are being sent, for at most `patience`; waits for responses that are
+    /// not ready yet until no_more_answers().
     void finish(Duration patience);
     void no_more_answers() { server_.no_more_answers(); }
     /// Closes everything at once.
     void close();
 
-    /// Reads tokens and certificate again, in a thread, and goes on with them. With a fault in them TCP is closed, as at the start, until they
-    /// are read again; `done` gets the fault, or empty.
+    /// Reads tokens and certificate again, in a thread, and uses them from then on. If they have a fault, TCP is closed, as at
+    /// the start, until they are read again; `done` receives the fault, or empty.
     void renew(const std::function<void(std::string fault)>& done);
 
     /// The present state of the TCP access.
@@ -61,7 +62,7 @@ private:
     void try_network();
 
     const ControlSettings
-        settings_;    // as of the start: later changes, but of the files' content, take effect at the next start
+        settings_;    // as of the start; only changes in the content of the files take effect before the next start
     http::Server server_;
     Ticker again_;
     Errand errand_;

@@ -44,7 +44,7 @@ http::Response faulty(const std::vector<ano::JsonFault>& faults) {
     return response;
 }
 
-// The list of layouts, or an object that has it: a configuration, or the answer of GET.
+// `body` is the list of layouts, or an object that contains it: a configuration, or the response of GET.
 std::variant<Specs, http::Response> layouts_in(const std::string& body) {
     const auto parsed = ano::json_body(body);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return http::error(400, *wrong);
@@ -134,7 +134,7 @@ void FlexibleControl::keep(Say say) {
     if (!errand_.is_running()) write();
 }
 
-// Requests that come meanwhile are answered after the next write.
+// Requests received during a write are answered after the next one.
 void FlexibleControl::write() {
     const std::string text = gateway_.has_flexible_of_its_own()
                                  ? KeptFlexible{gateway_.own_flexible(), gateway_.settings().flexible}.text()

@@ -1,5 +1,5 @@
-// The layouts of flexible messages that clients set while the gateway runs. They take precedence over the configuration file until its
-// layouts are changed, also after a restart.
+// The layouts of flexible messages that clients set while the gateway runs. They take precedence over the configuration file,
+// also after a restart, until the layouts in the file change.
 #pragma once
 #include <ano/flexible.hpp>
 #include <http/response.hpp>
@@ -17,7 +17,7 @@ namespace anogate {
 
 class Gateway;
 
-/// Layouts, and those of the configuration file when they were set.
+/// The set layouts, and those of the configuration file at that time.
 struct KeptFlexible {
     std::vector<ano::FlexibleSpec> flexible, of_file;
 
@@ -29,22 +29,22 @@ struct KeptFlexible {
 
 /// flexible.json in $STATE_DIRECTORY of the unit; else one for each configuration file, as kept_parameters_path().
 std::string kept_flexible_path(const std::string& config_file);
-/// Reads a disk, and may block. A file that can't be read is logged, and ignored.
+/// Reads the disk and may block. A file that can't be read is logged and ignored.
 std::optional<KeptFlexible> kept_flexible(const std::string& path);
 
 class FlexibleControl {
 public:
-    /// `path`: kept_flexible_path(), the file with `kept`. The gateway outlives this object.
+    /// `path`: kept_flexible_path(), the file with `kept`. The gateway must outlive this object.
     FlexibleControl(Gateway& gateway, std::string path, std::optional<KeptFlexible> kept);
     ~FlexibleControl() { stop(); }
     FlexibleControl(const FlexibleControl&) = delete;
     FlexibleControl& operator=(const FlexibleControl&) = delete;
 
-    /// `call` is called before layouts are replaced: what decodes the frames that passed until now must have them.
+    /// `call` is called before layouts are replaced: earlier frames must be decoded with the old ones.
     void before_change(std::function<void()> call) { before_change_ = std::move(call); }
     /// Adds GET and PUT /flexible.
     void add_routes(http::Routes& routes);
-    /// Answers no more.
+    /// Answers no more requests.
     void stop();
 
 private:
@@ -57,7 +57,7 @@ private:
     std::string path_;
     std::function<void()> before_change_ = [] {};
     Errand errand_;
-    std::vector<Say> waiting_;    // until the file has the layouts of now
+    std::vector<Say> waiting_;    // requests to answer once the file contains the current layouts
 };
 
 }    // namespace anogate

@@ -23,7 +23,7 @@ std::string client(const http::Door& door) { return door.peer.empty() ? "a clien
 
 http::Response login_by_code(http::Admission& admission, SignInCodes& codes, const std::string& code, const http::Door& door,
                              ano::TimePoint now) {
-    // An address that is slowed down must neither void digits nor go on guessing.
+    // A client that is slowed down must neither void the digits nor continue guessing.
     if (const auto slowed = admission.slowed_for(door, now); slowed > ano::Duration{} && SignInCodes::is_digits(code))
         return admission.refuse_wrong(door, http::slow_down(slowed), now);
     const SignInCodes::Use use = codes.use(code, now);
@@ -43,7 +43,7 @@ http::Response login_by_code(http::Admission& admission, SignInCodes& codes, con
     return admission.refuse_wrong(door, std::move(wrong), now);
 }
 
-/// The value of `key`, which is one of two words; the first when it is missing. nullptr: it is something else.
+/// The value of `key`, which must be one of two words; the first if it is missing. nullptr: another value.
 const char* word_of(const Json& body, const char* key, const char* first, const char* second) {
     if (!body.contains(key) || body[key] == first) return first;
     return body[key] == second ? second : nullptr;
@@ -52,7 +52,7 @@ const char* word_of(const Json& body, const char* key, const char* first, const 
 }    // namespace
 
 http::Response login(http::Admission& admission, SignInCodes& codes, const http::Request& request, ano::TimePoint now) {
-    constexpr std::size_t longest = 4096;    // a token or a code, from anybody
+    constexpr std::size_t longest = 4096;    // bytes of a token or a code
     if (request.body.size() > longest) return http::error(413, "the body is longer than 4096 bytes");
     const auto parsed = ano::json_body(request.body);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return http::error(400, *wrong);

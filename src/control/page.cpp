@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view front_page = "index.html";
-constexpr std::uintmax_t max_bytes = 1024 * 1024;    // of all files together
+constexpr std::uintmax_t max_bytes = 1024 * 1024;    // for all files together
 
 struct FileType {
     std::string_view ending, type;

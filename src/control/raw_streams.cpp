@@ -18,7 +18,7 @@ namespace {
 using Kind = http::WebSocket::Kind;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint16_t going_away = 1001, policy_violation = 1008;    // why a WebSocket is closed (RFC 6455)
+constexpr std::uint16_t going_away = 1001, policy_violation = 1008;    // close codes of WebSocket (RFC 6455)
 
 std::string message_of(char direction, std::span<const std::uint8_t> bytes) {
     const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -70,7 +70,7 @@ public:
               {"exclusive", exclusive_},
               {"may_send", may_send_}});
     }
-    /// The link is removed, or made anew with other settings.
+    /// The link was removed, or recreated with other settings.
     void detach() {
         port_ = nullptr;
         socket_->close(going_away, "the link was removed or changed");
@@ -140,7 +140,7 @@ std::string RawStreams::join(RawSocket& socket) {
         RawPort* const port = state.link->name() == socket.link() ? state.link->raw_port() : nullptr;
         if (!port) continue;
         if (socket.is_exclusive() && is_exclusive(socket.link())) return "another client has exclusive use of the link";
-        if (tapped_.empty()) gateway_.add_observer(*this, {false, false, false});    // told when the link is removed
+        if (tapped_.empty()) gateway_.add_observer(*this, {false, false, false});    // for the notice that the link is removed
         auto& tapped = tapped_[state.link->id()];
         if (!tapped) tapped = std::make_unique<TappedLink>(*port);
         tapped->sockets.push_back(&socket);

@@ -1,9 +1,9 @@
-// The raw bytes of links for people: GET /links/{link}/raw, a WebSocket.
+// The raw bytes of links, for tools that show or write them: GET /links/{link}/raw, a WebSocket.
 //
 // To the client: a text {"link", "kind", "encoding", "exclusive", "may_send"} first, then a binary message for each read or write:
 // '<' (received) or '>' (sent), the time in ns since 1970 (8 bytes, little endian), the bytes. {"lost": {"received": N, "sent": N}}
-// tells how many bytes were left out before the next ones, {"error": "..."} why something was not sent.
-// From the client: binary messages, whose bytes are sent as they are.
+// is the number of bytes left out before the next ones, {"error": "..."} the reason why bytes were not sent.
+// From the client: binary messages, whose bytes are sent unchanged.
 #pragma once
 #include <gateway/forwarder.hpp>
 #include <http/response.hpp>
@@ -18,9 +18,9 @@ class RawSocket;
 
 class RawStreams final : private Forwarder::Observer {
 public:
-    static constexpr std::size_t max_waiting = 256 * 1024;    // bytes for each client; what does not fit is counted, and told
+    static constexpr std::size_t max_waiting = 256 * 1024;    // bytes per client; the rest is dropped, counted and reported
 
-    /// `gateway` outlives it.
+    /// `gateway` must outlive it.
     explicit RawStreams(Gateway& gateway);
     ~RawStreams();
     RawStreams(const RawStreams&) = delete;
@@ -32,7 +32,7 @@ private:
     friend class RawSocket;
     class TappedLink;
 
-    /// Empty, or why not: the link is gone, or another client has it for itself.
+    /// Empty, or the reason for the failure: the link was removed, or another client uses it exclusively.
     std::string join(RawSocket& socket);
     void leave(RawSocket& socket);
     void set_exclusive(LinkId link, bool exclusive);

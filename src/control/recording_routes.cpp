@@ -45,7 +45,7 @@ Fault is_no_format(std::string_view word) {
 
 Fault is_no_encoding(std::string_view word) { return "message_encoding " + ano::in_quotes(word) + " is neither cdr nor json"; }
 
-/// The value of a filter: a text, a number, or a list of them.
+/// The value of a filter, from a text, a number, or a list of them.
 std::optional<std::string> words_of(const Json& value) {
     if (value.is_string()) return value.get<std::string>();
     if (value.is_number_unsigned()) return value.dump();
@@ -73,7 +73,7 @@ public:
                                               "id",   "link",   "direction"};
         return "unknown word " + ano::in_quotes(name) + ano::did_you_mean(name, names);
     }
-    /// To be called when everything was read. `links`: the names of all links.
+    /// To be called when all members are read. `links`: the names of all links.
     Fault finish(std::span<const std::string_view> links) {
         if (wanted.is_last && (has_time_ || !fields_.empty()))
             return "keep_last is saved as it is: filters and seconds are not allowed";
@@ -84,7 +84,7 @@ public:
             wanted.form.format = *end;
             std::string& name = wanted.recording.name;
             name.resize(name.size() - text(*end).size() - 1);
-            if (name.empty()) name = ".";    // nothing was left of the name: refused by the check of names
+            if (name.empty()) name = ".";    // no name is left: the check of names refuses "."
         }
         if (!has_direction_) fields_.push_back({"direction", "in"});
         auto parsed = parse_frame_query(fields_, links);
@@ -156,7 +156,7 @@ std::variant<WantedRecording, Fault> read_body(const Request& request, const Gat
     if (!body.is_object()) return Fault{"the body must be a JSON object such as {\"name\": \"flight\"}"};
     for (const auto& [name, value] : body.items())
         if (Fault fault = reader.read(name, value); !fault.empty()) return fault;
-    std::vector<std::string_view> links{"control"};    // it may be made later
+    std::vector<std::string_view> links{"control"};    // it may be created later
     for (const LinkState& state : gateway.links()) links.push_back(state.link->name());
     if (Fault fault = reader.finish(links); !fault.empty()) return fault;
     return std::move(reader.wanted);

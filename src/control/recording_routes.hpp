@@ -2,9 +2,9 @@
 //
 // GET /recordings answers
 //   {"folder": "/var/lib/anogate/recordings",
-//    "free_bytes": 12000000000,            null: it is not known
+//    "free_bytes": 12000000000,            null: unknown
 //    "free_needed": 505242880,             while fewer are free, nothing is written
-//    "error": "",                          why the folder can't be looked at
+//    "error": "",                          why the folder can't be read
 //    "others": 0,                          files in it that the gateway did not write
 //    "keep_last": null,                    or {"seconds": 60, "held_s": 59.9, "frames": 1200, "bytes": 48000, "saved": 2,
 //                                          "skipped": 0, "last": "20261123-154735Z-fault.pcapng", "error": ""}
@@ -13,16 +13,16 @@
 //                 "error": "", "since": 1763898044.1, "seconds": 12.3, "ends_in_s": null}],
 //    "recordings": [{"name": "flight.pcapng", "format": "pcapng", "bytes": 4567, "frames": 123, "seconds": 5.9,
 //                    "begun": 1763898044.1, "time": 1763898050, "state": "ended"}]}
-// Of one that runs frames, bytes and seconds are those of all its files; file_frames, file_bytes and file_seconds of the one that is
-// written now, which `file` names. by: "configuration" or "request"; state: "recording", "ended" or "unfinished". Of a file, frames and
-// seconds, from its first frame to its last, are null where it does not tell them; begun and time, that of its last change, are Unix
-// seconds. The newest recording is the first.
+// In "running", frames, bytes and seconds are totals of all files of the recording; file_frames, file_bytes and file_seconds are
+// those of the current file, `file`. by: "configuration" or "request"; state: "recording", "ended" or "unfinished". In
+// "recordings", frames and seconds (from the first frame to the last) are null if the file does not contain them; begun and time
+// (of the last change) are Unix seconds. The newest recording is first.
 //
-// POST /recordings takes {"name": "flight", "format": "mcap", "message_encoding": "cdr", "direction": "in,out", "id": "euler", "from": …,
-// "to": …, "link": …, "limit": {"euler": 10}, "seconds": 60}, all of them optional, and answers with the entry of "running"; with
-// {"last": true, "name", "format", "message_encoding"} it saves what keep_last holds and answers {"name": "….pcapng", "bytes", "frames"}.
-// message_encoding is of MCAP alone. POST /recordings/flight/end answers with the entry of "running" as it ended. GET
-// /recordings/last?format=mcap&message_encoding=json is what keep_last holds, as a file.
+// POST /recordings takes {"name": "flight", "format": "mcap", "message_encoding": "cdr", "direction": "in,out", "id": "euler",
+// "from": …, "to": …, "link": …, "limit": {"euler": 10}, "seconds": 60}, all of them optional, and returns the entry of
+// "running"; with {"last": true, "name", "format", "message_encoding"} it saves the content of keep_last and returns {"name":
+// "….pcapng", "bytes", "frames"}. message_encoding is only for MCAP. POST /recordings/flight/end returns the last entry of
+// "running". GET /recordings/last?format=mcap&message_encoding=json returns the content of keep_last as a file.
 #pragma once
 
 namespace anogate {
@@ -32,7 +32,7 @@ class Routes;
 }
 class Recordings;
 
-/// `recordings` outlives the routes.
+/// `recordings` must outlive the routes.
 void add_recording_routes(http::Routes& routes, Recordings& recordings);
 
 }    // namespace anogate

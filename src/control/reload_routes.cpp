@@ -50,7 +50,7 @@ http::Response answer_of(const ReloadOutcome& outcome) {
     return json_response(200, json);
 }
 
-// Unknown words are refused: a client that misspelled confirm_within must not get a reload without confirmation.
+// Unknown keys are refused: a client that misspells confirm_within must not get a reload without confirmation.
 std::variant<ReloadRequest, std::string> read_request(const http::Request& request) {
     constexpr std::string_view names[] = {"dry_run", "confirm_within"};
     ReloadRequest reload;

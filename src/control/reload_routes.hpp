@@ -8,7 +8,7 @@ namespace http {
 class Routes;
 }
 
-/// `reload` outlives the routes.
+/// `reload` must outlive the routes.
 void add_reload_routes(http::Routes& routes, Reload& reload);
 
 }    // namespace anogate

@@ -65,8 +65,8 @@ struct Streams {
     RawStreams raw;
 };
 
-// A browser gets the page without a token, since the page asks for it; the list of routes needs a token. Foxglove clients use only this
-// path.
+// A browser gets the page without a token, because the page prompts for it; the list of routes needs a token. Foxglove clients
+// use only this path.
 http::Response front(const http::Routes& routes, const Page& page, Streams& streams, const Request& request) {
     if (is_foxglove(request) && !request.is_foreign)
         return request.access == Access::open ? http::needs_token("Foxglove needs a token: ws://HOST:PORT/?token=TOKEN")
@@ -84,7 +84,7 @@ void add_page(http::Routes& routes, Page page, const std::shared_ptr<Streams>& s
                 [kept](const Request& request) { return kept->file(request.parameter("file"), request); }});
 }
 
-// Opened for each request, since the file may be replaced at any time. It may be a symbolic link.
+// Opens the file for each request, because it may be replaced at any time. It may be a symbolic link.
 std::variant<UniqueFd, http::Response> open_map(const std::string& path) {
     const std::string where = "control.map: " + path;
     UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
@@ -121,7 +121,7 @@ http::Response forget_route(const std::string& word, Gateway& gateway, DeviceSer
     return json(line_of({{"address", ano::hex_byte(address)}, {"forgotten", true}}));
 }
 
-// A request that waited during a standstill of the loop is refused.
+// Refuses a request that waited during a standstill of the loop.
 template <class Function>
 http::Routes::Function in_time(Gateway& gateway, Function function) {
     return [&gateway, function](const http::Request& request) {

@@ -25,7 +25,7 @@ namespace {
 using nlohmann::ordered_json;
 using FrameBytes = std::vector<std::uint8_t>;
 
-// A string: what is wrong.
+// A string: the error.
 std::variant<FrameBytes, std::string> frame_in_hex(const ordered_json& json) {
     if (json.size() > 1) return "'hex' is a complete frame: use no other keys with it";
     if (!json["hex"].is_string()) return "'hex' must be text";
@@ -55,7 +55,7 @@ const auto& row_of(const Rows& rows, Cause cause) {
     return *std::find_if(std::begin(rows), std::end(rows), [cause](const auto& row) { return row.value == cause; });
 }
 
-// Observes what becomes of the sent frame, for each copy in the form that its receiver gets.
+// Observes the result for each copy of the sent frame, in the form in which it is sent.
 class Fate final : public Forwarder::Observer {
 public:
     struct Copy {
@@ -65,10 +65,10 @@ public:
         bool has_left = false;
         std::string_view cause{};    // why it was dropped
         std::string_view why{};
-        std::uint8_t unknown_device = 0;    // a frame that acts on it was not sent, as it is not known where it is; 0: not so
+        std::uint8_t unknown_device = 0;    // the frame was not sent, because its device is unknown; 0: no
     };
 
-    /// All copies are queued; later events are about these.
+    /// All copies are queued; later events refer to them.
     void is_queued() noexcept { queued_ = true; }
     const std::vector<Copy>& copies() const noexcept { return copies_; }
 

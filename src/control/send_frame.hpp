@@ -1,4 +1,4 @@
-// POST /send: sends one frame, and reports what became of it.
+// POST /send: sends one frame, and reports the result.
 #pragma once
 #include <http/request.hpp>
 #include <http/response.hpp>

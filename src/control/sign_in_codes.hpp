@@ -1,4 +1,4 @@
-// One-time codes: a browser signs in with one instead of a token.
+// One-time codes for signing in without a token.
 #pragma once
 #include <ano/time.hpp>
 #include <http/doors/door.hpp>
@@ -12,9 +12,9 @@
 
 namespace anogate {
 
-/// Of each form at most one code is valid: for five minutes, for one use, and until another one is made. Three wrong tries void the digits,
-/// whichever clients they came from; login() tries none from a client that is slowed down. Wrong codes of links void nothing: these are
-/// too long to be guessed.
+/// At most one code of each form is valid: for five minutes, for one use, and until another one is made. Three wrong tries void
+/// the digits, from whatever clients; login() does not try the code of a client that is slowed down. Wrong codes of links void
+/// nothing, because these are too long to be guessed.
 class SignInCodes {
 public:
     enum class Form : std::uint8_t {
@@ -23,15 +23,15 @@ public:
     };
     enum class State : std::uint8_t { none, valid, used, expired, voided };
 
-    /// Whether a text is six digits. A token is never so short.
+    /// Whether a text is six digits. Tokens are longer.
     static bool is_digits(std::string_view code);
 
-    /// std::nullopt: the system has no random numbers.
+    /// std::nullopt: no random numbers are available.
     std::optional<std::string> make(Form form, http::Access access, ano::TimePoint now);
 
     struct Use {
-        std::optional<http::Access> access{};    // what the code allows; empty: it is not valid
-        bool voids = false;                      // this wrong one was the third
+        std::optional<http::Access> access{};    // the rights of the code; empty: it is not valid
+        bool voids = false;                      // this was the third wrong try
     };
     Use use(std::string_view code, ano::TimePoint now);
 

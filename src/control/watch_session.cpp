@@ -18,12 +18,12 @@ namespace {
 
 constexpr std::size_t part_size = 16 * 1024;    // bytes of JSON made between two turns of the loop
 
-// Makes lines of JSON for a watcher only when it reads them, so that unread frames cost nothing.
+// Creates lines of JSON only when the watcher reads them, so that unread frames cost no time.
 class JsonLines {
 public:
     explicit JsonLines(WatchQueue& queue) : queue_{queue} {}
 
-    /// The next line; empty: none waits.
+    /// The next line; empty: none is waiting.
     std::string next() {
         while (true) {
             if (const auto record = take_record(rest_)) return line_of(*record);
@@ -51,7 +51,7 @@ private:
     std::string_view rest_;    // the unread part of the batch
 };
 
-// A watcher by WebSocket. It is given more when it has read everything before.
+// A watcher by WebSocket. It gets the next item when it has read everything before.
 class WatchSocket : public http::WebSocketUser, protected Watcher {
 public:
     WatchSocket(FrameWatch& watch, FrameFilterSettings settings) : watch_{watch}, settings_{std::move(settings)} {}
@@ -66,7 +66,7 @@ public:
     void sent_all() override { give(); }
 
 protected:
-    /// Sends the next item. False: none waits.
+    /// Sends the next item. False: none is waiting.
     virtual bool give_next(http::WebSocket& socket) = 0;
 
 private:
@@ -110,7 +110,7 @@ private:
     JsonLines lines_;
 };
 
-// A watcher by an endless response of lines.
+// A watcher by an endless response with lines.
 class WatchLines final : public http::Producer, private Watcher {
 public:
     WatchLines(FrameWatch& watch, FrameFilterSettings settings) : watch_{watch}, settings_{std::move(settings)}, lines_{queue} {}
@@ -144,7 +144,7 @@ private:
 FrameStreams::FrameStreams(const Gateway& gateway, FrameWatch& watch) : gateway_{gateway}, watch_{watch} {}
 
 http::Response FrameStreams::answer(const http::Request& request) {
-    std::vector<std::string_view> links{"control"};    // it may be made later
+    std::vector<std::string_view> links{"control"};    // it may be created later
     for (const LinkState& state : gateway_.links()) links.push_back(state.link->name());
     auto parsed = parse_frame_query(request.query, links);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return http::error(400, *wrong);

@@ -1,4 +1,4 @@
-// The streams of frames to watchers, by WebSocket or as an endless response of lines.
+// Streams of frames to watchers, by WebSocket or as an endless response with lines.
 #pragma once
 #include <http/response.hpp>
 #include <watch/frame_watch.hpp>
@@ -9,7 +9,7 @@ namespace anogate {
 
 class Gateway;
 
-/// Answers GET /frames. Must live as long as the loop of the gateway runs.
+/// Answers GET /frames. Must exist as long as the loop of the gateway runs.
 class FrameStreams {
 public:
     explicit FrameStreams(const Gateway& gateway, FrameWatch& watch);
