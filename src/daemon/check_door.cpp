@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The service starts in /.
+/// The absolute path for the service, whose working folder is /.
 std::string seen_by(bool service, const std::string& path) { return service ? (fs::path{"/"} / path).string() : path; }
 
 bool is_hidden(const std::string& path) { return ::access(path.c_str(), R_OK) != 0 && errno == EACCES; }

@@ -24,14 +24,14 @@ namespace {
 
 constexpr char ad_hoc[] = "anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333";
 
-/// The content of the command line, not checked yet.
+/// The content of the command line, before validation.
 struct Arguments {
     std::vector<std::string> configs, links, routes;
-    std::vector<std::pair<const KeyFacts*, std::string>> values;    // of the options that set a key
+    std::vector<std::pair<const KeyFacts*, std::string>> values;    // from options that set a key
     bool check = false, print_config = false;
 };
 
-/// Adds the options of all keys that have one; their values go into `arguments.values`.
+/// Adds the options of all keys that have one; their values are stored in `arguments.values`.
 template <class Section>
 void add_options(CLI::App& app, Keys<Section> keys, Arguments& arguments) {
     for (const Key<Section>& key : keys) {
@@ -105,7 +105,7 @@ ConfigErrors missing_values(const Arguments& arguments) {
 
 Exit failure(const ConfigErrors& errors) { return {exit_config, lines(errors), errors}; }
 
-/// std::nullopt: the program is to run.
+/// std::nullopt: the program runs.
 std::optional<Exit> parse(CLI::App& app, int argc, const char* const* argv, const std::string& default_file) {
     try {
         app.parse(argc, argv);
@@ -174,7 +174,7 @@ void read_links(const std::vector<std::string>& links, Draft& draft) {
     }
 }
 
-/// A configured path of the control socket must be possible, since its users connect there.
+/// A configured path of the control socket must be usable, because clients connect to it.
 void check_control(Draft& draft) {
     const std::string& socket = draft.settings.control.socket;
     if (socket.empty() || socket == "none") return;

@@ -4,11 +4,11 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t max_addresses = 4;    // a machine with containers has dozens
+constexpr std::size_t max_addresses = 4;    // more than four are not shown: a machine with containers has dozens
 
 std::string count(std::uint64_t n, const std::string& one) { return std::to_string(n) + " " + one + (n == 1 ? "" : "s"); }
 
-/// Our addresses under which others reach a socket that is bound to `bound`.
+/// Our addresses at which others can reach a socket that is bound to `bound`.
 std::vector<Endpoint> reachable(const EndpointSpec& bound, const std::vector<Network>& own) {
     std::vector<Endpoint> all;
     for (const bool v6 : {false, true})

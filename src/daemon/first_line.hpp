@@ -10,11 +10,11 @@
 
 namespace anogate {
 
-/// Version, source of the configuration, number of links; and for every udp-listen link the address to type into a ground station.
+/// Version, source of the configuration, number of links; and for every udp-listen link the address to enter in a ground station.
 /// `own`: the networks of our interfaces, with our addresses in them.
 std::string first_line(const Settings& settings, std::string_view source, const std::vector<Network>& own);
 
-/// The reason of the end, the running time, the number of frames.
+/// The reason for the end, the running time, the number of frames.
 std::string last_line(std::string_view why, Duration uptime, std::uint64_t frames_in, std::uint64_t frames_out);
 
 }    // namespace anogate

@@ -45,13 +45,14 @@ void hold_signals(int how, std::initializer_list<int> signals) {
     ::sigprocmask(how, &held, nullptr);
 }
 
-// While the configuration is read, nothing runs that needs an orderly end, and reading may take long: for example a pipe without a
-// writer. SIGINT has its default effect during that time.
+// Reading the configuration may take long, for example from a pipe without a writer, and no running part needs an orderly stop
+// during that time. SIGINT has its default effect meanwhile.
 void let_sigterm_end_at_once() {
     std::signal(SIGTERM, [](int) { ::_exit(0); });
 }
 
-// Otherwise a device or a socket could get the number of a closed standard file, and messages to the user would go there.
+// Opens closed standard files. Otherwise a device or a socket could get the number of a standard file, and messages to the user
+// would be written to it.
 void fill_standard_files() {
     int fd = 0;
     while (fd >= 0 && fd <= STDERR_FILENO) fd = ::open("/dev/null", O_RDWR);
@@ -63,7 +64,7 @@ std::string recordings_folder() {
     return folder.empty() ? folder : folder + "/recordings";
 }
 
-// The running program: the gateway, its control interface, and the signals.
+// The running program: the gateway, its control interface, and the handling of signals.
 class Program {
 public:
     Program(const CommandLine& line, const WrittenValues& written, const WrittenValues& kept,
@@ -112,7 +113,7 @@ public:
         io_.run();
         const FrameCount passed = frame_count(gateway_);
         log_info("{}", last_line(why_, gateway_.now() - gateway_.started_at(), passed.in, passed.out));
-        hold_signals(SIG_BLOCK, {SIGTERM, SIGINT});    // a further signal must not end the program while it waits for the log
+        hold_signals(SIG_BLOCK, {SIGTERM, SIGINT});    // another signal must not end the program while it waits for the log
         return status_;
     }
 
@@ -120,7 +121,7 @@ private:
     void wait_for_signal() {
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec || stopped_) return;
-            wait_for_signal();    // first, since a second stop() ends all waits at once, including this one
+            wait_for_signal();    // first, because a second stop() cancels all waits, including this one
             if (signal == SIGUSR1) log_asked("status\n" + status_text(gateway_));
             else if (signal == SIGHUP) reload_soon();
             else stop(signal == SIGTERM ? "SIGTERM" : "SIGINT");
@@ -143,7 +144,7 @@ private:
         for (const std::string& line : hint_log_.news(gateway_)) log_info("{}", line);
     }
 
-    // A second signal during the flush ends the program at once.
+    // A second signal while waiting frames are sent stops the program at once.
     void stop(const char* why) {
         const bool again = !why_.empty();
         if (!again) why_ = why;
@@ -156,16 +157,16 @@ private:
         if (again) control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
-            recordings_.stop([this] { control_.no_more_answers(); });    // they contain all frames sent until now
+            recordings_.stop([this] { control_.no_more_answers(); });    // after the gateway, so that they contain all frames
             signals_.cancel();
         });
-        if (!again) control_.finish(flush_patience);    // the jobs have ended: their followers are told the results
+        if (!again) control_.finish(flush_patience);    // the jobs have ended: their followers receive the results
     }
 
     asio::io_context io_{1};
     Gateway gateway_;
     std::string source_;    // the source of the configuration
-    std::string why_;       // the reason of the end
+    std::string why_;       // the reason for the end
     Reload reload_;
     OwnDevice own_device_;
     FlexibleControl flexible_;
@@ -175,7 +176,7 @@ private:
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
     Ticker hints_{io_, [this] { tell_hints(); }};
     HintLog hint_log_;
-    bool stopped_ = false;    // nothing runs any more: no more signals are awaited
+    bool stopped_ = false;    // all parts have stopped: no more waits for signals
     int status_ = 0;
 };
 
@@ -184,7 +185,7 @@ std::string source_of(const CommandLine& line) {
     return line.config_file + (line.has_links ? " and command line" : "");
 }
 
-// If the file was not confirmed, and is unchanged since, a restart runs the configuration before it.
+// If the file was not confirmed and has not changed since, a restart runs the previous configuration.
 ConfigState::Runs take_kept_config(CommandLine& line, int argc, char** argv) {
     const std::string path = kept_config_path(line.config_file);
     std::string fault;
@@ -250,7 +251,7 @@ int run(int argc, char** argv) {
 
 }    // namespace
 
-// When the system refuses memory or the descriptors of the loop, waiting does not help: the program ends.
+// Ends the program if the system refuses memory or the descriptors of the loop, because a retry would not help.
 int run_program(int argc, char** argv) {
     take_rooms_from_the_system();
     hold_signals(SIG_BLOCK, {SIGHUP, SIGUSR1});

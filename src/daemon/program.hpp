@@ -3,7 +3,7 @@
 
 namespace anogate {
 
-/// 0: done, or stopped by SIGTERM or SIGINT. 1: a required link is not up. 78: the configuration has faults.
+/// Returns 0: done, or stopped by SIGTERM or SIGINT. 1: a required link is not up. 78: the configuration has faults.
 int run_program(int argc, char** argv);
 
 }    // namespace anogate

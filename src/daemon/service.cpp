@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// log_folder: LogsDirectory= of the unit. /dev is visible to the service, and everybody may write to /dev/shm.
+// log_folder: LogsDirectory= of the unit. /dev is visible to the service, and all users may write to /dev/shm.
 constexpr char log_folder[] = "/var/log/anogate";
 constexpr const char* service_folders[] = {runtime_folder, log_folder, "/dev/shm"};
 constexpr char service_state_folder[] = "/var/lib/anogate";    // StateDirectory=
@@ -29,10 +29,11 @@ bool is_below(const fs::path& path, const fs::path& folder) {
     return !step.empty() && *step.begin() != ".." && step != ".";
 }
 
-// PrivateTmp= of the unit: the service has its own ones, which are empty and read-only.
+// PrivateTmp= of the unit: the service has private ones, which are empty and read-only.
 constexpr const char* private_folders[] = {"/tmp", "/var/tmp"};
 
-/// Resolves symbolic links of its folder, since /var/run is /run; but not the last part, which may be a link that will be replaced.
+/// Resolves symbolic links in its folder, because /var/run is /run; but not the last part, which may be a link that will be
+/// replaced.
 fs::path looked_up(const std::string& path) {
     std::error_code ec;
     const fs::path absolute = fs::path{"/"} / path;    // the service starts in /
