@@ -15,7 +15,7 @@ Duration pulse_of(const GpioSettings& settings) {
     return settings.use == GpioUse::power ? Duration{std::chrono::seconds{1}} : Duration{std::chrono::milliseconds{100}};
 }
 
-constexpr Duration telling_apart = std::chrono::seconds{1};    // a switch that chatters must not fill the disk
+constexpr Duration telling_apart = std::chrono::seconds{1};    // between log lines: a bouncing switch must not fill the disk
 
 double seconds(Duration d) { return std::chrono::duration<double>{d}.count(); }
 
@@ -58,7 +58,7 @@ Gpio::Lines Gpio::change(const std::vector<GpioSettings>& settings, const FindLi
             before.erase(same);
         }
     }
-    for (const auto& line : before) let_go(*line);    // first: a line of the chip may have another use now
+    for (const auto& line : before) let_go(*line);    // first, because the new settings may use the same line of the chip
     for (const auto& line : lines_) connect(*line, find, fresh);
     if (started_) start();
     return before;
@@ -79,7 +79,7 @@ void Gpio::connect(Line& line, const FindLink& find, LinkSet fresh) {
     }
     if (s.use == GpioUse::activity || s.silent_for) watched_ |= line.links;
     if (s.use == GpioUse::rs485 && fresh.contains(find(s.link).id())) {
-        Link& link = find(s.link);    // its kind supports rs485: the configuration was checked
+        Link& link = find(s.link);    // its kind supports rs485, according to the checked configuration
         link.settings().kind->rs485->use(link, s.active_low, [&line](bool sending) { line.pin.set(sending); });
     }
 }
@@ -130,8 +130,8 @@ void Gpio::blink(Line& line, TimePoint now) {
     if (lit) line.alarm.set(line.blink.due());
 }
 
-// A line has one alarm, for four purposes: the light changes, the switch may be reported again, the pulse ends, or the silence may have
-// lasted long enough.
+// A line has one alarm, for four purposes: the light changes, the switch may be reported again, the pulse ends, or the link may
+// have been silent for the configured time.
 void Gpio::ring(Line& line) {
     const TimePoint now = Clock::now();
     if (line.settings().use == GpioUse::activity) {
@@ -149,7 +149,7 @@ void Gpio::ring(Line& line) {
     }
 }
 
-// While the line is not held there is nothing to wait for: changed() calls this again.
+// Sets no alarm while the line is not held: changed() calls this function again.
 void Gpio::arm(Line& line) {
     if (const auto due = line.reset.due(); due && !line.pulsing && line.pin.is_held() && !line.link_is_disabled)
         line.alarm.set(*due);

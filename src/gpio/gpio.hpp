@@ -22,16 +22,17 @@ public:
     using Lines = std::vector<std::unique_ptr<Line>>;
     using FindLink = std::function<Link&(const std::string& name)>;
 
-    /// `inhibit` gets the states of the switches. There are no lines before change().
+    /// `inhibit` receives the states of the switches. There are no lines before change().
     Gpio(asio::io_context& io, AlarmClock& alarms, Inhibit& inhibit);
     ~Gpio();
 
-    /// Replaces the lines by those of `settings`. Lines with unchanged settings stay as they are; the other old ones are released and
-    /// returned, to be kept for a while: the loop may still hold callbacks of them, which run no later than those of a descriptor closed
-    /// now. `find` finds every link that the settings name; those in `fresh` have not started. A link with rs485 calls its line, and must
-    /// be destroyed first.
+    /// Replaces the lines by those of `settings`. Lines with unchanged settings are kept; the other old ones are released and
+    /// returned. The caller must keep these for a while, because the loop may still hold callbacks of them, which run no later
+    /// than those of a descriptor closed now. `find` must find every link that the settings name; those in `fresh` have not
+    /// started. A link with rs485 calls its line, and must be destroyed first.
     Lines change(const std::vector<GpioSettings>& settings, const FindLink& find, LinkSet fresh);
-    /// To be called before the links start, so that a switch works from the first frame on. Lines that are added later start at once.
+    /// To be called before the links start, so that a switch applies to the first frame. Lines that are added later start at
+    /// once.
     void start();
     /// Switches lamps and resets off; power stays as it is.
     void stop();
@@ -39,18 +40,18 @@ public:
     void link_state(LinkId link, bool up);
     /// Whether some line depends on the frames of this link.
     bool watches(LinkId link) const noexcept { return watched_.contains(link); }
-    /// A good frame was received on a watched link.
+    /// To be called for each valid frame received on a watched link.
     void heard(LinkId link, TimePoint now);
-    /// Frames are sent on a watched link.
+    /// To be called when frames are sent on a watched link.
     void sends(LinkId link, TimePoint now);
 
     const Lines& lines() const noexcept { return lines_; }
-    /// Why a request is refused.
+    /// The reason why a request is refused.
     struct Refusal {
         std::string why;
-        Duration wait{};    // the request may be repeated after this time; zero: it would be refused again
+        Duration wait{};    // the request may be repeated after this time; zero: no use
     };
-    /// Pulses a reset, or switches power off and on again, on request.
+    /// On request, pulses a reset, or switches power off and on again.
     std::optional<Refusal> act(Line& line, TimePoint now);
 
 private:
@@ -58,7 +59,7 @@ private:
     void let_go(Line& line);
     void ring(Line& line);
     void blink(Line& line, TimePoint now);
-    /// False: the chip has just gone.
+    /// False: the chip was lost.
     bool begin_pulse(Line& line, TimePoint now);
     void arm(Line& line);
     void changed(Line& line);
@@ -81,7 +82,7 @@ struct Gpio::Line {
 
     const GpioSettings& settings() const noexcept { return pin.settings(); }
     bool is_for(LinkId id) const noexcept { return links.contains(id); }
-    /// "gpio reset of fc", for people.
+    /// "gpio reset of fc", for the log.
     std::string what() const;
 
     GpioPin pin;
@@ -90,13 +91,13 @@ struct Gpio::Line {
     Blink blink;
     ResetPolicy reset;
     std::optional<std::size_t> inhibit_place{};    // of an inhibit switch
-    bool link_is_disabled = false;                 // so its silence has no meaning
+    bool link_is_disabled = false;                 // its silence is ignored
     bool pulsing = false;                          // a reset is on, or power is off for a while
     std::uint64_t pulses = 0;
     bool was_held = false;
     bool started = false;
     std::optional<bool> was_inhibiting{};    // std::nullopt: not reported yet
-    std::uint64_t untold = 0;                // changes of an inhibit switch that were not logged yet
+    std::uint64_t untold = 0;                // changes of an inhibit switch that are not logged yet
 };
 
 /// "link_up" and so on.

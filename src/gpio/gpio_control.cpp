@@ -51,7 +51,7 @@ http::Response refuse(unsigned status, const std::string& why) {
 
 bool can_act(GpioUse use) { return use == GpioUse::reset || use == GpioUse::power; }
 
-// The properties by which a request selects a line; an empty one fits every line.
+// The properties by which a request selects a line; an empty one matches every line.
 struct Wanted {
     std::string line, chip, link, use, action;
 
@@ -67,7 +67,7 @@ struct Wanted {
     }
 };
 
-// Fills `wanted`; returns what is wrong.
+// Fills `wanted`; returns the error, or empty.
 std::string read(const std::string& body, Wanted& wanted) {
     const auto parsed = ano::json_body(body);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return *wrong;

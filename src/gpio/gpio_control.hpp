@@ -9,11 +9,11 @@
 
 namespace anogate {
 
-/// One object a line (src/link/README.md, "GPIO").
+/// One object per line (src/link/README.md, "GPIO").
 nlohmann::ordered_json gpio_json(const Gpio& gpio, TimePoint now);
 
-/// POST /gpio: {"line", "chip", "link", "use", "action"} must fit exactly one reset or power line, which is then pulsed or
-/// switched off and on again. Answers with its state, or with an error: 400, 404, 409 or 429.
+/// POST /gpio: {"line", "chip", "link", "use", "action"} must match exactly one reset or power line, which is then pulsed or
+/// switched off and on again. Returns its state, or an error: 400, 404, 409 or 429.
 http::Response gpio_request(Gpio& gpio, const std::string& body, TimePoint now);
 
 }    // namespace anogate

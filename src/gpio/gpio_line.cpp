@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 // The request for a line, the same for both versions of libgpiod.
 struct Want {
-    std::string consumer;    // how `gpioinfo` shows us
+    std::string consumer;    // our name in `gpioinfo`
     bool output;
     bool active;
     bool active_low;
@@ -137,7 +137,7 @@ struct GpioLine::Request {
     int descriptor() const { return line.event_get_fd(); }
     std::size_t take_edges() { return line.event_read_multiple().size(); }
 
-    gpiod::line line;    // holds its chip open
+    gpiod::line line;    // keeps its chip open
 };
 
 #endif
@@ -146,7 +146,7 @@ namespace {
 
 int error_of(const std::exception& exception) {
     const auto* error = dynamic_cast<const std::system_error*>(&exception);
-    return error ? error->code().value() : EINVAL;    // for which 2.x has its own exceptions
+    return error ? error->code().value() : EINVAL;    // 2.x has other exceptions for this error
 }
 
 /// The paths of all chips in numeric order: gpiochip9 before gpiochip10.
@@ -172,13 +172,13 @@ std::string not_allowed(const fs::path& path) {
     return "permission denied for " + path.string() + " (the user must be in the group of the device, usually gpio)";
 }
 
-// The chip and line that the settings mean, or why there is none.
+// The chip and line for the settings, or the reason why there is none.
 struct Place {
     std::optional<Chip> chip;
     std::string chip_name;
     unsigned offset = 0;
     std::string error;
-    std::string doubt;    // why a chip could not be searched
+    std::string doubt;    // the reason why a chip could not be searched
 };
 
 // Searches one chip. True: the search is over, with success or an error.

@@ -10,7 +10,7 @@
 
 namespace anogate {
 
-/// The line is requested until destruction, which leaves an output as it is. Values are logical: inverted for `active_low`.
+/// The line stays requested until destruction, which does not change an output. Values are logical: inverted for `active_low`.
 class GpioLine {
 public:
     /// An input that reports its edges. The error names chip, line and the program that holds the line.
@@ -22,13 +22,13 @@ public:
     GpioLine(const GpioLine&) = delete;
     GpioLine& operator=(const GpioLine&) = delete;
 
-    /// False: the chip is gone.
+    /// False: the chip was removed.
     bool set(bool active) noexcept;
-    /// std::nullopt: the chip is gone.
+    /// std::nullopt: the chip was removed.
     std::optional<bool> value() noexcept;
-    /// For an input: readable when there are edges. Empty when no more descriptors can be opened.
+    /// For an input: readable when there are edges. Empty if no more descriptors can be opened.
     UniqueFd edge_descriptor() const;
-    /// Reads the edges that happened, at most 16 a call, and returns how many; std::nullopt: the chip is gone.
+    /// Reads the waiting edges, at most 16 per call, and returns their number; std::nullopt: the chip was removed.
     std::optional<unsigned> take_edges() noexcept;
 
     const std::string& chip() const noexcept { return chip_; }    // "gpiochip0"

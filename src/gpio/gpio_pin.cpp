@@ -41,7 +41,7 @@ void GpioPin::not_held(std::string why) {
     changed_();
 }
 
-// Requests the edges before it reads the level, so that no edge in between is missed.
+// Requests edges before reading the level, so that no edge in between is missed.
 bool GpioPin::read_value() {
     UniqueFd events = line_->edge_descriptor();
     const auto level = line_->value();
@@ -55,7 +55,8 @@ bool GpioPin::read_value() {
     return true;
 }
 
-// The kernel keeps 16 edges and drops more: so the level is read after the edges, and it decides. A later edge wakes us again.
+// The kernel stores 16 edges and drops more, so the level is read after the edges and determines the value. A later edge causes
+// another call.
 void GpioPin::take_edges() {
     const auto edges = line_->take_edges();
     const auto level = edges ? line_->value() : std::nullopt;
