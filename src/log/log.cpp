@@ -55,7 +55,7 @@ public:
     std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JournalFormatter>(); }
 };
 
-// Opens the file, when one is configured and can be opened. May block, above all on a disk that hangs.
+// Opens the file, if one is configured and can be opened. May block on a disk that hangs.
 std::shared_ptr<spdlog::logger> open_file(const LogSettings& settings, std::string& fault) {
     constexpr std::size_t files = 3;
     constexpr std::uint64_t max_size = std::numeric_limits<std::size_t>::max();
@@ -64,7 +64,7 @@ std::shared_ptr<spdlog::logger> open_file(const LogSettings& settings, std::stri
     if (settings.file.empty()) return {};
     if (std::filesystem::is_fifo(settings.file, ec)) fault = settings.file + " is a pipe, not a file";
     else if (auto folder = make_folder_of(settings.file); !folder)
-        fault = std::move(folder.error());    // otherwise the sink would make all missing folders
+        fault = std::move(folder.error());    // without this check, the sink would create all missing folders
     if (!fault.empty()) return {};
     try {
         return std::make_shared<spdlog::logger>(
@@ -83,7 +83,7 @@ std::shared_ptr<spdlog::logger> open_log(const LogSettings& settings) {
     if (!log) log = std::make_shared<spdlog::logger>("anogated", std::make_shared<spdlog::sinks::stderr_color_sink_st>(color));
     if (journal) log->set_formatter(std::make_unique<JournalFormatter>());
     else log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
-    log->set_level(spdlog::level::trace);    // messages were filtered before
+    log->set_level(spdlog::level::trace);    // messages are already filtered
     if (!fault.empty()) log->warn("logging to standard error: {}", fault);
     return log;
 }
@@ -111,7 +111,7 @@ void start_log(const LogSettings& settings) {
     writer = std::make_shared<LogWriter>([settings] { return open_log(settings); });
     const auto log = std::make_shared<spdlog::logger>("anogated", writer);
     log->set_level(spdlog::level::from_str(settings.level));
-    log->set_error_handler([](const std::string&) { writer->lose(); });    // the handler of spdlog would write to standard error
+    log->set_error_handler([](const std::string&) { writer->lose(); });    // spdlog's handler writes to standard error
     spdlog::set_default_logger(log);
 }
 

@@ -1,4 +1,4 @@
-// Where the log goes, and its format.
+// The destination of the log, and its format.
 #pragma once
 #include <gateway/settings.hpp>
 
@@ -14,13 +14,14 @@ enum class Priority { error = 3, warning = 4, info = 6, debug = 7 };
 /// After this call, logging never blocks (LogWriter).
 void start_log(const LogSettings& settings);
 
-/// Waits until everything is written, at most LogWriter::patience. False: not everything is, and exit() might block too; use _exit().
+/// Waits until all lines are written, at most LogWriter::patience. False: not all are written, and exit() might block too; use
+/// _exit().
 bool end_log();
 
 /// Writes to standard error, in the format of the log: for messages before start_log(), and for faults that end the program.
 void say(Priority priority, std::string_view lines);
 
-/// Every line of `text` in the form for the journal: "<4>text". A priority at the beginning of the text itself has no effect.
+/// Formats each line of `text` for the journal: "<4>text". A priority at the beginning of the text itself has no effect.
 std::string journal_lines(Priority priority, std::string_view text);
 
 }    // namespace anogate

@@ -17,7 +17,7 @@ struct Line {
 
 }    // namespace
 
-// Formats the line within spdlog, which counts a line that can't be formatted as lost (start_log) and lets no exception out.
+// Formats the line within spdlog, which counts a line that can't be formatted as lost (start_log) and throws no exception.
 template <>
 struct fmt::formatter<Line> {
     constexpr auto parse(format_parse_context& context) { return context.begin(); }
@@ -25,7 +25,7 @@ struct fmt::formatter<Line> {
     auto format(const Line& line, Context& context) const {
         fmt::memory_buffer text;
         fmt::vformat_to(fmt::appender{text}, line.format, line.arguments);
-        // A name of a device may be in it, or a piece of a damaged file.
+        // The text may contain a name from a device, or part of a damaged file.
         const std::string shown = ano::with_escapes(ano::valid_utf8({text.data(), text.size()}));
         return std::copy(shown.begin(), shown.end(), context.out());
     }

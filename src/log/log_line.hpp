@@ -1,5 +1,5 @@
-// Logs lines of text, formatted by fmt. Separate from log.hpp and without spdlog, since two dozen sources need only this and would
-// otherwise each compile spdlog.
+// Logs lines of text, formatted by fmt. Separate from log.hpp and without spdlog, because two dozen sources need only this and
+// would otherwise compile spdlog as well.
 #pragma once
 #include <fmt/core.h>
 
@@ -13,7 +13,7 @@ enum class LogLevel { info, warning, error };
 /// Does not format a message below the level of the log.
 void log_line(LogLevel level, fmt::string_view format, fmt::format_args arguments);
 
-/// Logs what a user asked for just now, at every level but off.
+/// Logs text that a user has just requested, at every level except off.
 void log_asked(std::string_view text);
 
 /// `level`: trace, debug, info, warn, error or off. Messages below it are not logged.

@@ -22,7 +22,7 @@ void LogQueue::push(spdlog::level::level_enum level, spdlog::log_clock::time_poi
             waiting_.messages.push_back({level, at, std::string{text}, plain});
             size_ += sizeof(LogMessage) + text.size();
             return;
-        } catch (const std::bad_alloc&) {    // the message is lost, as if there were no room
+        } catch (const std::bad_alloc&) {    // the message is lost, as with a full queue
         }
     }
     waiting_.lost += lines(text);

@@ -1,4 +1,4 @@
-// The messages that wait to be written to the log.
+// The messages that are waiting to be written to the log.
 #pragma once
 #include <spdlog/common.h>
 
@@ -13,13 +13,13 @@ struct LogMessage {
     spdlog::level::level_enum level = spdlog::level::info;
     spdlog::log_clock::time_point at;
     std::string text;      // one line or more
-    bool plain = false;    // to be written to standard error without time and level
+    bool plain = false;    // for standard error, without time and level
 };
 
-/// Bounded. When a message does not fit, it and all messages until the next take() are lost, so that there is only one gap.
+/// Bounded. If a message does not fit, it and all messages until the next take() are lost, so that there is only one gap.
 class LogQueue {
 public:
-    static constexpr std::size_t room = 64 * 1024;    // bytes; a message fits when fewer than these are waiting
+    static constexpr std::size_t room = 64 * 1024;    // bytes; a message fits if fewer are waiting
 
     struct Batch {
         std::vector<LogMessage> messages;
@@ -28,10 +28,10 @@ public:
 
     void push(spdlog::level::level_enum level, spdlog::log_clock::time_point at, std::string_view text,
               bool plain = false) noexcept;
-    /// Counts a line that could not be made for lack of memory.
+    /// Counts a line that could not be created for lack of memory.
     void lose() noexcept { ++waiting_.lost; }
     bool empty() const noexcept { return waiting_.messages.empty() && waiting_.lost == 0; }
-    /// Takes everything that waits.
+    /// Takes all waiting messages.
     Batch take() noexcept;
 
 private:

@@ -23,7 +23,7 @@ void write(spdlog::logger& log, const LogQueue::Batch& batch) {
 
 LogWriter::LogWriter(Open open) : thread_{begin_thread([shared = shared_, open = std::move(open)] { run(*shared, open); })} {}
 
-// Without memory it is tried again until the program ends; null then.
+// Retries for lack of memory until the program ends; then returns nullptr.
 std::shared_ptr<spdlog::logger> LogWriter::opened(Shared& shared, const Open& open) {
     for (;;) {
         try {

@@ -1,4 +1,4 @@
-// Writes the log in a thread, so that logging never blocks on a stopped terminal, a pipe that nobody reads, or a disk that hangs.
+// Writes the log in a thread, so that logging never blocks on a stopped terminal, a pipe that is not read, or a disk that hangs.
 #pragma once
 #include <log/log_queue.hpp>
 
@@ -15,16 +15,16 @@
 
 namespace anogate {
 
-/// Takes messages, and has a thread that opens the log and writes them in order. The number of lost messages is logged at the place where
+/// Queues messages; a thread opens the log and writes them in order. The number of lost messages is logged at the position where
 /// they are missing. O_NONBLOCK is no alternative: it affects all programs that share the descriptor, and has no effect on files.
 class LogWriter final : public spdlog::sinks::sink {
 public:
     static constexpr std::chrono::milliseconds patience{200};    // of finish(), and between two attempts to open the log
 
-    /// Called in the thread, where it may block. Called again when it throws std::bad_alloc; it must not throw anything else.
+    /// Called in the thread, where it may block. Called again if it throws std::bad_alloc; it must not throw any other exception.
     using Open = std::function<std::shared_ptr<spdlog::logger>()>;
 
-    /// Throws std::system_error when a thread can't be started.
+    /// Throws std::system_error if a thread can't be started.
     explicit LogWriter(Open open);
     ~LogWriter() override { finish(); }
     LogWriter(const LogWriter&) = delete;
@@ -32,10 +32,10 @@ public:
 
     /// Writes `text` to standard error, after the earlier messages.
     void say(std::string_view text) noexcept;
-    /// Counts a line that could not be made.
+    /// Counts a line that could not be created.
     void lose() noexcept;
-    /// Waits until everything is written, at most `patience`. False: the thread stays blocked and holds locks, perhaps that of stderr, so
-    /// that only _exit() is sure to end the program.
+    /// Waits until all messages are written, at most `patience`. False: the thread stays blocked and holds locks, perhaps that of
+    /// stderr, so that only _exit() reliably ends the program.
     bool finish();
 
     void log(const spdlog::details::log_msg& message) override;
