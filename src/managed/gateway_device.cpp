@@ -56,7 +56,7 @@ void GatewayDevice::configure(const Settings& of_file, WrittenValues written) {
     make_device();
 }
 
-// Listeners and saves that wait for the disk are kept.
+// Keeps listeners and saves that are waiting for the disk.
 void GatewayDevice::make_device() {
     if (device_) former_ = former_ + device_->counters();
     device_.reset();
@@ -134,7 +134,7 @@ void GatewayDevice::take(ano::FrameView frame, const Asker& asker, ano::TimePoin
     asker_ = nullptr;
 }
 
-// True: the frame is to be given to the device.
+// True: the frame must be passed to the device.
 bool GatewayDevice::act(ano::FrameView frame, const Asker& asker) {
     if (frame.destination() != of_file_.gateway.id) return ++counters_.to_everybody, false;
     if (frame.source() == ano::address::unassigned || frame.source() == ano::address::broadcast ||
@@ -146,7 +146,7 @@ bool GatewayDevice::act(ano::FrameView frame, const Asker& asker) {
     return !(action && action->get<"val">() == action_save && begin_save(frame));
 }
 
-// The acknowledgement is sent when the values are on the disk.
+// The acknowledgement is sent after the values are stored on the disk.
 bool GatewayDevice::begin_save(ano::FrameView frame) {
     const std::string why = saves_.size() < max_saves ? deeds_.save(written_) : "others wait for the disk already";
     if (!done(why, "save")) return true;
@@ -191,8 +191,8 @@ bool GatewayDevice::change(WrittenValues written) {
     return true;
 }
 
-// Whether the asker would lose its own link. An asker whose link was just closed by another may not close any link either: otherwise
-// two could close each other's link, and no link would be left.
+// Whether the write would close the asker's own link. An asker whose link was just closed by another one must not close any link
+// either: otherwise two askers could close each other's link, and no link would be left.
 bool GatewayDevice::locks_out(const WrittenValues& written) const {
     if (!asker_) return false;
     const Settings before = written_.applied(of_file_), after = written.applied(of_file_);
@@ -210,7 +210,7 @@ bool GatewayDevice::done(const std::string& refusal, std::string_view what) {
     return refusal.empty();
 }
 
-// The reason is sent as a line of the log, since the protocol has no negative answer.
+// The reason is sent as a line of the log, because the protocol has no negative answer.
 void GatewayDevice::refuse(std::uint64_t GatewayDeviceCounters::*cause, const std::string& why) {
     ++(counters_.*cause);
     if (asker_ && asker_->is_ourselves) deeds_.refuse_ourselves(why);
@@ -228,7 +228,7 @@ void GatewayDevice::refuse(std::uint64_t GatewayDeviceCounters::*cause, const st
         device_->send(told, asker_address_, asker_->link);
 }
 
-// Summaries go to the asker; if that is the control interface, to all hosts.
+// Summaries are sent to the asker, or to all hosts if the asker is the control interface.
 bool GatewayDevice::summarise(std::uint8_t flexible) {
     if (flexible > last_flexible - first_flexible + 1) return done("the number of a flexible frame must be 1 to 10", "SUMMARY");
     const Link link = asker_->is_ourselves ? ano::device::every_link : asker_->link;

@@ -1,5 +1,5 @@
-// The gateway as a V8 device: its device info, parameters and commands, and its lines in the log of hosts. It decides which links may
-// change it. No I/O, no clock: frames and a time in, frames, deeds and the next due time out.
+// The gateway as a V8 device: its device info, parameters and commands, and its lines in the log of hosts. It decides which links
+// may change it. No I/O and no clock: the input is frames and the time, the output is frames, operations and the next due time.
 //
 // Flow:    GatewayDevice device{deeds};
 //          device.configure(settings_of_file, written);
@@ -24,7 +24,7 @@
 
 namespace anogate {
 
-/// A link as hosts get it in a flexible frame: number u8 (the one in its parameters, from 0), state u8, and three u32.
+/// The state of a link for hosts, in a flexible frame: number u8 (as in its parameters, from 0), state u8, and three u32.
 struct LinkSummary {
     enum class State : std::uint8_t { disabled, waiting, up };
     State state{};
@@ -32,13 +32,13 @@ struct LinkSummary {
     std::uint64_t dropped = 0;    // in both directions
 };
 
-/// The actions that a host may ask for and that the program carries out. Each returns why it can't be done, as a clause; empty: it is
-/// done, or has begun.
+/// The operations that hosts may request and the program executes. Each returns the reason for a failure, as a clause; empty: it
+/// is done, or has begun.
 class GatewayDeeds {
 public:
-    /// Puts these values into effect.
+    /// Applies these values.
     virtual void apply(const WrittenValues& written) = 0;
-    /// Calls GatewayDevice::saved() later, when the values are on the disk or can't be written.
+    /// Calls GatewayDevice::saved() later, when the values are stored on the disk or writing has failed.
     virtual std::string save(const WrittenValues& written) = 0;
     virtual std::string reload() = 0;
     virtual std::string restart(const std::string& link) = 0;
@@ -48,7 +48,8 @@ public:
     virtual std::string start_recording() = 0;
     virtual std::string stop_recording() = 0;
     virtual std::vector<LinkSummary> summaries() = 0;
-    /// Tells the control interface why its present request, or its save that waited for the disk, is refused; the protocol has no such answer.
+    /// Reports to the control interface why its current request, or its save that was waiting for the disk, is refused; the
+    /// protocol has no such answer.
     virtual void refuse_ourselves(const std::string& why) = 0;
     /// Writes a line to the log of the program.
     virtual void warn(const std::string& line) = 0;
@@ -57,18 +58,18 @@ protected:
     ~GatewayDeeds() = default;
 };
 
-/// What was done with the frames for the gateway.
+/// Counts the frames for the gateway by result.
 struct GatewayDeviceCounters {
-    std::uint64_t answered = 0;          // questions, and actions that were carried out
+    std::uint64_t answered = 0;          // queries, and executed actions
     std::uint64_t not_managed = 0;       // actions from links without manage=yes
-    std::uint64_t would_lock_out = 0;    // writes that would close the link by which they came
-    std::uint64_t refused = 0;           // actions that can't be carried out now; the log says why
+    std::uint64_t would_lock_out = 0;    // writes that would close the link of the request
+    std::uint64_t refused = 0;           // actions that can't be executed now; the log has the reason
     std::uint64_t to_everybody = 0;      // actions to 0xFF, which are for devices
-    std::uint64_t unanswered = 0;        // for what it does not have, or malformed
-    std::uint64_t lines_left_out = 0;    // lines for the log of hosts that were too many
+    std::uint64_t unanswered = 0;        // requests for something unsupported, or malformed
+    std::uint64_t lines_left_out = 0;    // lines for the log of hosts beyond max_lines
 };
 
-/// A parameter in a form for people.
+/// A parameter for display.
 struct ManagedValue {
     const ManagedParameter* row = nullptr;
     double value = 0;
@@ -91,30 +92,31 @@ public:
     /// The minimum time between two lines about refused actions.
     static constexpr ano::Duration between_refusals = std::chrono::seconds{5};
     static constexpr ano::Duration between_summaries = std::chrono::seconds{1};
-    /// At most `max_lines` lines for hosts in `lines_per`; then one that says how many were left out.
+    /// At most `max_lines` lines for hosts in `lines_per`; then one line with the number of those left out.
     static constexpr unsigned max_lines = 10;
     static constexpr ano::Duration lines_per = std::chrono::seconds{5};
     static constexpr std::size_t max_saves = 8, max_listeners = 8;
 
     explicit GatewayDevice(GatewayDeeds& deeds) : deeds_{deeds} {}
 
-    /// The configuration file, and the values that were written over it. Without an id, or with the id of hosts, the gateway is no device.
+    /// Sets the configuration file, and the values that overrule it. Without an id, or with the id of hosts, the gateway is not a
+    /// device.
     void configure(const Settings& of_file, WrittenValues written);
     bool is_there() const noexcept { return device_ != nullptr; }
 
-    /// Whether take() handles this message. All other frames to everybody are telemetry.
+    /// Whether take() handles this message. All other frames to 0xFF are telemetry.
     static bool concerns(std::uint8_t id) noexcept;
-    /// Takes a frame for the gateway's id or for everybody.
+    /// Processes a frame for the gateway's id or for 0xFF.
     void take(ano::FrameView frame, const Asker& asker, ano::TimePoint now);
-    /// To be called when GatewayDeeds::save() has ended; `fault` is empty when the values are stored.
+    /// To be called when GatewayDeeds::save() has ended; `fault` is empty if the values are stored.
     void saved(const std::string& fault, ano::TimePoint now);
-    /// Sends a line for the log of the hosts that were heard.
+    /// Sends a line for the log to all known hosts.
     void log(std::string_view text, LogColor color, ano::TimePoint now);
     void run(ano::TimePoint now);
     std::optional<ano::TimePoint> due() const noexcept;
-    /// The next frame to be sent; std::nullopt: none. Link ano::device::every_link: to all hosts that were heard.
+    /// The next frame to be sent; std::nullopt: none. Link ano::device::every_link: to all known hosts.
     std::optional<ano::device::Outgoing::Departure> next();
-    /// To be called when `link` is gone: its requests that continue are dropped.
+    /// To be called when `link` was removed: drops its requests in progress.
     void forget(Link link);
 
     GatewayDeviceCounters counters() const noexcept;
@@ -154,7 +156,7 @@ private:
     Settings of_file_;
     WrittenValues written_;
     std::vector<ManagedParameter> rows_;
-    std::unique_ptr<ano::device::Device> device_;    // null: the gateway is no device
+    std::unique_ptr<ano::device::Device> device_;    // null: the gateway is not a device
     GatewayDeviceCounters counters_;
     ano::device::Counters former_;    // of earlier devices
     std::deque<Pending> saves_;
@@ -164,7 +166,7 @@ private:
     std::deque<Link> frame_links_;
     std::vector<std::uint8_t> leaving_;
 
-    // Valid in take().
+    // Valid during take().
     const Asker* asker_ = nullptr;
     std::uint8_t asker_address_ = 0;
     ano::TimePoint now_{};
@@ -173,7 +175,7 @@ private:
     std::uint64_t untold_refusals_ = 0;
     ano::TimePoint lines_until_ = ano::TimePoint::min();
     unsigned lines_ = 0;
-    std::uint64_t lines_left_out_ = 0;    // in the present `lines_per`
+    std::uint64_t lines_left_out_ = 0;    // in the current `lines_per`
 };
 
 }    // namespace anogate

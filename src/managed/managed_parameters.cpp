@@ -39,7 +39,7 @@ std::string words_of_memory(const Settings& s, const LinkSettings& link) {
     return std::to_string(static_cast<std::int64_t>(memory_of(s, link))) + "ms";
 }
 
-// The link of Unknown::link is the one in the file.
+// For Unknown::link, the link is the one in the file.
 double unknown_of(const Settings& s, const LinkSettings&) { return static_cast<double>(s.gateway.unknown); }
 void put_unknown_choice(Settings& s, LinkSettings&, double value) {
     s.gateway.unknown = static_cast<Unknown>(static_cast<std::uint8_t>(value));
@@ -78,7 +78,7 @@ std::string words_of_limit(const Settings&, const LinkSettings& link) {
     return words;
 }
 
-/// A name of at most 20 bytes, without a cut letter, that is not in `taken`.
+/// A name of at most 20 bytes, without an incomplete character, that is not in `taken`.
 std::string short_name(const std::string& beginning, const std::string& link, std::set<std::string>& taken) {
     std::string name = cut_text(beginning + link, max_name);
     for (int n = 2; !taken.insert(name).second; ++n) {
@@ -94,7 +94,7 @@ const LinkSettings* link_of(const Settings& settings, const std::string& name) {
     return found == settings.links.end() ? nullptr : &*found;
 }
 
-/// std::nullopt: there is no such link.
+/// std::nullopt: no such link.
 std::optional<std::string> words_in(const Settings& settings, const ManagedParameter& row) {
     const LinkSettings none;
     if (row.link.empty()) return row.words(settings, none);
@@ -185,7 +185,7 @@ void WrittenValues::write(const ManagedParameter& row, double value, const Setti
     else values_[row.key] = {value, *words};
 }
 
-// The values of a file are checked, since they may be anything.
+// Checks the range, because a value from a file may be invalid.
 std::optional<double> WrittenValues::value(const ManagedParameter& row, const Settings& of_file) const {
     const auto found = values_.find(row.key);
     if (found == values_.end() || words_in(of_file, row) != found->second.file) return std::nullopt;

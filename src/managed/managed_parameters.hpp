@@ -1,5 +1,5 @@
-// The settings that are parameters of the gateway as a device, and the values that hosts wrote: they take precedence over the
-// configuration file until it is changed there.
+// The settings that are parameters of the gateway as a device, and the values that hosts wrote. A written value takes precedence
+// over the configuration file until the setting is changed there.
 //
 // Flow:    const auto rows = managed_parameters(of_file);
 //          written.write(rows[3], 1, of_file);
@@ -16,14 +16,14 @@
 
 namespace anogate {
 
-/// One row of 0xE2. Every value is a number that a double represents exactly.
+/// One row of 0xE2. A double represents every value exactly.
 struct ManagedParameter {
-    std::string key;     // its place in the configuration: "log/level", "links/fc/enabled"
-    std::string name;    // as hosts read it: 1 to 20 bytes, unique
-    std::string info;    // description with the unit, for people
+    std::string key;     // its path in the configuration: "log/level", "links/fc/enabled"
+    std::string name;    // sent to hosts: 1 to 20 bytes, unique
+    std::string info;    // description with the unit
     ano::Type type{};
     double min = 0, max = 0;
-    std::string link{};    // the link that it belongs to; empty: the gateway
+    std::string link{};    // its link; empty: the gateway
     double (*get)(const Settings& settings, const LinkSettings& link) = nullptr;
     void (*put)(Settings& settings, LinkSettings& link, double value) = nullptr;
     /// The setting as text; if it differs, the file was changed.
@@ -32,34 +32,34 @@ struct ManagedParameter {
     bool operator==(const ManagedParameter&) const = default;
 };
 
-/// Whether the gateway has an id that a device may have, which is not that of hosts.
+/// Whether the gateway has an id that is valid for a device, not that of hosts.
 bool is_device(const GatewaySettings& gateway) noexcept;
 
-/// The beginning of `text`, at most `max_bytes`, without cutting a letter.
+/// The beginning of `text`, at most `max_bytes`, without an incomplete character.
 std::string cut_text(const std::string& text, std::size_t max_bytes);
 
 /// The parameters of the gateway, then those of each link in order. The id of a parameter is its index.
 std::vector<ManagedParameter> managed_parameters(const Settings& of_file);
 
-/// The value in `settings`; 0 when there is no such link.
+/// The value in `settings`; 0 if there is no such link.
 double value_in(const Settings& settings, const ManagedParameter& row);
 
-/// Where a value comes from. A default value that is written in the file counts as `defaults`.
+/// The source of a value. A default value in the file counts as `defaults`.
 enum class ValueFrom : std::uint8_t { defaults, file, parameter };
 std::string_view text(ValueFrom from) noexcept;
 
 /// Values that hosts wrote, each with the value in the file at that time.
 class WrittenValues {
 public:
-    /// A value that is the same as in the file is not stored.
+    /// Stores the value; a value that equals the one in the file is removed instead.
     void write(const ManagedParameter& row, double value, const Settings& of_file);
-    /// std::nullopt: the value of the file applies, since none was written or the file was changed since.
+    /// std::nullopt: the value of the file applies, because none was written or the file was changed afterwards.
     std::optional<double> value(const ManagedParameter& row, const Settings& of_file) const;
-    /// The value that applies, and where it comes from.
+    /// The value that applies, and its source.
     std::pair<double, ValueFrom> effective(const ManagedParameter& row, const Settings& of_file) const;
-    /// The configuration with the written values. Without an id the gateway is no device, and no values apply.
+    /// The configuration with the written values. Without an id the gateway is not a device, and no written values apply.
     Settings applied(Settings of_file) const;
-    /// Drops the values whose value in the file was changed since, or whose link is gone. Returns their keys.
+    /// Drops the values whose setting in the file was changed afterwards, or whose link was removed. Returns their keys.
     std::vector<std::string> forget_stale(const Settings& of_file);
     bool empty() const noexcept { return values_.empty(); }
 
