@@ -18,14 +18,14 @@ constexpr std::string_view filter_names[] = {"from", "to", "id", "link", "direct
 constexpr std::string_view limit_name = "limit.";
 constexpr std::string_view directions[] = {"in", "out", "dropped"};
 
-// What is wrong with a filter; empty: it is correct.
+// The error of a filter; empty: none.
 using Fault = std::string;
 
 std::string is_not(std::string_view name, std::string_view word, const std::string& what) {
     return std::string{name} + "=" + ano::in_quotes(word) + " " + what;
 }
 
-/// Adds to the set. `given`: whether values of that name came before; until then the set contains all.
+/// Adds to the set. `given`: whether the name had values before; until then the set contains all.
 void add(Bytes& set, bool given, ByteRange range) {
     if (!given) set.reset();
     for (unsigned n = range.first; n <= range.last; ++n) set.set(n);

@@ -1,4 +1,4 @@
-// Which frames a watcher wants to see (GET /frames?...).
+// The filter of a watcher of frames (GET /frames?...).
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/filter.hpp>
@@ -24,9 +24,9 @@ struct FrameFilterSettings {
     std::vector<std::string> links;                      // empty: all
     std::array<bool, 3> directions{true, true, true};    // by Direction
     std::vector<LimitRule> limit;                        // in the order of the ids
-    bool elsewhere = true;                               // also frames that are received where their source is not at home
-    unsigned samples = 0;                                // a second of each link, sender and id, about; 0: every frame
-    /// How long a frame may wait to be delivered together with others: 1 ms to 1 s. Each delivery costs a wake-up.
+    bool elsewhere = true;                               // also frames received on a link that is not the home of their source
+    unsigned samples = 0;                                // about this many per second, link, sender and id; 0: every frame
+    /// The longest time that a frame may wait for delivery together with others: 1 ms to 1 s. Each delivery costs a wake-up.
     ano::Duration batch = std::chrono::milliseconds{10};
     bool operator==(const FrameFilterSettings&) const = default;
 };
@@ -39,13 +39,13 @@ struct FrameQuery {
 };
 
 /// Parses `from=0xDC,30-40`, `to=`, `id=euler,0x20-0x2F`, `link=fc,ground`, `direction=in,out,dropped`, `limit.ID=RATE`,
-/// `samples=10`, `elsewhere=yes|no`,
-/// `batch=40ms` and `format=json|binary`; the values of repeated names are combined. `links`: the names of all links. A string: what
-/// is wrong, in words.
+/// `samples=10`, `elsewhere=yes|no`, `batch=40ms` and `format=json|binary`; the values of repeated names are combined. `links`:
+/// the names of all links. A string: the error.
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
                                                         std::span<const std::string_view> links);
 
-/// Passes so many frames a second of each link, sender and id; more when there are so many of these that two share a place.
+/// Passes the given number of frames per second, link, sender and id. If two combinations share a place of the hash table, more
+/// frames may pass.
 class FrameSamples {
 public:
     explicit FrameSamples(unsigned per_second) noexcept : every_{ano::Duration{std::chrono::seconds{1}} / per_second} {}
@@ -64,20 +64,21 @@ private:
         std::uint32_t kind = 0;
         bool is_taken = false;
     };
-    static constexpr std::uint32_t spread = 0x9E3779B1;    // Fibonacci hashing: its upper bits are the number of the place
+    static constexpr std::uint32_t spread = 0x9E3779B1;    // Fibonacci hashing: the upper bits are the index of the place
     static constexpr unsigned shift = 32 - 12;
     ano::Duration every_;
     std::array<Place, std::size_t{1} << 12> places_{};
 };
 
-/// Applies the settings. Neither throws nor allocates after construction.
+/// Applies the settings. No exceptions and no allocation after construction.
 class FrameFilter {
 public:
     explicit FrameFilter(const FrameFilterSettings& settings);
 
-    /// The numbers of the links that the settings name now.
+    /// Sets the current numbers of the links that the settings name.
     void set_links(LinkSet links) noexcept { links_ = links; }
-    /// A limit holds for each direction by itself, and for all links together. `is_elsewhere`: as in FrameRecord.
+    /// Whether the frame passes. A limit applies to each direction separately, and to all links together. `is_elsewhere`: as in
+    /// FrameRecord.
     bool takes(Direction direction, std::uint8_t link, ano::FrameView frame, ano::TimePoint now,
                bool is_elsewhere = false) noexcept {
         const auto way = static_cast<std::size_t>(direction);
@@ -89,7 +90,7 @@ public:
 
 private:
     FrameFilterSettings::Bytes ids_, from_, to_;
-    bool takes_all_;    // every frame in the wanted directions
+    bool takes_all_;    // accepts every frame in the wanted directions
     bool elsewhere_;
     LinkSet links_ = ~LinkSet{};
     std::array<bool, 3> directions_;

@@ -65,7 +65,7 @@ void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
 void FrameWatch::join(Watcher& watcher, const FrameFilterSettings& settings) {
     auto stream = std::find_if(streams_.begin(), streams_.end(), [&](const auto& s) { return s->settings == settings; });
     if (stream == streams_.end()) stream = streams_.insert(streams_.end(), std::make_unique<Stream>(gateway_.alarms(), settings));
-    (*stream)->end_batch(gateway_.time());    // earlier frames are not for the new watcher
+    (*stream)->end_batch(gateway_.time());    // the new watcher must not get earlier frames
     (*stream)->filter.set_links(links_called(settings.links, *tables_));
     (*stream)->watchers.push_back(&watcher);
 }
@@ -87,7 +87,7 @@ void FrameWatch::remove(Watcher& watcher) {
     for (auto& stream : streams_) {
         const auto place = std::find(stream->watchers.begin(), stream->watchers.end(), &watcher);
         if (place == stream->watchers.end()) continue;
-        stream->end_batch(gateway_.time());    // the watcher may still take its frames
+        stream->end_batch(gateway_.time());    // the watcher may still read its frames
         stream->watchers.erase(place);
     }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
@@ -99,7 +99,7 @@ void FrameWatch::remove(Watcher& watcher) {
     memory_.clear();
 }
 
-// Asks the forwarder only for what some filter takes.
+// Requests from the Forwarder only the directions that some filter accepts.
 void FrameWatch::observe() {
     Forwarder::Observer::Wants wants{false, false, false};
     for (const auto& stream : streams_) {
@@ -132,7 +132,7 @@ void FrameWatch::gave_up(const Channel& to, ano::FrameView frame, SendCause caus
     note({Direction::dropped, to.link, number_of(to), anogate::number_of(cause)}, frame, gateway_.time());
 }
 
-// Watchers are told of a removed link even if no frame comes any more.
+// Watchers get new tables after the removal of a link, even without further frames.
 void FrameWatch::removed(LinkId) { links_due_.set(Clock::now()); }
 
 void FrameWatch::catch_up(const Watcher& watcher) {
@@ -141,12 +141,12 @@ void FrameWatch::catch_up(const Watcher& watcher) {
             stream->end_batch(gateway_.time());
 }
 
-// Without memory for it, the frame counts as lost for all watchers that would have got it.
+// If memory is missing, the frame counts as lost for all watchers whose filter accepts it.
 void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) noexcept {
     if (has_other_links()) [[unlikely]]
         try {
             look_at_links();
-        } catch (const std::bad_alloc&) {    // the old names stand until the next frame
+        } catch (const std::bad_alloc&) {    // the old names remain until the next frame
         }
     for (const auto& stream : streams_) {
         if (stream->is_nearly_due(gateway_.time())) [[unlikely]]
@@ -161,7 +161,7 @@ void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) no
     }
 }
 
-// A batch goes to the watchers whose queue is open when it ends. While no queue is open, frames are counted and not copied.
+// A finished batch is passed to the watchers whose queue is open. While no queue is open, frames are counted and not copied.
 void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame, TimePoint at) {
     const auto is_ready = [](const Watcher* watcher) { return watcher->queue.is_open(); };
     if (std::none_of(stream.watchers.begin(), stream.watchers.end(), is_ready)) {
@@ -183,7 +183,7 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
     stream.leave_soon();
 }
 
-// Allocates the size of the last batch: so a batch seldom has to grow, and small batches that wait take little memory.
+// Allocates the size of the last batch, so that a batch seldom has to grow and small waiting batches use little memory.
 void FrameWatch::begin_batch(Stream& stream) {
     read_clocks();
     stream.batch = memory_.take(stream.usual + stream.usual / 8);
@@ -201,7 +201,7 @@ bool FrameWatch::has_other_links() const noexcept {
     return !tables_ || version_ != gateway_.forwarder().version() || tables_->decoding != gateway_.decoding();
 }
 
-// Ends all batches first: the numbers in earlier records have the old meaning.
+// Ends all batches before the new tables, because earlier records use the old numbers.
 void FrameWatch::look_at_links() {
     if (!has_other_links()) return;
     tables_ = tables_of(gateway_);
@@ -213,7 +213,7 @@ void FrameWatch::look_at_links() {
     }
 }
 
-// False: its queue is full, or there is too little memory for more.
+// False: the queue is full, or memory is missing.
 bool FrameWatch::Stream::takes(Watcher& watcher, const WatchQueue::Batch& ended) {
     try {
         return watcher.queue.push(ended);
@@ -242,12 +242,12 @@ void FrameWatch::Stream::deliver() {
     for (Watcher* watcher : watchers) watcher->more();
 }
 
-// Behind the frames that are read now, without a wake-up of its own. The timer is the same for as long as frames come.
+// Delivers after the frames of the current read, without an extra wake-up. The timer is not set again while frames keep arriving.
 void FrameWatch::Stream::leave_soon() noexcept {
     if (std::exchange(goes_on, true)) return;
     try {
         due.hurry();
-    } catch (const std::bad_alloc&) {    // then as it was set
+    } catch (const std::bad_alloc&) {    // delivered at the set time
     }
 }
 

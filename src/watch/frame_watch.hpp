@@ -1,4 +1,4 @@
-// Reports every frame that is received, sent or dropped to the watchers.
+// Passes all received, sent and dropped frames to the watchers.
 #pragma once
 #include <gateway/forwarder.hpp>
 #include <sys/alarm.hpp>
@@ -14,12 +14,13 @@ namespace anogate {
 
 class Gateway;
 
-/// Receives the frames in its queue.
+/// A receiver of frames, by its queue.
 class Watcher {
 public:
     static constexpr std::size_t max_waiting = 1024 * 1024;    // bytes
 
-    /// There is more in the queue. Called from the loop, never while a frame is forwarded; it does not remove itself in the call.
+    /// The queue has new items. Called from the loop, never while a frame is forwarded; the watcher must not remove itself in the
+    /// call.
     virtual void more() = 0;
     WatchQueue queue{max_waiting};
 
@@ -27,26 +28,26 @@ protected:
     ~Watcher() = default;
 };
 
-/// Without watchers it costs a frame nothing. A frame is copied once for all watchers with the same filter: into a batch, which is put
-/// into the queue of each when the time `batch` of the settings is over, or shortly before together with another frame, because the loop
-/// is awake then. While all their queues are full, frames are only counted.
+/// No cost per frame without watchers. A frame is copied once for all watchers with the same filter, into a batch. The batch is
+/// put into the queue of each watcher after the time `batch` of the settings, or shortly before, together with another frame,
+/// because the loop is awake then. While all their queues are full, frames are only counted.
 class FrameWatch final : private Forwarder::Observer {
 public:
-    static constexpr std::size_t batch_size = 64 * 1024;    // bytes; one that is as large does not wait
+    static constexpr std::size_t batch_size = 64 * 1024;    // bytes; a batch of this size is delivered at once
 
-    /// `gateway` outlives it.
+    /// `gateway` must outlive it.
     explicit FrameWatch(Gateway& gateway);
     ~FrameWatch();
     FrameWatch(const FrameWatch&) = delete;
     FrameWatch& operator=(const FrameWatch&) = delete;
 
-    /// `watcher` gets frames from now on, until remove(); the tables come first.
+    /// From now until remove(), `watcher` gets the tables and then frames.
     void add(Watcher& watcher, const FrameFilterSettings& settings);
-    /// `watcher` gets no more frames; those until now are in its queue.
+    /// `watcher` gets no more frames; earlier ones are in its queue.
     void remove(Watcher& watcher);
-    /// Puts into the queue of an added `watcher` what was to wait for its batch, without calling it.
+    /// Ends the current batch and puts it into the queue of an added `watcher`, without calling it.
     void catch_up(const Watcher& watcher);
-    /// Changes the settings of an added `watcher`. It loses no frame that passes the old and the new settings.
+    /// Changes the settings of an added `watcher`. No frame that passes both the old and the new settings is lost.
     void change(Watcher& watcher, const FrameFilterSettings& settings);
 
 private:
@@ -63,10 +64,10 @@ private:
         FrameFilterSettings settings;
         FrameFilter filter;
         std::vector<Watcher*> watchers;
-        std::shared_ptr<std::string> batch;    // nullptr: nothing was recorded since the last; as large as there is room
-        std::size_t filled = 0;                // bytes of it
+        std::shared_ptr<std::string> batch;    // nullptr: no frame since the last one; its size is its capacity
+        std::size_t filled = 0;                // bytes used of `batch`
         std::size_t usual = 0;                 // bytes of a batch
-        bool goes_on = false;                  // frames come so often that the next batch begins at once
+        bool goes_on = false;                  // frames are so frequent that the next batch begins at once
         Alarm due;
     };
     struct Event {
@@ -95,12 +96,12 @@ private:
     void look_at_links();
 
     Gateway& gateway_;
-    Alarm links_due_;    // a link is gone
+    Alarm links_due_;    // after the removal of a link
     std::vector<std::unique_ptr<Stream>> streams_;
     BatchMemory memory_;
     WatchQueue::Tables tables_;
-    std::uint64_t version_ = 0;    // of the forwarder, that the tables are of
-    std::uint64_t real_ns_ = 0;    // what the other clocks are ahead of that of TimePoint
+    std::uint64_t version_ = 0;    // of the Forwarder, for which the tables were made
+    std::uint64_t real_ns_ = 0;    // offsets of the other clocks from that of TimePoint
     std::uint64_t boot_ns_ = 0;
 };
 

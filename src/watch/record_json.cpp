@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 // The names of links and peers may contain any bytes.
 std::string text_of(const Json& json) { return ano::json_text(json); }
 
-// Empty: none has this number.
+// Empty: the number is not in use.
 std::string_view name_at(const std::vector<std::string>& names, std::size_t number) {
     return number < names.size() ? std::string_view{names[number]} : std::string_view{};
 }

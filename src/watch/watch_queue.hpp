@@ -1,4 +1,4 @@
-// The queue of a watcher of frames: what waits for it, and what it lost. No I/O.
+// The queue of a watcher of frames: waiting items, and counts of lost frames. No I/O.
 //
 // Flow:    queue.push(tables); queue.push(batch, now)    // as it comes
 //          while (auto item = queue.next(now)) ...       // in this order
@@ -19,7 +19,7 @@
 
 namespace anogate {
 
-/// The names for the numbers in records; the position in a vector is the number.
+/// The names for the numbers in records; the index in a vector is the number.
 struct WatchTables {
     std::vector<std::string> links;    // empty: unused number
     std::vector<std::string> peers;    // of the channels
@@ -27,21 +27,21 @@ struct WatchTables {
     std::string text;                  // {"links": [...], "channels": [...], "causes": [...], "decoding": {...}}
 };
 
-/// Frames that were not shown, by their id.
+/// Counts of lost frames, by id.
 struct LostFrames {
     std::array<std::uint32_t, 256> by_id{};
     std::uint64_t count = 0;
-    std::chrono::milliseconds since{};    // how long ago the first was lost
+    std::chrono::milliseconds since{};    // the time since the first loss
 
-    /// Counts those of `later` as well.
+    /// Adds the counts of `later`.
     void add(const LostFrames& later) noexcept {
         count += later.count;
         for (std::size_t id = 0; id < by_id.size(); ++id) by_id[id] += later.by_id[id];
     }
 };
 
-/// Bounded. Once something does not fit, nothing more is accepted until all waiting items and then the loss were taken: so the loss is
-/// reported before the next frame, and a slow watcher gets continuous sequences.
+/// Bounded. After an item that does not fit, nothing more is accepted until all waiting items and then the loss are taken. Thus
+/// the loss is reported before the next frame, and a slow watcher gets continuous sequences.
 class WatchQueue {
 public:
     /// Concatenated records; many queues may share one batch.
@@ -52,7 +52,7 @@ public:
     explicit WatchQueue(std::size_t max_bytes) noexcept : max_bytes_{max_bytes} {}
 
     bool is_open() const noexcept { return lost_.count == 0; }
-    /// False: it did not fit, and its frames are to be counted by lose().
+    /// False: it did not fit; the caller must count its frames with lose().
     bool push(Batch batch) {
         if (!is_open() || batch->size() > max_bytes_ - bytes_) return false;
         const std::size_t size = batch->size();
@@ -60,12 +60,12 @@ public:
         bytes_ += size;
         return true;
     }
-    /// The names for all records pushed from now on.
+    /// Sets the names for all records pushed from now on.
     void push(Tables tables) {
         if (is_open()) items_.emplace_back(std::move(tables));
         else later_ = std::move(tables);
     }
-    /// A frame of this id is not shown.
+    /// Counts a lost frame of this id.
     void lose(std::uint8_t id, ano::TimePoint now) noexcept {
         if (lost_.count++ == 0) since_ = now;
         ++lost_.by_id[id];
@@ -92,7 +92,7 @@ private:
     std::size_t max_bytes_;
     std::size_t bytes_ = 0;
     std::deque<Item> items_;
-    Tables later_;    // pushed while nothing was accepted
+    Tables later_;    // pushed while the queue was closed
     LostFrames lost_;
     ano::TimePoint since_{};
 };

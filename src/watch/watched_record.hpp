@@ -1,4 +1,4 @@
-// Converts the records that a watcher of the gateway gets into those of a recording.
+// Converts the records of a watcher into those of a recording.
 #pragma once
 #include <gateway/frame_record.hpp>
 #include <record/recording.hpp>
@@ -13,7 +13,7 @@ namespace anogate {
 
 class Gateway;
 
-/// The names for the numbers in records; the position in a vector is the number.
+/// The names for the numbers in records; the index in a vector is the number.
 struct RecordedNames {
     std::vector<std::string> links, kinds;    // of the links
     std::vector<std::string> peers;           // of the channels
@@ -26,14 +26,14 @@ RecordedNames recorded_names(const WatchTables& tables, const Gateway& gateway);
 
 /// A watched frame. Valid as long as `record` and `names`.
 RecordedFrame as_recorded(const FrameRecord& record, const RecordedNames& names);
-/// Without a description of its link.
+/// The same, without a description of its link.
 RecordedFrame as_recorded(const FrameRecord& record, const WatchTables& tables);
 
 std::uint64_t count_of_records(std::string_view records) noexcept;
 
 /// "euler 120, inertial 120"
 std::string loss_names(const LostFrames& lost);
-/// The header of a recording that begins now.
+/// The header for a recording that begins now.
 RecordingHead recording_head(DecodingPtr decoding = {});
 
 }    // namespace anogate
