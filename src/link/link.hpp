@@ -67,14 +67,14 @@ struct UnassignedTraffic {
     ReceiveCounters received;
     std::uint64_t v7_frames = 0;                 // frames of the previous protocol version
     std::uint64_t gateways = 0;                  // other gateways' listening ports that sent here
-    std::uint64_t no_place = 0;                  // of unknown senders: datagrams refused because max_peers is reached
-    std::uint64_t no_memory = 0;                 // of unknown senders: datagrams refused for lack of memory
-    std::uint64_t outsiders = 0;                 // of unknown senders: datagrams refused because of `allow`
+    std::uint64_t no_place = 0;                  // datagrams of unknown senders refused because max_peers is reached
+    std::uint64_t no_memory = 0;                 // datagrams of unknown senders refused for lack of memory
+    std::uint64_t outsiders = 0;                 // datagrams of unknown senders refused because they are outside `allow`
     const ano::FrameParser* parser = nullptr;    // of the data above; nullptr: none
     std::uint64_t handshakes = 0;                // recent connections dropped during their handshake in favour of others
 };
 
-/// One serial port, UDP socket, CAN interface and so on. Reads, writes and reports; it takes no routing decisions.
+/// One serial port, UDP socket, CAN interface and so on. Reads, writes and reports; it makes no routing decisions.
 class Link {
 public:
     Link(LinkId id, LinkSettings settings) : id_{id}, settings_{std::move(settings)} {}

@@ -1,7 +1,7 @@
 // A recording that a thread reads ahead, so that the loop never waits for the disk. In addition to the waiting frames, the thread
 // holds one uncompressed chunk of MCAP, at most 64 MiB.
 //
-// Flow: ReplayFile file{io, [] { new frames, or another state }};
+// Flow:    ReplayFile file{io, [] { new frames, or another state }};
 //          file.start(settings);
 //          while (const auto frame = file.next()) { ...; file.take(); }
 //          file.stop();

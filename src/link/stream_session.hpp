@@ -47,7 +47,7 @@ public:
 
 protected:
     /// Work before frames can be exchanged, such as connecting or a handshake. Called by open(), and again when the descriptor
-    /// can be read or written, as the result asks. `failed`: see errno. `waits`: until continue_opening() is called.
+    /// can be read or written, depending on the result. `failed`: see errno. `waits`: until continue_opening() is called.
     enum class Opening { done, wants_to_read, wants_to_write, waits, failed };
     virtual Opening go_on_opening() { return Opening::done; }
     /// The opening is done. Nothing is read before resume_reading(), except by the opening itself.

@@ -3,7 +3,7 @@
 //
 // Flow:    GatewayDevice device{deeds};
 //          device.configure(settings_of_file, written);
-//          device.take(frame, {link, "ground", false, false}, now);    // frames for it, or for everybody
+//          device.take(frame, {link, "ground", false, false}, now);    // frames to its id or to 0xFF
 //          device.run(now);                                            // at due(), when there is one
 //          while (const auto out = device.next()) ...                  // after each of them
 #pragma once

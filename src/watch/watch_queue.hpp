@@ -1,6 +1,6 @@
 // The queue of a watcher of frames: waiting items, and counts of lost frames. No I/O.
 //
-// Flow:    queue.push(tables); queue.push(batch, now)    // as it comes
+// Flow:    queue.push(tables); queue.push(batch, now)    // as they arrive
 //          while (auto item = queue.next(now)) ...       // in this order
 #pragma once
 #include <ano/time.hpp>

@@ -114,7 +114,7 @@ TEST_F(Can, pty_to_can_to_udp_and_back) {
     ::close(pty);
 }
 
-// The table of src/link/README.md stands on these counts.
+// The table of src/link/README.md is computed from these counts.
 TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
     for (const bool fd : {false, true}) {
         for (const bool isotp : {false, true}) {

@@ -1,4 +1,4 @@
-// Prints the table "How much a bus carries" of src/link/README.md.
+// Prints the table of the capacity of a CAN bus in src/link/README.md.
 #include "can_rate.hpp"
 
 #include <cstdio>

@@ -18,7 +18,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t descriptors_of_one = 6;    // its socket twice, an event twice, and once more at its end
+constexpr std::size_t descriptors_of_one = 6;    // its socket twice, an event twice, and more at its end
 
 std::uint64_t waiting_party(const IpAddress& address) {
     const std::size_t size = address.v6 ? 8 : 4;
