@@ -174,6 +174,7 @@ private:
     void fit(TimePoint now);
     void write(TimePoint now);
     void written(TimePoint now);
+    void finish_of_another(const Task& part, TimePoint now);
     void restore(End why, TimePoint now);
     void restored(TimePoint now);
     bool order_is_right() const;

@@ -97,7 +97,8 @@ private:
 /// doubts. Null: they are not known, or the device has reported otherwise since. Valid as CommandCache::find() says.
 const std::vector<CommandInfo>* commands_read_last(CommandCache& cache, const Device& device);
 
-/// Asks the device whether a command that it described earlier is still the same, before everything else that is asked of it.
+/// Asks the device whether a command that it described earlier is still the same, before everything else that is asked of it; and who it is
+/// at the same time.
 class CommandCheck final : public Task {
 public:
     /// What is known at its end.
@@ -115,9 +116,6 @@ public:
 
     void start(TimePoint now);
     void ended(const Ended& ended, TimePoint now) override;
-    /// It asks so often. Each answer is waited for as long as two round trips take, within these: a second in all.
-    static constexpr unsigned sends = 3;
-    static constexpr Duration least_wait = std::chrono::milliseconds{166}, longest_wait = std::chrono::milliseconds{333};
     Found found() const noexcept { return found_; }
 
 private:
@@ -141,6 +139,7 @@ public:
     void ended(const Ended& ended, TimePoint now) override;
 
 private:
+    std::string order() const override { return "command " + command_.name; }
     /// Appends the values to `out`. Returns why they do not fit, as a clause; std::nullopt: they fit.
     std::optional<std::string> pack(std::vector<std::uint8_t>& out) const;
 

@@ -36,10 +36,12 @@ struct DeviceInfo {
 
 /// How a request ended.
 enum class Outcome : std::uint8_t {
-    answered,     // with data, or with the acknowledgement
-    timeout,      // no answer came that fits; Evidence::unfit has one that does not
-    not_there,    // not sent: its parameter is beyond the count that the device has reported meanwhile
-    uncertain,    // a write of a parameter that is not repeated: the device may be another one since it was sent
+    answered,        // with data, or with the acknowledgement
+    timeout,         // no answer came that fits; Evidence::unfit has one that does not
+    not_there,       // not sent: its parameter is beyond the count that the device has reported meanwhile
+    uncertain,       // a write of a parameter that is not repeated: the device may be another one since it was sent
+    another,         // not sent, or not repeated: another device has this address now
+    unidentified,    // not sent: the device may be another one, and does not answer who it is; `evidence` is of that question
 };
 
 struct Ended {
@@ -54,6 +56,8 @@ class Asker {
 public:
     /// A request ended. New ones may be asked here; the device may not be destroyed.
     virtual void ended(const Ended& ended, TimePoint now) = 0;
+    /// The same with Outcome::another or unidentified.
+    virtual void not_meant(const Ended& ended, TimePoint now) { this->ended(ended, now); }
     /// A frame came that should have been the answer to a request, and does not fit. The request may wait on.
     virtual void came_unfit(FrameView /*frame*/) {}
 
@@ -87,6 +91,15 @@ enum class Taken : std::uint8_t {
 /// The oldest of equal commands gets the first acknowledgement, and Evidence::may_be_of_equal.
 /// A request of an asker that yields goes behind all others. Such a request that was sent before is sent again nevertheless: another one may
 /// wait for its end.
+///
+/// A request that acts, or is Request::of_same, reaches no other device than the one that was there when it was asked, or that it states
+/// (Request::identity). After a sign that another one may have the address (doubts(), a pause, a frame that acts and was not acknowledged),
+/// the device is asked for its device info before such a request is sent, or sent again. If that differs from the one before, all such
+/// requests end as Outcome::another. Without an answer they are not sent, except:
+/// - a command that was not sent yet, or when nothing but its acknowledgement is missing: it may be LAND;
+/// - frames of an upgrade: a loader need not answer.
+/// What was not acknowledged is no reason to ask before the first frame of a command. A device that never reported its device info is not
+/// asked.
 ///
 /// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on it.
 class Device {
@@ -143,12 +156,29 @@ public:
     /// Grows each time the device was away: what was known of it before may be wrong.
     std::uint32_t presence() const noexcept { return presence_; }
     /// Grows with each sign that it may have restarted, or be another device: with presence(), when its telemetry paused (TelemetryPace),
-    /// and when the link to it was down. What it described before may be wrong.
+    /// when the link to it was down, and when a write was not acknowledged. What it described before may be wrong.
     std::uint32_t doubts() const noexcept { return doubts_; }
     /// Whether there was no such sign since `doubts`, and its telemetry does not pause now.
     bool is_certain_since(std::uint32_t doubts, TimePoint now) const noexcept {
         return is_present(now) && doubts == doubts_ && !pace_.pauses(now);
     }
+    /// Which device it is, as far as its device info shows.
+    Identity identity() const noexcept { return identity_; }
+    /// It was identified since the last of its doubts().
+    bool is_identified() const noexcept { return doubts_ == identified_doubts_; }
+    /// When it sent its device info last.
+    TimePoint identified_at() const noexcept { return identified_at_; }
+    /// Its device info, as received before this was made.
+    void know_as(DeviceInfo info) { known_as_ = std::move(info); }
+    /// There is a sign that another device may have the address.
+    void doubt() noexcept { ++doubts_; }
+    /// Asks for its device info before all else, if a command would wait for that: to be called when it is asked something at that time.
+    void identify_for_command(TimePoint now);
+    /// A command waits for the answers to so many sends, each so long as two round trips take, within these: a second in all.
+    static constexpr unsigned sends_before_command = 3;
+    static constexpr Duration least_wait_before_command = std::chrono::milliseconds{166},
+                              longest_wait_before_command = std::chrono::milliseconds{333};
+    Patience patience_before_command() const noexcept;
     /// The link to it was down.
     void link_was_down() noexcept {
         ++doubts_;
@@ -189,6 +219,23 @@ private:
         TimePoint late_until;    // of a request that may be sent only once
     };
 
+    /// Asks for the device info while others wait for that. hear() takes the answer, whoever asked for it.
+    struct Identification final : Asker {
+        explicit Identification(Device& of) : device{of} {}
+        void ended(const Ended& ended, TimePoint now) override { device.not_identified(ended, now); }
+        Device& device;
+    };
+
+    void identify(bool for_command, TimePoint now);
+    void recognise(const DeviceInfo& info, TimePoint now);
+    void not_identified(const Ended& ended, TimePoint now);
+    void not_acknowledged(const Exchange& exchange) noexcept;
+    bool is_another(const Exchange& exchange) const noexcept;
+    bool is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept;
+    bool waits_for_identity(Exchange& exchange, TimePoint now);
+    Exchange* held() noexcept;
+    void go_unidentified(Exchange& exchange, const Ended& unanswered, TimePoint now);
+    void end_as(Exchange& exchange, Outcome outcome, std::optional<Evidence> evidence, TimePoint now);
     void hear(FrameView frame, TimePoint now);
     void note_telemetry(FrameView frame, TimePoint now) noexcept;
     bool answers_for_info(const DeviceInfo& info, TimePoint now);
@@ -198,7 +245,8 @@ private:
     void remember(const Exchange& exchange, bool answered) noexcept;
     bool has_unanswered_equal(const Exchange& command, TimePoint now) const noexcept;
     void expire(TimePoint now);
-    void end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now);
+    void end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now,
+             std::optional<Evidence> instead = std::nullopt);
     bool may_be_asked(FrameView request) const noexcept;
     bool may_be_repeated(const Exchange& exchange, TimePoint now) const noexcept;
     std::optional<TimePoint> may_start_at(const Exchange& exchange) const noexcept;
@@ -225,6 +273,15 @@ private:
     std::uint32_t doubts_ = 0;
     std::uint32_t losses_ = 0;
     bool is_lost_ = false;
+    Identification identification_{*this};
+    bool identifies_ = false, identifies_for_command_ = false;
+    std::optional<DeviceInfo> known_as_;    // the last device info, also while it is away
+    Identity identity_;
+    TimePoint identified_at_{};
+    std::uint32_t identified_doubts_ = 0;               // doubts_ at that time
+    bool is_unacknowledged_ = false;                    // a frame that acts, since then
+    std::optional<std::uint32_t> unanswered_doubts_;    // doubts_ when it did not answer who it is
+    TimePoint unanswered_at_{};
     TelemetryPace pace_;
     std::optional<TimePoint> info_asked_at_, info_answered_at_;
     static constexpr std::size_t max_info_questions = 64;

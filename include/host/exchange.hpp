@@ -30,13 +30,23 @@ struct Patience {
     std::optional<Duration> if_heard{};
 };
 
+/// Which device a request is meant for (Device::identity()).
+struct Identity {
+    std::uint32_t device = 0;    // grows with each device info (0xE3) that differs from the one before
+    std::uint32_t hardware =
+        0;    // only with another type or hardware version: a loader may report other versions than the firmware
+    friend bool operator==(const Identity&, const Identity&) = default;
+};
+
 /// DATA of one message, for a device.
 struct Request {
     std::uint8_t id = 0;
     std::vector<std::uint8_t> data{};
     Patience patience{};
-    std::uint32_t tag = 0;    // chosen by the asker, and returned to it when the request ends
-    bool urgent = false;      // a command waits for its answer: it passes all but commands
+    std::uint32_t tag = 0;                 // chosen by the asker, and returned to it when the request ends
+    bool urgent = false;                   // a command waits for its answer: it passes all but commands
+    bool of_same = false;                  // only the device that is meant may answer: it is sent as one that acts
+    std::optional<Identity> identity{};    // of the device that is meant; std::nullopt: the one that is there when it is asked
 };
 
 /// The request to send `draft` (typed.hpp).
@@ -73,6 +83,23 @@ public:
     Asker* asker() const noexcept { return asker_; }
     std::uint32_t tag() const noexcept { return tag_; }
     bool is_urgent() const noexcept { return urgent_; }
+    /// It commands or changes the device.
+    bool acts() const noexcept { return acts_; }
+    /// It must reach no other device than the one that is meant.
+    bool is_of_same() const noexcept { return acts_ || of_same_; }
+    Identity identity() const noexcept { return identity_; }
+    void mean(Identity identity) noexcept { identity_ = identity; }
+    /// It waits until the device is identified.
+    bool is_held() const noexcept { return held_; }
+    void hold() noexcept { held_ = true; }
+    /// `passes`: its next send needs no identification.
+    void release(bool passes) noexcept {
+        held_ = false;
+        passes_ = passes;
+    }
+    bool passes() const noexcept { return passes_; }
+    /// How long it may be repeated, where each send has a fixed wait.
+    Duration longest() const noexcept { return patience_.sends * patience_.wait.value_or(Duration{}); }
 
     /// A send of a request.
     struct Send {
@@ -142,6 +169,10 @@ private:
     Asker* asker_;
     std::uint32_t tag_;
     bool urgent_;
+    bool of_same_;
+    bool acts_ = false;
+    bool held_ = false, passes_ = false;
+    Identity identity_;
     unsigned sent_ = 0;
     // Until a round trip is measured, a loss says nothing about the time that an answer needs, and a question harms nobody.
     bool asks_often(bool known) const noexcept { return !known && is_measured() && !expects_->is_acknowledgement(); }

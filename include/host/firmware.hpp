@@ -76,6 +76,7 @@ public:
     void cancel(TimePoint now) override;
     void ended(const Ended& ended, TimePoint now) override;
     void came_unfit(FrameView frame) override;
+    void not_meant(const Ended& ended, TimePoint now) override;
 
     /// What came last in this step and is no answer, as a clause; empty: nothing.
     const std::string& odd_reply() const noexcept { return odd_reply_; }

@@ -73,8 +73,6 @@ public:
     const std::vector<Row>& rows() const noexcept { return rows_; }
     /// One failed or the task was cancelled, and the old values are being restored.
     bool is_undoing() const noexcept { return undoing_; }
-    /// The device became another one. Nothing was written to that, so what was written to the one before is not undone.
-    bool is_of_another() const noexcept { return is_of_another_; }
 
 private:
     void described(TimePoint now);
@@ -118,7 +116,6 @@ private:
     std::vector<bool> repeated_;                        // of rows_: written once more, since it was lost
     std::size_t lost_ = 0;
     bool undoing_ = false;
-    bool is_of_another_ = false;
     std::vector<bool> undone_again_;    // of rows_
     std::optional<End> why_;            // of the first that failed; how the task ends after undoing
 };

@@ -61,16 +61,18 @@ public:
     bool is_clamped() const { return end() && end()->ending == Ending::done && !same(*stored_, wire_); }
     /// Whether the write has left: the device may have stored it.
     bool was_sent() const noexcept { return was_sent_; }
-    /// It failed because the device became another one: nothing may be written to that.
-    bool is_of_another() const noexcept { return is_of_another_; }
     /// If was_sent() and this is false, only reading back shows whether the device stored the value.
     bool was_acknowledged() const noexcept { return was_sent_ && !silence_; }
 
 private:
-    enum Step : std::uint32_t { read_before, write_value, read_back, read_again, ask_count, ask_description, read_early };
+    enum Step : std::uint32_t { read_before, write_value, read_back, read_again, ask_count, recount, describe, read_early };
     using Wire = std::vector<std::uint8_t>;
 
+    void not_meant(const Ended& ended, TimePoint now) override;
+    void was_silent(const Evidence& evidence);
+    std::string order() const override { return "write of " + info_.name; }
     void go_on(TimePoint now);
+    void ask_description(TimePoint now);
     void described(const Ended& ended, TimePoint now);
     void ask_value(Step step, TimePoint now) {
         step_ = step;
@@ -93,11 +95,13 @@ private:
     Step step_ = read_before;
     bool was_sent_ = false;
     bool write_ended_ = false, early_ended_ = false;
-    bool was_repeated_ = false;          // the write
-    Evidence acknowledgement_;           // of the write
-    std::optional<Evidence> silence_;    // set when the write was not acknowledged
-    bool is_of_another_ = false;
+    bool was_repeated_ = false;             // the write
+    Evidence acknowledgement_;              // of the write
+    std::optional<Evidence> silence_;       // set when the write was not acknowledged
+    bool is_compared_ = false;              // a value that is neither the old nor the new one was read again
+    std::optional<std::uint16_t> count_;    // of parameters, when it began
     static constexpr unsigned max_uncertain = 5;
+    unsigned sends_ = 0;                     // of the write, that were not acknowledged
     unsigned uncertain_ = 0;                 // Outcome::uncertain, so often; after more the write counts as not acknowledged
     std::optional<std::uint32_t> doubts_;    // Device::doubts() when `info` was the device's
     Wire wire_;
@@ -125,6 +129,8 @@ public:
     void cancel(TimePoint now) override;
 
 private:
+    std::string order() const override;
+
     Action action_;
 };
 

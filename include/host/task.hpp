@@ -41,10 +41,13 @@ struct Progress {
     std::size_t total = 0;
 };
 
+/// "0xDC", as addresses are written for people.
+std::string hex_of(std::uint8_t address);
+
 /// The device must outlive its tasks. A task runs once, from its start(); its results can be read after its end.
 class Task : public Asker {
 public:
-    explicit Task(Device& device) : device_{device} {}
+    explicit Task(Device& device) : device_{device}, identity_{device.identity()} {}
     virtual ~Task() { device_.forget(*this); }
     Task(const Task&) = delete;
     Task& operator=(const Task&) = delete;
@@ -54,6 +57,16 @@ public:
     virtual Progress progress() const noexcept { return {}; }
     /// Counted from the first request. It limits devices that always answer just in time; the wait for the last request may exceed it.
     virtual Duration max_duration() const noexcept { return std::chrono::minutes{2}; }
+    /// Which device is meant: the one that was there when the task was made, or when renew_identity() was called.
+    Identity identity() const noexcept { return identity_; }
+    /// The device of `identity` is meant, in any case: for a task that is a part of another one.
+    void mean(Identity identity) noexcept {
+        identity_ = identity;
+        is_meant_ = true;
+    }
+    /// It failed because another device has the address: nothing that acts was sent to that.
+    bool is_of_another() const noexcept { return is_of_another_; }
+    void not_meant(const Ended& ended, TimePoint now) override;
     /// Ends the task; the end says what is half done. A task that has to restore something first ends after that.
     virtual void cancel(TimePoint now);
     /// Called when it ends, last of all. The task may not be destroyed in it.
@@ -64,6 +77,20 @@ protected:
     const Device& device() const noexcept { return device_; }
     /// Sends `request`, or ends as invalid.
     void ask(const Request& request, TimePoint now);
+    /// What is known of the device was read just now: the one that is there is meant, unless mean() was called.
+    void renew_identity() noexcept {
+        if (!is_meant_) identity_ = device_.identity();
+    }
+    /// Whether another device has the address than the one that is meant.
+    bool finds_another() const noexcept { return identity_ != device_.identity(); }
+    /// To be called before finish(), where a part of the task found another device.
+    void be_of_another() noexcept { is_of_another_ = true; }
+    std::string words_of_another() const { return hex_of(device_.address()) + " became another device in the meantime"; }
+    /// Ends because another device has the address. `may_be_done`: by the one before, as a noun, and `left`: its state, as a clause; empty:
+    /// nothing to say.
+    void finish_another(std::string_view may_be_done, TimePoint now, std::string_view left = {});
+    /// What the task sends that acts, as a noun.
+    virtual std::string order() const { return {}; }
     /// A clause that follows the reason for giving up: the state in which the device is left.
     virtual std::string_view half_done() const noexcept { return {}; }
     /// To be called before a request. True, and the task has ended, when it has taken longer than max_duration().
@@ -84,12 +111,11 @@ private:
                            std::string_view likely);
 
     Device& device_;
+    Identity identity_;
+    bool is_meant_ = false, is_of_another_ = false;
     std::optional<TimePoint> begun_at_;
     std::optional<End> end_;
     std::function<void(TimePoint)> told_;
 };
-
-/// "0xDC", as addresses are written for people.
-std::string hex_of(std::uint8_t address);
 
 }    // namespace ano::host

@@ -7,12 +7,13 @@
 
 namespace ano::host {
 
-/// A pause is longer than max_pause and three usual intervals. Frames within `together` count as one, since many devices send several at a
+/// A pause is longer than max_pause and three usual intervals; of a slow pace, than one and a half and max_late. Frames within `together` count as one, since many devices send several at a
 /// time. As long as the pace is not known, nothing is a pause: it is judged again when a second interval shows the pace.
 class TelemetryPace {
 public:
     static constexpr Duration max_pause = std::chrono::milliseconds{500};
     static constexpr int usual_intervals = 3;
+    static constexpr Duration max_late = std::chrono::milliseconds{300};
     static constexpr Duration together = max_pause / usual_intervals;
 
     /// A frame of telemetry came; `heard_at`: the last frame of any kind before it. True: it paused before this frame, or before an
@@ -23,6 +24,7 @@ public:
     Duration longest_pause() const noexcept;
 
 private:
+    static Duration longest_pause_at(Duration usual) noexcept;
     bool is_known() const noexcept { return intervals_ >= 2; }
     void count(TimePoint now) noexcept;
 

@@ -97,6 +97,7 @@ private:
     void finish_stored(TimePoint now);
     void look_again(TimePoint now);
     void looked(TimePoint now);
+    std::string order() const override { return "write of " + number(); }
     std::string number() const { return "waypoint " + std::to_string(waypoints_[at_].num); }
 
     std::vector<Waypoint> waypoints_;

@@ -216,6 +216,7 @@ ano::host::Device& DeviceService::device(std::uint8_t address) {
     if (!known) known = std::make_unique<Known>();
     if (!known->device) {
         known->device = std::make_unique<ano::host::Device>(address, own_);
+        if (known->info) known->device->know_as(*known->info);
         known->device->on_maybe_deaf([this](ano::FrameView next) { return net_.flush_parser(next); });
     }
     if (ano::address::is_port_id(address)) asked_ports_ |= std::uint32_t{1} << address;
@@ -378,6 +379,7 @@ void DeviceService::confirm_info(Known& known, ano::FrameView frame, TimePoint n
     const std::uint32_t doubts = known.device ? known.device->doubts() : known.doubts;
     const bool is_in_doubt = std::exchange(known.in_doubt, false) || doubts != known.doubts;
     known.doubts = doubts;
+    if (known.device && known.device->is_identified()) return;
     if (!is_in_doubt || !known.info || frame.id() == ano::id_of<"device_info">) return;
     known.in_doubt = holder(frame.source()) != nullptr;    // a job counts its own silence: later
     if (known.in_doubt) return;

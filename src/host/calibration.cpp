@@ -109,6 +109,8 @@ void CalibrationWrite::start(TimePoint now) {
     apply_.on_end([this](TimePoint then) { applied(then); });
     use_.on_end([this](TimePoint then) { told(then); });
     again_.on_end([this](TimePoint then) { read_back(then); });
+    apply_.mean(identity());
+    use_.mean(identity());
     apply_.start(now);
 }
 
@@ -128,6 +130,7 @@ void CalibrationWrite::told(TimePoint now) {
 
 void CalibrationWrite::read_back(TimePoint now) {
     if (again_.end()->ending != Ending::done) return finish_as(again_, now);
+    if (finds_another()) return finish_another({}, now);
     if (const std::string* name = first_unlike(values_, again_))
         return finish({Ending::refused, hex_of(device().address()) + " does not keep " + *name, {}}, now);
     finish({}, now);
@@ -172,6 +175,7 @@ void Calibration::read_old(TimePoint now) {
                        hex_of(device().address()) + " does not have the parameters of this calibration in the expected order",
                        {}},
                       now);
+    renew_identity();
     old_ = *values_read();
     other_ = calibration_in(*reading_, other_than(sensor_)).value_or(CalibrationValues{});
     enter(Step::keep, now);
@@ -220,6 +224,7 @@ void Calibration::not_kept(const std::string& why, TimePoint now) {
 void Calibration::clear(TimePoint now) {
     enter(Step::clear, now);
     clear_ = std::make_unique<ParameterAction>(device(), clear_of(sensor_));
+    clear_->mean(identity());
     clear_->on_end([this](TimePoint then) { cleared(then); });
     clear_->start(now);
 }
@@ -227,6 +232,7 @@ void Calibration::clear(TimePoint now) {
 // A device shows in its parameters that they are cleared, or it does not: they are read to be compared later.
 void Calibration::cleared(TimePoint now) {
     if (end() || step_ != Step::clear) return;
+    if (clear_->is_of_another()) return finish_of_another(*clear_, now);
     if (clear_->end()->ending != Ending::done) return restore(*clear_->end(), now);
     settled_at_ = now + most_late;
     watch_.emplace(device(), now);    // from now on, since it may restart at once
@@ -400,6 +406,7 @@ void Calibration::end_silent(TimePoint now) {
         why_ = {Ending::timeout, hex_of(device().address()) + " stopped sending: nothing was received for 4.5 s", {}};
     stop_tasks(now);
     if (restore_) {
+        restore_->mean(identity());
         restore_->on_end({});
         restore_->cancel(now);
     }
@@ -450,6 +457,7 @@ void Calibration::write(TimePoint now) {
         return restore({Ending::refused, "the new values were not written: " + why, {}}, now);
     enter(Step::write, now);
     write_ = std::make_unique<CalibrationWrite>(device(), cache_, sensor_, new_);
+    write_->mean(identity());
     write_->on_end([this](TimePoint then) { written(then); });
     write_->start(now);
 }
@@ -479,6 +487,7 @@ CalibrationValues Calibration::named(std::span<const float> values) const {
 
 void Calibration::written(TimePoint now) {
     if (end() || step_ != Step::write) return;
+    if (write_->is_of_another()) return finish_of_another(*write_, now);
     if (write_->end()->ending != Ending::done) return restore(*write_->end(), now);
     is_proven_ = false;
     settled_at_ = now + most_late;
@@ -534,7 +543,7 @@ void Calibration::check_parameters(TimePoint now) {
 void Calibration::kept_new_values(TimePoint now) {
     if (end() || !is_proven_ || step_ == Step::restore) return;
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
-    if (first_unlike(new_, *reading_) == nullptr) return finish({}, now);
+    if (!finds_another() && first_unlike(new_, *reading_) == nullptr) return finish({}, now);
     restore({Ending::failed, hex_of(device().address()) + " did not keep the new values: it has probably restarted", {}}, now);
 }
 
@@ -554,6 +563,12 @@ void Calibration::not_verified(TimePoint now) {
                  error_text(promised, sensor_),
              {}},
             now);
+}
+
+// The old values are of the device before.
+void Calibration::finish_of_another(const Task& part, TimePoint now) {
+    be_of_another();
+    finish({Ending::failed, part.end()->what + "; the old values were not written to that", {}}, now);
 }
 
 void Calibration::restore(End why, TimePoint now) {

@@ -92,8 +92,8 @@ void CommandCheck::start(TimePoint now) {
     Draft<"command_query"> draft;
     (void)draft.set<"cmd">(1);
     (void)draft.set<"val">(known_.id);
-    const Duration wait = std::clamp(2 * device().round_trip().smoothed().value_or(Duration{}), least_wait, longest_wait);
-    Request question = request(draft, 0, {.sends = sends, .wait = wait});
+    device().identify_for_command(now);
+    Request question = request(draft, 0, device().patience_before_command());
     question.urgent = true;
     ask(question, now);
 }
@@ -101,7 +101,9 @@ void CommandCheck::start(TimePoint now) {
 void CommandCheck::ended(const Ended& ended, TimePoint now) {
     const auto* const last = commands_read_last(cache_, device());
     const auto described = ended.outcome == Outcome::answered ? command_info_in(*ended.answer) : std::nullopt;
-    if (ended.outcome != Outcome::answered) {
+    if (finds_another()) {
+        found_ = Found::another;
+    } else if (ended.outcome != Outcome::answered) {
         found_ = found_without_answer(now);
     } else if (!described || !is_same_command(*described, known_)) {
         found_ = Found::another;

@@ -1,6 +1,7 @@
 #include <ano/conversation.hpp>
 #include <ano/typed.hpp>
 #include <host/device.hpp>
+#include <host/parameter_info.hpp>
 
 #include <algorithm>
 #include <iterator>
@@ -27,6 +28,7 @@ bool is_question_for_info(FrameView frame) noexcept { return answer_to(frame) ==
 bool Device::ask(const Request& request, Asker& asker) {
     Exchange exchange{request, own_, address_, &asker};
     if (!exchange.is_askable() || !may_be_asked(exchange.frame())) return false;
+    if (!request.identity) exchange.mean(identity_);
     // A command does not wait until a long list was read: it is the next frame.
     const auto first_question = std::find_if_not(waiting_.begin(), waiting_.end(), goes_first);
     waiting_.insert(goes_first(exchange) ? first_question : waiting_.end(), std::move(exchange));
@@ -82,7 +84,7 @@ void Device::hear(FrameView frame, TimePoint now) {
     };
     if (heard_at_ && !is_present(now)) forget_it();
     note_telemetry(frame, now);
-    is_lost_ = false;
+    if (std::exchange(is_lost_, false)) unanswered_doubts_.reset();
     heard_at_ = now;
     if (const auto said = as<"device_info">(frame)) {
         DeviceInfo info{said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
@@ -92,12 +94,106 @@ void Device::hear(FrameView frame, TimePoint now) {
         const bool is_announced = is_for_us && !answers_for_info(info, now);
         if (is_announced) ++announcements_;
         if (is_announced || (info_ && *info_ != info)) forget_it();
+        recognise(info, now);
         info_ = std::move(info);
     }
     const auto count = as<"parameter_command">(frame);
     if (count && count->get<"cmd">() == 1) parameter_count_ = count->get<"val">();
     const auto commands = as<"command_query">(frame);
     if (commands && commands->get<"cmd">() == 0) command_count_ = commands->get<"val">();
+}
+
+void Device::recognise(const DeviceInfo& info, TimePoint now) {
+    if (known_as_ && *known_as_ != info) {
+        ++identity_.device;
+        if (known_as_->dev_id != info.dev_id || known_as_->hw_ver != info.hw_ver) ++identity_.hardware;
+    }
+    known_as_ = info;
+    identified_at_ = now;
+    identified_doubts_ = doubts_;
+    is_unacknowledged_ = identifies_ = false;
+    while (Exchange* const one = held()) one->release(false);
+}
+
+Exchange* Device::held() noexcept {
+    for (Exchanges* const list : {&sent_, &waiting_})
+        for (Exchange& exchange : *list)
+            if (exchange.is_held()) return &exchange;
+    return nullptr;
+}
+
+bool Device::is_another(const Exchange& exchange) const noexcept {
+    if (!exchange.is_of_same()) return false;
+    return exchange.frame().id() == id_of<"firmware"> ? exchange.identity().hardware != identity_.hardware
+                                                      : exchange.identity() != identity_;
+}
+
+// In its loader a device sends no telemetry, need not answer, and frames are lost while it writes.
+bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept {
+    if (!known_as_) return false;
+    const bool is_of_loader = exchange.frame().id() == id_of<"firmware">;
+    const bool is_first_command = is_command(exchange) && !exchange.was_sent();
+    const bool was_asked = unanswered_doubts_ == doubts_ && (is_of_loader || now - unanswered_at_ <= longest_wait_before_command);
+    if ((is_of_loader || is_first_command) && was_asked) return false;
+    if (!is_identified()) return true;
+    if (is_of_loader) return false;
+    if (!is_present(now)) return true;
+    if (pace_.pauses(now) && now - identified_at_ > pace_.longest_pause()) return true;
+    return is_unacknowledged_ && !is_first_command;
+}
+
+bool Device::waits_for_identity(Exchange& exchange, TimePoint now) {
+    if (!exchange.is_of_same() || exchange.passes() || !is_in_doubt(exchange, now)) return false;
+    exchange.hold();
+    identify(is_command(exchange) || exchange.frame().id() == id_of<"firmware">, now);
+    return true;
+}
+
+Patience Device::patience_before_command() const noexcept {
+    const Duration two_round_trips = 2 * round_trip_.smoothed().value_or(Duration{});
+    return {.sends = sends_before_command,
+            .wait = std::clamp(two_round_trips, least_wait_before_command, longest_wait_before_command)};
+}
+
+void Device::identify(bool for_command, TimePoint now) {
+    if (identifies_ && (identifies_for_command_ || !for_command)) return;
+    static_cast<void>(now);
+    forget(identification_);
+    Request question = question::device_info(0);
+    question.urgent = true;
+    if (for_command) question.patience = patience_before_command();
+    waiting_.emplace_front(question, own_, address_, &identification_);
+    identifies_ = true;
+    identifies_for_command_ = for_command;
+}
+
+void Device::identify_for_command(TimePoint now) {
+    if (known_as_ && (!is_identified() || !is_present(now) || pace_.pauses(now))) identify(true, now);
+}
+
+void Device::not_identified(const Ended& ended, TimePoint now) {
+    if (!std::exchange(identifies_, false)) return;    // it was heard
+    unanswered_doubts_ = doubts_;
+    unanswered_at_ = now;
+    while (Exchange* const one = held()) go_unidentified(*one, ended, now);
+}
+
+void Device::go_unidentified(Exchange& exchange, const Ended& unanswered, TimePoint now) {
+    exchange.release(false);
+    if (is_command(exchange)) {
+        const bool has_sign = exchange.was_sent() && (exchange.last().doubts != doubts_ || is_lost_);
+        if (!has_sign) return exchange.release(true);
+        if (now - exchange.first_sent() < exchange.longest()) return;    // it is asked again
+    }
+    if (exchange.frame().id() == id_of<"firmware">) return exchange.release(true);
+    if (exchange.was_sent()) return end_as(exchange, Outcome::timeout, std::nullopt, now);
+    end_as(exchange, Outcome::unidentified, unanswered.evidence, now);
+}
+
+void Device::end_as(Exchange& exchange, Outcome outcome, std::optional<Evidence> evidence, TimePoint now) {
+    Exchanges& from = exchange.was_sent() ? sent_ : waiting_;
+    const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == &exchange; });
+    end(from, which, outcome, {}, now, std::move(evidence));
 }
 
 void Device::expect_info(TimePoint now) {
@@ -171,16 +267,19 @@ bool Device::has_unanswered_equal(const Exchange& command, TimePoint now) const 
 }
 
 // The exchange is taken off the list before the asker is called, since that may ask again at once.
-void Device::end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now) {
+void Device::end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now,
+                 std::optional<Evidence> instead) {
     Exchanges over;
     over.splice(over.end(), from, which);
     const Exchange& exchange = over.front();
     if (exchange.was_sent()) remember(exchange, outcome == Outcome::answered);
     const bool answers = answered_at_ && exchange.was_sent() && *answered_at_ >= exchange.first_sent();
-    Evidence evidence = evidence_of(exchange);
+    Evidence evidence = instead ? *std::move(instead) : evidence_of(exchange);
     if (answer && !may_be_of(answer->source(), address_)) evidence.by_port = answer->source();
     evidence.may_be_of_equal = answer && is_command(exchange) && has_unanswered_equal(exchange, now);
-    exchange.asker()->ended({outcome, exchange.tag(), answer, std::move(evidence), answers}, now);
+    const Ended ended{outcome, exchange.tag(), answer, std::move(evidence), answers};
+    if (outcome == Outcome::another || outcome == Outcome::unidentified) return exchange.asker()->not_meant(ended, now);
+    exchange.asker()->ended(ended, now);
 }
 
 std::optional<FrameView> Device::next_frame(TimePoint now) {
@@ -189,6 +288,8 @@ std::optional<FrameView> Device::next_frame(TimePoint now) {
         Exchanges& from = next->was_sent() ? sent_ : waiting_;
         const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == next; });
         if (!may_be_asked(next->frame())) end(from, which, Outcome::not_there, {}, now);
+        else if (is_another(*which)) end(from, which, Outcome::another, {}, now);
+        else if (waits_for_identity(*which, now)) continue;
         else if (!may_be_repeated(*which, now)) end(from, which, Outcome::uncertain, {}, now);
         else if (!waits_for_flush(*which, now)) return send(from, which, now);
     }
@@ -200,8 +301,16 @@ void Device::expire(TimePoint now) {
     for (auto over = std::find_if(sent_.begin(), sent_.end(), is_over); over != sent_.end();
          over = std::find_if(sent_.begin(), sent_.end(), is_over)) {
         if (over->is_lost_by_measure()) window_.lost(over->last().alone, round_trip_.grows());
+        if (over->acts()) not_acknowledged(*over);
         if (!over->time_out(now)) end(sent_, over, Outcome::timeout, {}, now);
     }
+}
+
+// It may have been sent to a device that is away. A command need not be acknowledged, and a loader is busy.
+void Device::not_acknowledged(const Exchange& exchange) noexcept {
+    if (exchange.frame().id() == id_of<"firmware">) return;
+    is_unacknowledged_ = true;
+    if (!is_command(exchange)) ++doubts_;
 }
 
 std::size_t Device::on_their_way() const noexcept {
@@ -215,7 +324,7 @@ bool Device::awaits_acknowledgement() const noexcept {
 }
 
 const Exchange* Device::lost() const noexcept {
-    const auto is_lost = [](const Exchange& e) { return !e.is_on_its_way(); };
+    const auto is_lost = [](const Exchange& e) { return !e.is_on_its_way() && !e.is_held(); };
     const auto first = std::find_if(sent_.begin(), sent_.end(),
                                     [&](const Exchange& e) { return is_lost(e) && !e.asker()->yields(); });
     const auto found = first != sent_.end() ? first : std::find_if(sent_.begin(), sent_.end(), is_lost);
@@ -259,14 +368,16 @@ const Exchange* Device::next_to_send(TimePoint now) const noexcept {
 
 // Commands and urgent requests are in front of all that waits.
 const Exchange* Device::first_of_all() const noexcept {
-    if (!waiting_.empty() && goes_first(waiting_.front())) return &waiting_.front();
+    const auto next = std::find_if(waiting_.begin(), waiting_.end(), [](const Exchange& e) { return !e.is_held(); });
+    if (next != waiting_.end() && goes_first(*next)) return &*next;
     const auto again = std::find_if(sent_.begin(), sent_.end(),
-                                    [](const Exchange& e) { return goes_first(e) && !e.is_on_its_way(); });
+                                    [](const Exchange& e) { return goes_first(e) && !e.is_on_its_way() && !e.is_held(); });
     return again != sent_.end() ? &*again : nullptr;
 }
 
-// std::nullopt: not before a request that was sent has ended.
+// std::nullopt: not before a request that was sent has ended, or the device is identified.
 std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const noexcept {
+    if (exchange.is_held()) return std::nullopt;
     const bool is_blocked = std::any_of(sent_.begin(), sent_.end(), [&](const Exchange& e) {
         return e.expects() == exchange.expects() || (e.expects().is_alone() && exchange.expects().is_alone());
     });

@@ -1,3 +1,4 @@
+#include <ano/conversation.hpp>
 #include <host/exchange.hpp>
 
 #include <algorithm>
@@ -10,8 +11,12 @@ Exchange::Exchange(const Request& request, std::uint8_t own, std::uint8_t device
       patience_{request.patience},
       asker_{asker},
       tag_{request.tag},
-      urgent_{request.urgent} {
-    if (encode(frame_, own, device, request.id, request.data) != 0) expects_ = Expectation::of(frame());
+      urgent_{request.urgent},
+      of_same_{request.of_same},
+      identity_{request.identity.value_or(Identity{})} {
+    if (encode(frame_, own, device, request.id, request.data) == 0) return;
+    expects_ = Expectation::of(frame());
+    acts_ = intent_of(frame()) == Intent::acts;
 }
 
 void Exchange::send(TimePoint now, const RoundTrip& round_trip, const Send& send) noexcept {
@@ -28,6 +33,7 @@ void Exchange::send(TimePoint now, const RoundTrip& round_trip, const Send& send
     ++sent_;
     on_its_way_ = true;
     was_kept_ = false;
+    passes_ = false;
 }
 
 Duration Exchange::wait_for_answer(const RoundTrip& round_trip, const Send& send) const noexcept {

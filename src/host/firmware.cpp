@@ -73,6 +73,7 @@ void Firmware::start(TimePoint now) {
 }
 
 void Firmware::identified(const Ended& ended, TimePoint now) {
+    renew_identity();
     const auto& info = device().info() ? device().info() : options_.info;
     if (!options_.force && !image_.is_for_any_hardware()) {
         if (!info) return finish_silent(step(), ended.evidence, now, "frames to it probably do not arrive");
@@ -155,6 +156,10 @@ void Firmware::measure(const Evidence& evidence, bool answered, TimePoint now) {
     }
     repeated_in_a_row_ = 0;
     frame_wait_ = std::clamp(2 * (now - asked_at_), write_time, RoundTrip::ceiling);
+}
+
+void Firmware::not_meant(const Ended&, TimePoint now) {
+    finish_another({}, now, erasing_ ? "the one before is left in its boot loader" : "");
 }
 
 void Firmware::came_unfit(FrameView frame) {
@@ -307,7 +312,8 @@ void Firmware::check_unanswered(const Ended& ended, TimePoint now) {
 
 void Firmware::frame_unanswered(const Ended& ended, TimePoint now) {
     measure(ended.evidence, false, now);
-    const bool is_heard = device().heard_at() && *device().heard_at() > answered_at_;
+    // That it was asked who it is, shows nothing.
+    const bool is_heard = device().heard_at() && *device().heard_at() > std::max(answered_at_, device().identified_at());
     if (now - answered_at_ < (is_heard ? patience : patience_unheard)) return ask_frame(now);
     begin_again(silence(ended.evidence), Ending::timeout, ended.evidence, now);
 }
@@ -319,6 +325,7 @@ void Firmware::begin_again(const std::string& why, Ending or_else, const Evidenc
     lost_because_ = why;
     lost_ending_ = or_else;
     ++restarts_;
+    device().doubt();
     ask_info(Purpose::begin_again, frame_ == 0 && or_else == Ending::timeout ? shorter_len() : options_.frame_len, now);
 }
 

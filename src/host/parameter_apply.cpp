@@ -52,6 +52,7 @@ void ParameterApply::described(TimePoint now) {
     if (parameters_.end()->ending != Ending::done) return finish_as(parameters_, now);
     if (!check(now)) return;
     if (options_.dry_run) return finish({}, now);
+    renew_identity();
     presence_ = device().presence();
     announcements_ = device().announcements();
     next(now);
@@ -136,6 +137,7 @@ void ParameterApply::write(std::size_t row, const AnyValue& value, WriteLimits l
                            TimePoint now) {
     last_ = std::move(write_);
     write_ = std::make_unique<ParameterWrite>(device(), infos_[row], value, limits);
+    write_->mean(identity());
     if (undoing_) write_->set_known(parameters_.doubts());
     else write_->set_before(parameters_.bytes(infos_[row].id), parameters_.doubts());
     write_->on_end([this, then](TimePoint later) { (this->*then)(later); });
@@ -155,12 +157,12 @@ void ParameterApply::row_ended(TimePoint now) {
     const bool is_noted = std::find(touched_.begin(), touched_.end(), at_) != touched_.end();
     if (write_->was_sent() && write_->stored() != row.before && !is_noted) touched_.push_back(at_);
     End ended = *write_->end();
-    is_of_another_ = write_->is_of_another();
+    if (write_->is_of_another()) be_of_another();
     if (ended.ending != Ending::done && is_restarted() && is_refusal(*write_) && !repeated_[at_]) {
         repeated_[at_] = true;
         return next(now);
     }
-    if (const std::string restart = words_of_restart(); ended.ending != Ending::done && !is_of_another_ && !restart.empty())
+    if (const std::string restart = words_of_restart(); ended.ending != Ending::done && !is_of_another() && !restart.empty())
         ended.what += "; " + restart + ", so what was written before that may be lost";
     row.what = ended.what;
     row.acknowledged = write_->was_acknowledged();
@@ -180,7 +182,7 @@ void ParameterApply::fail(const End& end, TimePoint now) {
     if (!options_.rollback) return finish(end, now);
     why_ = end;
     undoing_ = true;
-    if (is_of_another_) undo_no_more();
+    if (is_of_another()) undo_no_more();
     undo_next(now);
 }
 
@@ -214,6 +216,10 @@ void ParameterApply::check_written(TimePoint now) {
 void ParameterApply::written_is_read(TimePoint now) {
     if (end() || undoing_) return;
     if (again_->end()->ending != Ending::done) return fail(*again_->end(), now);
+    if (finds_another()) {
+        be_of_another();
+        return fail({Ending::failed, words_of_another(), {}}, now);
+    }
     std::optional<End> failed;
     bool is_one_lost = false;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -268,14 +274,14 @@ void ParameterApply::undone(TimePoint now) {
     const bool back = write_->end()->ending == Ending::done && !write_->is_clamped();
     if (const auto stored = write_->stored()) rows_[at_].stored = stored;
     rows_[at_].state = back ? State::undone : State::not_undone;
-    is_of_another_ = write_->is_of_another();
-    if (is_of_another_ || !write_->before()) undo_no_more();    // it does not answer questions either
+    if (write_->is_of_another()) be_of_another();
+    if (is_of_another() || !write_->before()) undo_no_more();    // it does not answer questions either
     undo_next(now);
 }
 
 void ParameterApply::undone_is_read(TimePoint now) {
     if (end()) return;
-    const bool is_read = again_->end()->ending == Ending::done;
+    const bool is_read = again_->end()->ending == Ending::done && !finds_another();
     if (!is_read) why_->what += "; could not verify that all old values are restored";
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         Row& row = rows_[i];

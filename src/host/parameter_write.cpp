@@ -56,6 +56,7 @@ void ParameterWrite::start(TimePoint now) {
     const std::string too_long = *info_.type == Type::text ? text_misfit(wire_.size(), wire_.size(), limits_) : "";
     if (!too_long.empty()) return refuse(too_long, now);
     if (!doubts_) doubts_ = device().doubts();
+    count_ = device().parameter_count();
     if (before_ && doubts_ == device().doubts()) step_ = write_value;
     go_on(now);
 }
@@ -71,16 +72,22 @@ void ParameterWrite::go_on(TimePoint now) {
     if (!count) return ask(question::parameter_count(ask_count), now);
     if (info_.id >= *count)
         return finish({Ending::invalid, hex_of(device().address()) + " has no parameter " + std::to_string(info_.id), {}}, now);
-    if (device().doubts() != doubts_) return ask(question::parameter_info(info_.id, ask_description), now);
+    if (device().doubts() != doubts_) return ask_description(now);
     if (step_ == write_value) return write(now);
     ask(question::parameter_value(info_.id, step_), now);
 }
 
+// Units of one type have the same device info, and may have other parameters: by another firmware, or other options.
+void ParameterWrite::ask_description(TimePoint now) {
+    Request count = question::parameter_count(recount);
+    count.of_same = true;
+    ask(count, now);
+}
+
 void ParameterWrite::described(const Ended& ended, TimePoint now) {
     const auto info = parameter_info_in(*ended.answer, info_.layout);
-    is_of_another_ = !info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul;
-    if (is_of_another_)
-        return finish({Ending::failed, hex_of(device().address()) + " became another device in the meantime", {}}, now);
+    if (!info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul)
+        return finish_another(was_sent_ ? order() : std::string{}, now);
     doubts_ = device().doubts();
     go_on(now);
 }
@@ -88,13 +95,18 @@ void ParameterWrite::described(const Ended& ended, TimePoint now) {
 void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     if (ended.tag == read_early) return read_along(ended, now);
     if (ended.outcome == Outcome::not_there) return go_on(now);
-    if (ended.outcome == Outcome::uncertain && ++uncertain_ <= max_uncertain)
-        return ask(question::parameter_info(info_.id, ask_description), now);
+    if (ended.outcome == Outcome::uncertain) was_silent(ended.evidence);
+    if (ended.outcome == Outcome::uncertain && ++uncertain_ <= max_uncertain) return ask_description(now);
     const bool answered = ended.outcome == Outcome::answered;
+    const bool is_compared = ended.tag == recount || ended.tag == describe;
+    if (is_compared && !answered && silence_) return not_given_back(ended, now);
     switch (ended.tag) {
     case ask_count: return answered ? go_on(now) : finish_silent("number of parameters", ended.evidence, now);
-    case ask_description:
-        return answered ? described(ended, now) : finish_silent("description of " + info_.name, ended.evidence, now);
+    case recount:
+        if (!answered) return finish_silent("number of parameters", ended.evidence, now);
+        if (count_ && device().parameter_count() != count_) return finish_another(was_sent_ ? order() : std::string{}, now);
+        return ask(question::parameter_info(info_.id, describe), now);
+    case describe: return answered ? described(ended, now) : finish_silent("description of " + info_.name, ended.evidence, now);
     case write_value: return written(ended, now);
     default:
         if (answered) return took(ended, now);
@@ -105,11 +117,26 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
 
 // Without a fitting acknowledgement, the value that is read back shows whether the write was carried out.
 void ParameterWrite::written(const Ended& ended, TimePoint now) {
-    if (ended.outcome != Outcome::answered) silence_ = ended.evidence;
-    else acknowledgement_ = ended.evidence;
-    was_repeated_ = ended.evidence.sent > 1;
+    if (ended.outcome == Outcome::timeout) was_silent(ended.evidence);
+    if (ended.outcome == Outcome::answered) {
+        silence_.reset();
+        acknowledgement_ = ended.evidence;
+    }
+    was_repeated_ = was_repeated_ || ended.evidence.sent > 1 || uncertain_ > 0;
     write_ended_ = true;
     both_ended(now);
+}
+
+void ParameterWrite::was_silent(const Evidence& evidence) {
+    sends_ += evidence.sent;
+    silence_ = evidence;
+    silence_->sent = sends_;
+}
+
+void ParameterWrite::not_meant(const Ended& ended, TimePoint now) {
+    if (ended.outcome == Outcome::unidentified && silence_) return not_given_back(ended, now);
+    if (ended.outcome == Outcome::another && was_sent_) return finish_another(order(), now);
+    Task::not_meant(ended, now);
 }
 
 void ParameterWrite::read_along(const Ended& ended, TimePoint now) {
@@ -184,7 +211,18 @@ void ParameterWrite::compare(TimePoint now) {
                        hex_of(device().address()) + " keeps " + info_.name + " at " + words_of(before().value_or(value_)),
                        {}},
                       now);
-    finish({Ending::done, info_.name + " is " + words_of(stored().value_or(value_)) + ": the device limited it", {}}, now);
+    if ((silence_ || was_repeated_) && !std::exchange(is_compared_, true)) {
+        device().doubt();
+        return ask_value(read_again, now);
+    }
+    const std::string has = info_.name + " is " + words_of(stored().value_or(value_));
+    if (silence_)
+        return finish({Ending::failed,
+                       has + ", which is neither the old nor the new value, and the write was " + fault_of(*silence_) +
+                           ": it may be another device",
+                       *silence_},
+                      now);
+    finish({Ending::done, has + ": the device limited it", {}}, now);
 }
 
 // Bytes beyond the size of the type, or after the NUL of a text, have no meaning.
@@ -205,6 +243,11 @@ Request action(Action action, std::uint32_t tag) {
     (void)draft.set<"val">(static_cast<std::uint16_t>(action));
     // Each save wears the flash.
     return request(draft, tag, Patience{.sends = action == Action::save ? 2u : 5u, .wait = std::chrono::seconds{5}});
+}
+
+std::string ParameterAction::order() const {
+    return std::string{
+        Draft<"parameter_command", "action">::message().field("val")->meaning(static_cast<std::uint64_t>(action_))};
 }
 
 void ParameterAction::ended(const Ended& ended, TimePoint now) {

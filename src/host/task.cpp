@@ -21,7 +21,22 @@ bool Task::gives_up(TimePoint now) {
 
 void Task::ask(const Request& request, TimePoint now) {
     if (gives_up(now)) return;
-    if (!device_.ask(request, *this)) finish({Ending::invalid, hex_of(device_.address()) + " has no such parameter", {}}, now);
+    Request meant = request;
+    meant.identity = identity_;
+    if (!device_.ask(meant, *this)) finish({Ending::invalid, hex_of(device_.address()) + " has no such parameter", {}}, now);
+}
+
+void Task::not_meant(const Ended& ended, TimePoint now) {
+    if (ended.outcome == Outcome::unidentified) return finish_silent("device info", ended.evidence, now);
+    finish_another(ended.evidence.sent > 0 ? order() : std::string{}, now);
+}
+
+void Task::finish_another(std::string_view may_be_done, TimePoint now, std::string_view left) {
+    be_of_another();
+    std::string what = words_of_another();
+    if (!may_be_done.empty()) what += "; the one before may have carried out: " + std::string{may_be_done};
+    if (!left.empty()) what += "; " + std::string{left};
+    finish({Ending::failed, std::move(what), {}}, now);
 }
 
 void Task::finish(End end, TimePoint now) {
@@ -52,7 +67,10 @@ std::string Task::words_of_port(const Evidence& evidence) {
     return evidence.by_port ? "acknowledged by " + hex_of(*evidence.by_port) + ", a port" : std::string{};
 }
 
-void Task::finish_as(const Task& other, TimePoint now) { finish(*other.end(), now); }
+void Task::finish_as(const Task& other, TimePoint now) {
+    is_of_another_ = other.is_of_another_;
+    finish(*other.end(), now);
+}
 
 void Task::cancel(TimePoint now) { finish({Ending::cancelled, "cancelled", {}}, now); }
 

@@ -4,7 +4,12 @@
 
 namespace ano::host {
 
-Duration TelemetryPace::longest_pause() const noexcept { return std::max(max_pause, usual_intervals * usual_); }
+Duration TelemetryPace::longest_pause() const noexcept { return longest_pause_at(usual_); }
+
+// So that of a slow pace one missed frame shows.
+Duration TelemetryPace::longest_pause_at(Duration usual) noexcept {
+    return std::max(max_pause, std::min(usual_intervals * usual, usual + usual / 2 + max_late));
+}
 
 bool TelemetryPace::came(TimePoint now, std::optional<TimePoint> heard_at) noexcept {
     const bool was_known = is_known();

@@ -214,6 +214,7 @@ void WaypointsPut::looked(TimePoint now) {
         is_lost = is_lost || !has(stored_[i]);
     }
     const std::string who = hex_of(device().address());
+    if (finds_another()) return finish_another({}, now);
     // One that was stored otherwise than written may be of the old list as well, read back behind the restart.
     at_ = last.size() - changed_.size();
     if (is_lost)

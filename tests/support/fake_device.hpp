@@ -43,7 +43,7 @@ public:
     std::uint8_t address = 0xDC;
     std::optional<std::uint8_t> port{};    // asked there, it answers as well
     std::string name = "fake";
-    std::uint16_t version = 100;
+    std::uint16_t version = 100, hardware = 100;
     std::vector<Parameter> parameters;
     std::optional<std::uint16_t> says_count;    // else as many as there are
     std::vector<Command> commands;
@@ -112,7 +112,7 @@ private:
     std::vector<Bytes> asked(ano::FrameView frame) {
         const std::uint16_t val = number(frame, 1);
         switch (frame.data()[0]) {
-        case 0: return {to_host(frame, 0xE3, Bytes{address} + u16(100) + u16(version) + u16(0) + u16(800) + text(name))};
+        case 0: return {to_host(frame, 0xE3, Bytes{address} + u16(hardware) + u16(version) + u16(0) + u16(800) + text(name))};
         case 1: return {to_host(frame, 0xE0, Bytes{1} + u16(says_count.value_or(static_cast<std::uint16_t>(parameters.size()))))};
         case 0x10: return {check(frame)};
         default: break;

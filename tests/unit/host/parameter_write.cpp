@@ -387,9 +387,8 @@ TEST_F(Applies, a_restart_in_between_is_said) {
         const std::size_t before = writes();
         simulation.each_step = [&, restarted = false](TimePoint now) mutable {
             if (writes() == before || std::exchange(restarted, true)) return;
-            fake.version += 1;
             const auto info = fake.take(FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})});
-            device.take(FrameView{info.at(0)}, now);
+            device.take(FrameView{info.at(0)}, now + 2 * Device::info_doubled_within);
         };
         const auto task = apply({{"U8", std::int64_t{fails ? 9 : 10}}, {"I16", std::int64_t{2}}});
         EXPECT_EQ(task->end()->ending, fails ? Ending::refused : Ending::done);

@@ -1,0 +1,297 @@
+// Another device takes the place of the one that is worked on: nothing that acts is sent to it.
+#include <host/calibration.hpp>
+#include <host/commands.hpp>
+#include <host/firmware.hpp>
+#include <host/parameter_apply.hpp>
+#include <host/waypoints.hpp>
+
+#include <support/calibrated_device.hpp>
+#include <support/fake_device.hpp>
+#include <support/fake_loader.hpp>
+
+#include <gtest/gtest.h>
+
+namespace ano::host::another_device_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::FakeDevice;
+using support::FakeLoader;
+using support::Simulation;
+using State = ParameterApply::State;
+
+struct Other {
+    bool has_other_info = true, has_other_names = false, has_more = false;
+    bool link_was_down = false, is_announced = false;
+    Duration silent{};
+};
+
+/// The frame with this id, after so many others, is lost, and another device has the address.
+struct Swapped : testing::Test {
+    FakeDevice fake;
+    Device device{0xDC};
+    Simulation simulation{device, fake, {.delay = 10ms}};
+    Other other;
+    std::uint8_t at_id = 0xE1;
+    std::size_t after = 2, seen = 0;
+    bool is_swapped = false, is_one = true;
+    TimePoint hears_from{};
+    std::vector<Bytes> acted;    // frames that acted on the other one
+    std::function<std::optional<std::vector<Bytes>>(FrameView)> before;
+
+    Swapped() {
+        fake.make_parameters(10, 0);
+        fake.commands = {{{16, 0, 2}, {}, "LAND", ""}};
+        fake.instead = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
+            if (is_one && !is_swapped && frame.id() == at_id && intent_of(frame) == Intent::acts && seen++ == after) {
+                swap();
+                return std::vector<Bytes>{};
+            }
+            if (is_swapped && simulation.now < hears_from) return std::vector<Bytes>{};
+            if (is_swapped && intent_of(frame) == Intent::acts) acted.emplace_back(frame.bytes().begin(), frame.bytes().end());
+            return before ? before(frame) : std::nullopt;
+        };
+        identify();
+    }
+    void identify() {
+        Commands commands{device};
+        commands.read(simulation.now);
+        simulation.run(commands);
+        Parameters parameters{device};
+        parameters.read(Parameters::Values::none, simulation.now);
+        simulation.run(parameters);
+        ASSERT_TRUE(device.info());
+    }
+    void swap() {
+        is_swapped = true;
+        hears_from = simulation.now + other.silent;
+        if (other.has_other_info) fake.name = "OTHER", fake.hardware = 200;
+        if (other.has_more) fake.parameters.push_back(fake.parameters.back());
+        for (auto& parameter : fake.parameters)
+            if (other.has_other_names) parameter.name = "X" + parameter.name;
+        if (other.link_was_down) device.link_was_down();
+        if (!other.is_announced) return;
+        const auto info = fake.usual(FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})});
+        device.take(FrameView{info.at(0)}, simulation.now + 2 * Device::info_doubled_within);
+    }
+    template <class T>
+    void run(T& task) {
+        task.start(simulation.now);
+        simulation.run(task);
+        ASSERT_TRUE(task.end());
+    }
+    void is_left_alone(const Task& task) const {
+        EXPECT_TRUE(is_swapped);
+        EXPECT_EQ(acted, std::vector<Bytes>{});
+        EXPECT_TRUE(task.is_of_another());
+        EXPECT_EQ(task.end()->ending, Ending::failed);
+        EXPECT_EQ(task.end()->what.find("0xDC became another device in the meantime"), 0u) << task.end()->what;
+    }
+    std::vector<std::pair<std::string, AnyValue>> values() const {
+        std::vector<std::pair<std::string, AnyValue>> all;
+        for (int i = 0; i < 6; ++i) all.emplace_back("PAR_" + std::to_string(i), std::int64_t{90 + i});
+        return all;
+    }
+    std::vector<State> states(const ParameterApply& task) const {
+        std::vector<State> all;
+        for (const auto& row : task.rows()) all.push_back(row.state);
+        return all;
+    }
+};
+
+const Other others[] = {{},
+                        {.link_was_down = true},
+                        {.is_announced = true},
+                        {.silent = 250ms},
+                        {.silent = 1s},
+                        {.has_other_info = false, .has_other_names = true},
+                        {.has_other_info = false, .has_other_names = true, .silent = 250ms},
+                        {.has_other_info = false, .has_other_names = true, .link_was_down = true},
+                        {.has_other_info = false, .has_more = true, .silent = 300ms}};
+
+struct EachOther : Swapped, testing::WithParamInterface<Other> {
+    EachOther() { other = GetParam(); }
+};
+
+TEST_P(EachOther, gets_no_value_of_an_import) {
+    ParameterApply task{device, nullptr, values()};
+    run(task);
+    is_left_alone(task);
+    EXPECT_EQ(states(task),
+              (std::vector{State::written, State::written, State::failed, State::waiting, State::waiting, State::waiting}));
+}
+
+TEST_P(EachOther, gets_no_old_value_either) {
+    ParameterApply task{device, nullptr, values(), {.rollback = true}};
+    run(task);
+    is_left_alone(task);
+    for (const std::size_t row : {0u, 1u}) EXPECT_EQ(states(task)[row], State::not_undone);
+    for (const std::size_t row : {3u, 4u, 5u}) EXPECT_EQ(states(task)[row], State::waiting);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EachOther, testing::ValuesIn(others));
+
+// The write that fails is of the device of before; the other one comes while the old values go back.
+TEST_F(Swapped, while_it_is_undone_the_rest_stays_as_it_is) {
+    fake.parameters[4].store = [this](const Bytes&) { return fake.parameters[4].value; };
+    after = 7;    // the third old value
+    ParameterApply task{device, nullptr, values(), {.rollback = true}};
+    run(task);
+    EXPECT_TRUE(task.is_of_another());
+    EXPECT_EQ(acted, std::vector<Bytes>{});
+    EXPECT_EQ(states(task),
+              (std::vector{State::not_undone, State::not_undone, State::undone, State::undone, State::failed, State::waiting}));
+}
+
+TEST_F(Swapped, one_that_does_not_answer_when_the_values_are_undone_gets_none_of_them) {
+    other.silent = 2500ms;
+    ParameterApply task{device, nullptr, values(), {.rollback = true}};
+    run(task);
+    EXPECT_NE(task.end()->ending, Ending::done);
+    EXPECT_EQ(acted, std::vector<Bytes>{});
+}
+
+TEST_F(Swapped, the_same_device_gets_the_value_again) {
+    other.has_other_info = false;
+    for (const bool down : {false, true}) {
+        other.link_was_down = down;
+        is_swapped = false;
+        seen = 0;
+        acted.clear();
+        ParameterApply task{device, nullptr, values(), {.also_the_same = true}};
+        run(task);
+        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+        EXPECT_EQ(acted.size(), 4u) << "the lost one, and those behind it";
+        EXPECT_EQ(states(task), std::vector<State>(6, State::written));
+    }
+}
+
+TEST_F(Swapped, gets_no_second_save_or_reset) {
+    at_id = 0xE0;
+    after = 0;
+    for (const Action what : {Action::save, Action::restore_defaults}) {
+        ParameterAction task{device, what};
+        run(task);
+        is_left_alone(task);
+        is_swapped = false;
+        seen = 0;
+        fake.name = "fake";
+        fake.hardware = 100;
+        identify();
+    }
+}
+
+TEST_F(Swapped, gets_no_repeated_command) {
+    at_id = 0xC0;
+    after = 0;
+    for (const Other& one :
+         {Other{}, Other{.link_was_down = true}, Other{.link_was_down = true, .silent = 5s}, Other{.silent = 3s}}) {
+        other = one;
+        CommandCall task{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, true};
+        run(task);
+        is_left_alone(task);
+        is_swapped = false;
+        seen = 0;
+        fake.name = "fake";
+        fake.hardware = 100;
+        identify();
+    }
+}
+
+// Whether the frames of the device or the answers are lost is not known: it may be LAND.
+TEST_F(Swapped, a_silent_device_gets_the_command_again) {
+    is_one = false;
+    fake.deaf = true;
+    fake.heard.clear();
+    CommandCall task{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, true};
+    run(task);
+    EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[3] == 0xC0; }), 5);
+}
+
+TEST_F(Swapped, gets_no_waypoint) {
+    at_id = 0x61;
+    for (const bool down : {false, true})
+        for (const std::size_t at : {0u, 4u}) {
+            after = at;
+            other.link_was_down = down;
+            std::vector<Waypoint> route;
+            for (std::uint8_t i = 0; i < 10; ++i) route.push_back({i, 113.5, 22.25, 0, 0, 0, 0, {}});
+            WaypointsPut task{device, route};
+            run(task);
+            is_left_alone(task);
+            is_swapped = false;
+            seen = 0;
+            fake.name = "fake";
+            fake.hardware = 100;
+            fake.waypoints.clear();
+            identify();
+        }
+}
+
+TEST_F(Swapped, gets_no_frame_of_an_upgrade) {
+    FakeLoader loader, of_other;
+    at_id = 0xF0;
+    after = 9;
+    for (const bool down : {false, true}) {
+        loader = of_other = {};
+        other.link_was_down = down;
+        other.silent = 500ms;
+        before = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+            if (!is_swapped) return loader.take(fake, frame);
+            return of_other.take(fake, frame);
+        };
+        FirmwareImage image;
+        image.bytes = Bytes(3000);
+        Firmware task{device, image};
+        run(task);
+        EXPECT_TRUE(task.is_of_another()) << task.end()->what;
+        EXPECT_EQ(of_other.infos + of_other.erases, 0u);
+        EXPECT_EQ(task.end()->what, "0xDC became another device in the meantime; the one before is left in its boot loader");
+        is_swapped = false;
+        seen = 0;
+        fake.name = "fake";
+        fake.hardware = 100;
+        identify();
+    }
+}
+
+TEST(AnotherDevice, is_not_cleared_and_gets_no_calibration) {
+    for (const bool cancels : {true, false})
+        for (const Duration silent : {300ms, 1000ms, 3000ms}) {
+            support::CalibrationBench bench;
+            ASSERT_TRUE(bench.run_to(Calibration::Step::turn, 3));
+            bench.fake.name = "OTHER";
+            const auto had = bench.flash = {1, 2, 3, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+            bench.actions.clear();
+            bench.restart(silent);
+            bench.run(silent + 100ms);
+            if (cancels) bench.task.cancel(bench.now);
+            bench.run();
+            ASSERT_TRUE(bench.task.end());
+            EXPECT_EQ(bench.actions, std::vector<std::uint16_t>{}) << cancels;
+            EXPECT_EQ(bench.flash, had);
+            EXPECT_FALSE(bench.task.has_old_values());
+            EXPECT_NE(bench.task.end()->what.find("0xDC became another device in the meantime"), std::string::npos)
+                << bench.task.end()->what;
+        }
+}
+
+TEST(AnotherDevice, gets_no_old_values_when_the_new_ones_fail) {
+    support::CalibrationBench bench;
+    ASSERT_TRUE(bench.run_to(Calibration::Step::write));
+    bench.run(100ms);
+    ASSERT_EQ(bench.task.step(), Calibration::Step::write);
+    bench.fake.name = "OTHER";
+    const auto had = bench.flash = {1, 2, 3, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    bench.actions.clear();
+    bench.restart(300ms);
+    bench.run();
+    ASSERT_TRUE(bench.task.end());
+    EXPECT_EQ(bench.actions, std::vector<std::uint16_t>{});
+    EXPECT_EQ(bench.flash, had);
+    EXPECT_FALSE(bench.task.has_old_values());
+}
+
+}    // namespace
+}    // namespace ano::host::another_device_tests
