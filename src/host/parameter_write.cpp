@@ -217,7 +217,7 @@ void ParameterWrite::compare(TimePoint now) {
     }
     const std::string has = info_.name + " is " + words_of(stored().value_or(value_));
     if (silence_)
-        return finish({Ending::failed,
+        return finish({Ending::timeout,
                        has + ", which is neither the old nor the new value, and the write was " + fault_of(*silence_) +
                            ": it may be another device",
                        *silence_},

@@ -35,10 +35,10 @@ void TelemetryPace::count(TimePoint now) noexcept {
     intervals_ = std::min(intervals_ + 1, 2);
 }
 
-// Before the first interval is over, only that time is known of the pace.
+// Before the first interval is over, only that time is known of the pace. The first one may be a pause itself: then this comes later.
 bool TelemetryPace::pauses(TimePoint now) const noexcept {
     if (!last_) return false;
-    if (intervals_ > 0) return is_known() && now - *last_ > longest_pause();
+    if (intervals_ > 0) return now - *last_ > longest_pause();
     return unjudged_ > std::max(max_pause, usual_intervals * (now - *last_));
 }
 
