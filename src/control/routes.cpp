@@ -7,6 +7,7 @@
 #include <control/send_frame.hpp>
 #include <control/watch_session.hpp>
 #include <devices/device_routes.hpp>
+#include <devices/watch_routes.hpp>
 #include <foxglove/foxglove_streams.hpp>
 #include <gpio/gpio_control.hpp>
 #include <http/routes.hpp>
@@ -164,9 +165,13 @@ void add_routes(http::Routes& routes, Gateway& gateway, const std::function<Netw
     const auto streams = std::make_shared<Streams>(gateway);
     const auto disk = std::make_shared<DiskWorks>(gateway.io());
     add_page(routes, std::move(page), streams);
-    routes.add({"GET", "/status", Access::view,
-                "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, and where it serves HTTP",
-                [&gateway, door](const Request&) { return json(status_json(gateway, door())); }});
+    routes.add(
+        {"GET", "/status", Access::view,
+         "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, where it serves HTTP, and lost devices",
+         [&gateway, door, streams](const Request&) {
+             const auto lost = lost_json(streams->devices->service());
+             return json(status_json(gateway, door(), &lost));
+         }});
     routes.add({"GET", "/links", Access::view, "only the links of the status",
                 [&gateway](const Request&) { return json(links_json(gateway)); }});
     routes.add({"GET", "/routes", Access::view, "where frames to each address go: only the routes of the status",

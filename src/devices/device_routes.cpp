@@ -52,10 +52,7 @@ Json devices_list(DeviceService& service) {
     Json devices = Json::array();
     for (const DeviceReport& report : service.devices(now)) devices.push_back(device_json(report, now));
     Json all{{"devices", std::move(devices)}};
-    for (const WatchedDevice& device : service.lost(now)) {
-        Json& one = all["lost"].emplace_back(Json{{"address", ano::hex_byte(device.address)}});
-        tell_loss(one, service, device, now);
-    }
+    if (Json lost = lost_json(service); !lost.empty()) all["lost"] = std::move(lost);
     return all;
 }
 

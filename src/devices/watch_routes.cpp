@@ -272,6 +272,16 @@ void tell_loss(Json& json, DeviceService& service, const WatchedDevice& device, 
     if (!device.elsewhere.empty()) json["elsewhere"] = device.elsewhere;
 }
 
+Json lost_json(DeviceService& service) {
+    const ano::TimePoint now = service.net().now();
+    Json all = Json::array();
+    for (const WatchedDevice& device : service.lost(now)) {
+        Json& one = all.emplace_back(Json{{"address", ano::hex_byte(device.address)}});
+        tell_loss(one, service, device, now);
+    }
+    return all;
+}
+
 void add_watch_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"GET", "/alarms", Access::view,
                 "the device values that exceed their limits for long enough; with Accept: application/x-ndjson a line, "

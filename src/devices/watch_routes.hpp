@@ -17,5 +17,7 @@ void add_watch_routes(http::Routes& routes, DeviceService& service);
 
 /// Adds who was lost, for how long it is silent, and its last state.
 void tell_loss(nlohmann::ordered_json& json, DeviceService& service, const WatchedDevice& device, ano::TimePoint now);
+/// The devices that are lost, one object each.
+nlohmann::ordered_json lost_json(DeviceService& service);
 
 }    // namespace anogate

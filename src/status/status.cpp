@@ -193,9 +193,9 @@ Json recording_json(const Gateway& gateway) {
 
 }    // namespace
 
-std::string status_json(Gateway& gateway, const NetworkDoor& door) {
+std::string status_json(Gateway& gateway, const NetworkDoor& door, const Json* lost) {
     const TimePoint now = gateway.now();
-    Json json = object_with_room(10);
+    Json json = object_with_room(11);
     json["gateway"] = gateway_json(gateway, now);
     json["links"] = links_array(gateway, now);
     json["routes"] = routes_array(gateway, now);
@@ -204,6 +204,7 @@ std::string status_json(Gateway& gateway, const NetworkDoor& door) {
     json["gpio"] = gpio_json(gateway.gpio(), now);
     json["recording"] = recording_json(gateway);
     json["http"] = http_json(door);
+    if (lost) json["lost"] = *lost;
     json["map"] = map_json(gateway.settings().control.map);
     return line_of(std::move(json));
 }

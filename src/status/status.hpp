@@ -2,6 +2,8 @@
 #pragma once
 #include <status/network_door.hpp>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <cstdint>
 #include <map>
 #include <set>
@@ -12,8 +14,8 @@ namespace anogate {
 
 class Gateway;
 
-/// GET /status: one JSON text. `door`: the TCP access.
-std::string status_json(Gateway& gateway, const NetworkDoor& door = {});
+/// GET /status: one JSON text. `door`: the TCP access; `lost`: the devices that are lost, if that is known.
+std::string status_json(Gateway& gateway, const NetworkDoor& door = {}, const nlohmann::ordered_json* lost = nullptr);
 /// GET /links, GET /routes: only these arrays of the status.
 std::string links_json(Gateway& gateway);
 std::string routes_json(Gateway& gateway);

@@ -183,6 +183,35 @@ TEST(AnoctlStatus, ends_with_3_while_it_is_degraded_if_that_is_asked_for) {
     expect(3, "degraded: 1 of 2 links, 1 conflict");
 }
 
+TEST(AnoctlStatus, names_a_vehicle_that_was_lost_in_flight) {
+    const TempDir dir;
+    PtyDevice one{dir / "one"};
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED, socket, {"serial:" + (dir / "one")}};
+    ASSERT_TRUE(daemon.until_up("one"));
+    const auto until_lost = [&](std::uint8_t state) {
+        for (int i = 0; i < 3; ++i) one.write(frame(0xDC, 0xFF, 0x06, {1, state, 0, 0, 0}));
+        return daemon.until([&](const json& status) {
+            const auto& lost = status.at("lost");
+            return lost.size() == 1 && lost.at(0).at("sflag") == state;
+        });
+    };
+    ASSERT_TRUE(until_lost(2)) << daemon.status();
+    const Result status = anoctl({"status", "--exit-code", "--control", socket});
+    EXPECT_EQ(status.exit, 3);
+    EXPECT_EQ(status.said.find("degraded: 0xDC lost, airborne "), 0u) << status.said;
+    EXPECT_NE(status.said.find("\nlost: 0xDC, airborne "), std::string::npos) << status.said;
+    const Result devices = anoctl({"devices", "--control", socket});
+    EXPECT_NE(devices.said.find("\n    lost: airborne "), std::string::npos) << devices.said;
+    const auto as_json = lines_of(anoctl({"devices", "--json", "--control", socket}).said);
+    ASSERT_EQ(as_json.size(), 1u);
+    EXPECT_TRUE(as_json[0].at("lost") == true && as_json[0].at("sflag") == 2) << as_json[0];
+    ASSERT_TRUE(until_lost(0));
+    const Result locked = anoctl({"status", "--control", socket});
+    EXPECT_EQ(locked.said.find(" lost, "), std::string::npos) << "it may have been switched off: " << locked.said;
+    EXPECT_NE(locked.said.find("\nlost: 0xDC, locked "), std::string::npos) << locked.said;
+}
+
 TEST(AnoctlLinks, show_what_only_some_kinds_count) {
     const TempDir dir;
     KeptItem command;

@@ -71,6 +71,13 @@ void write_conflicts(const Json& conflicts, std::ostream& out) {
             << text_at(conflict, "count") << " times\n";
 }
 
+void write_lost(const Json& all, std::ostream& out) {
+    for (const Json& lost : all) {
+        const std::string name = text_at(lost, "name");
+        out << "lost: " << text_at(lost, "address") << (name.empty() ? "" : " " + name) << ", " << lost_text(lost) << '\n';
+    }
+}
+
 void write_tunnel(const Json& tunnel, std::ostream& out) {
     std::vector<std::string> names;
     for (const auto& [name, value] : tunnel.items()) names.push_back(name);
@@ -97,7 +104,8 @@ struct Verdict {
 // Those that need no action: a host may only listen, and come later.
 bool is_calm(const std::string& hint) { return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "recording_ended"; }
 
-// Of what needs somebody: links that are not up or have a hint, addresses that two devices have, a recording that fails.
+// Of what needs somebody: vehicles lost while they were not locked, links that are not up or have a hint, addresses that two devices have, a
+// recording that fails.
 Verdict verdict_of(const Json& status) {
     std::size_t links = 0, down = 0, hints = 0;
     for (const Json& link : at(status, "links")) {
@@ -109,7 +117,9 @@ Verdict verdict_of(const Json& status) {
         hints += is_up && !hint.empty() && !is_calm(hint) ? 1u : 0u;
     }
     std::string what;
-    if (down > 0) what = std::to_string(down) + " of " + plural(links, "link");
+    for (const Json& lost : at(status, "lost"))
+        if (may_fly(lost)) what += (what.empty() ? "" : ", ") + text_at(lost, "address") + " lost, " + lost_text(lost);
+    if (down > 0) what += (what.empty() ? "" : ", ") + std::to_string(down) + " of " + plural(links, "link");
     if (const std::size_t conflicts = at(status, "conflicts").size(); conflicts > 0)
         what += (what.empty() ? "" : ", ") + plural(conflicts, "conflict");
     else if (hints > 0) what += (what.empty() ? "" : ", ") + plural(hints, "hint");
@@ -140,6 +150,7 @@ struct StatusView {
         streams.out << (streams.color ? color + verdict.text + "\x1b[0m" : verdict.text) << '\n';
         streams.out << first_line(at(status, "gateway")) << '\n';
         write_links(at(status, "links"), at(before, "links"), seconds, streams.out);
+        write_lost(at(status, "lost"), streams.out);
         write_conflicts(at(status, "conflicts"), streams.out);
         write_tunnel(at(status, "tunnel"), streams.out);
         write_gpio(at(status, "gpio"), streams.out);
@@ -156,9 +167,10 @@ private:
 Run add_status(Options& options) {
     const auto self = std::make_shared<StatusView>();
     GatewayOptions::add(options, self->gateway);
-    options.push_back({"--exit-code", &self->exit_code, "",
-                       "Exit with status 3 if the gateway is degraded: a link is down or has a hint that asks for an action, two "
-                       "devices use the same address, or a recording fails"});
+    options.push_back(
+        {"--exit-code", &self->exit_code, "",
+         "Exit with status 3 if the gateway is degraded: a vehicle that was not locked is lost, a link is down or has a "
+         "hint that asks for an action, two devices use the same address, or a recording fails"});
     options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }

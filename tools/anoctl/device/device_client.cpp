@@ -263,10 +263,9 @@ Json DeviceClient::run(const std::string& method, const std::string& target, std
     return run(request_of(method, target, std::move(body)), view);
 }
 
-Json DeviceClient::devices(bool scan) {
-    const Json answer = scan ? run("POST", "/devices/scan", "{}") : ask("GET", "/devices");
-    return at(answer, "devices");
-}
+Json DeviceClient::device_list(bool scan) { return scan ? run("POST", "/devices/scan", "{}") : ask("GET", "/devices"); }
+
+Json DeviceClient::devices(bool scan) { return at(device_list(scan), "devices"); }
 
 const Json& DeviceClient::device() {
     if (!loop_->device.is_null()) return loop_->device;

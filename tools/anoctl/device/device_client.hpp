@@ -57,7 +57,9 @@ public:
     /// The same, with a progress bar on a terminal.
     ano::Json run(const std::string& method, const std::string& target, std::string body = {});
 
-    /// The devices that were heard; `scan`: asks all devices for their names first.
+    /// The answer with all devices: those that were heard, and which of them are lost; `scan`: asks all for their names first.
+    ano::Json device_list(bool scan);
+    /// Those that were heard.
     ano::Json devices(bool scan);
     /// The chosen device, {"address", "name"…}: that of --device, else the only one. Throws UsageError with the list when there are
     /// several, Failure when there is none.

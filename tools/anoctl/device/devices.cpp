@@ -38,6 +38,19 @@ std::string percent_of(const Json& job) {
 
 bool has_ended(const Json& job) { return text_at(job, "state") != "running" && text_at(job, "state") != "waiting"; }
 
+// Marks those that are lost. One that no link leads to any more is added.
+Json with_losses(const Json& list) {
+    Json devices = at(list, "devices");
+    for (const Json& lost : at(list, "lost")) {
+        const auto of = std::find_if(devices.begin(), devices.end(),
+                                     [&](const Json& one) { return text_at(one, "address") == text_at(lost, "address"); });
+        Json& device = of == devices.end() ? devices.emplace_back(Json::object()) : *of;
+        device["lost"] = true;
+        device.update(lost);
+    }
+    return devices;
+}
+
 struct Devices {
     DeviceOptions options;
     bool scan = false, jobs = false;
@@ -51,7 +64,8 @@ struct Devices {
 
 private:
     int list_devices(DeviceClient& client, Streams& streams) const {
-        const Json found = client.devices(scan || !options.link.empty());    // a link of our own has not heard any device yet
+        const Json found = with_losses(
+            client.device_list(scan || !options.link.empty()));    // a link of our own has not heard any yet
         if (options.json) {
             for (const Json& device : found) streams.out << ano::json_text(device) << '\n';
             return fine;
@@ -67,6 +81,7 @@ private:
             table.row({text_at(device, "address"), name, text_at(device, "hw"), text_at(device, "sw"), text_at(device, "pt"),
                        text_at(device, "parameters"), link, peer, age_of(device), rate.empty() ? rate : rate + "/s",
                        text_at(device, "job")});
+            if (text_at(device, "lost") == "true") table.note("    lost: " + lost_text(device));
             for (const std::string& words : left_behind(device)) table.note("    " + words);
         }
         if (table.empty()) tell(streams, std::string{"no devices found"} + (scan ? "" : "; to search for devices, add --scan"));

@@ -3,6 +3,7 @@
 #include <anoctl/anoctl.hpp>
 #include "table.hpp"
 
+#include <ano/messages.hpp>
 #include <gateway/counters.hpp>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +11,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <initializer_list>
+#include <iterator>
+#include <string>
 
 namespace anoctl {
 namespace {
@@ -105,6 +108,18 @@ std::vector<std::string> not_zero(const Json& object, const std::vector<std::str
         if (const std::string value = text_at(object, name); !value.empty() && value != "0") items.push_back(name + " " + value);
     return items;
 }
+
+std::string lost_text(const Json& lost) {
+    const std::string state = text_at(lost, "sflag"), elsewhere = text_at(lost, "elsewhere");
+    const auto& states = ano::table::sflags;
+    const auto known = std::find_if(std::begin(states), std::end(states),
+                                    [&](const auto& one) { return std::to_string(one.value) == state; });
+    const std::string age = time_text(number_at(lost, "age"));
+    return (known == std::end(states) ? "silent for " + age : std::string{known->text} + " " + age + " ago") +
+           (elsewhere.empty() ? "" : ", now received on " + elsewhere);
+}
+
+bool may_fly(const Json& lost) { return number_at(lost, "sflag") > 0; }
 
 std::string list_text(const std::string& head, const std::vector<std::string>& items) {
     std::string text = head;

@@ -43,6 +43,11 @@ std::vector<std::string> not_zero(const ano::Json& object, const std::vector<std
 /// `head` and `items` with ", " between them, on lines of at most 80 cells; the next ones are indented as far as `head`.
 std::string list_text(const std::string& head, const std::vector<std::string>& items);
 
+/// Of a device that is lost, as in the status: "airborne 4.7 s ago, now received on radio". A device without a state: "silent for 4.7 s".
+std::string lost_text(const ano::Json& lost);
+/// It was not locked: it may be flying.
+bool may_fly(const ano::Json& lost);
+
 /// The name and size of a recording: "flight-2.mcap" and "7 frames"; with more than one file, "flight" and "18461 frames in 8 files".
 struct RecordingSum {
     std::string of, frames;
