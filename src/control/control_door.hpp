@@ -43,6 +43,8 @@ public:
     NetworkDoor network_door() const {
         NetworkDoor door = network_door_;
         door.wrong_tokens = server_.admission().wrong_tokens();
+        door.gave_way = server_.gave_way().count;
+        door.gave_way_lately = door.gave_way > 0 && ano::Clock::now() - server_.gave_way().last < NetworkDoor::lately;
         door.guessing_clients = server_.admission().guessing_clients();
         door.link_code = text(codes_.state(SignInCodes::Form::link, ano::Clock::now()));
         door.digits_code = text(codes_.state(SignInCodes::Form::digits, ano::Clock::now()));

@@ -106,6 +106,7 @@ http::Response metrics_answer(const Request& request, Gateway& gateway, const Ne
     response.type = content_type(form);
     MetricsSnapshot snapshot = metrics_snapshot(gateway, gateway.now());
     snapshot.wrong_tokens = door.wrong_tokens;
+    snapshot.gave_way = door.gave_way;
     snapshot.guessing_clients = door.guessing_clients;
     for (const ActiveAlarm& alarm : devices.alarms().watch().active(gateway.now()))
         ++(alarm.level == AlarmLevel::red ? snapshot.red_alarms : snapshot.amber_alarms);

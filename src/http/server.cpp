@@ -16,6 +16,7 @@ constexpr long max_large_bodies = 2;
 // Handshakes that wait for their turn. Each costs a millisecond of the loop: those of one client must not fill the queue, behind which
 // others would wait in the kernel.
 constexpr std::ptrdiff_t max_handshakes = 8, max_handshakes_per_client = 6;    // a browser opens six
+constexpr int accepts_per_turn = 64;    // of the network, where a flood must not fill the kernel's queue
 constexpr ano::Duration memory_stays = std::chrono::milliseconds{1};
 constexpr ano::Duration long_turn = std::chrono::milliseconds{1};
 constexpr ano::Duration max_rest = std::chrono::milliseconds{50};
@@ -35,7 +36,7 @@ Server::Outcome Server::start(const std::string& path) {
     LocalSocket::Outcome outcome = local_socket_.listen(path);
     if (!outcome.error.empty()) return {std::move(outcome.error), outcome.in_use, {}};
     local_listener_ = std::make_unique<Listener>(
-        io_, std::move(outcome.fd), AF_UNIX, [this] { return has_place(local_); },
+        io_, std::move(outcome.fd), AF_UNIX, 1, [this] { return has_place(local_); },
         [this](Socket socket) { admit(stream_of(std::move(socket))); });
     return {{}, false, std::move(outcome.notice)};
 }
@@ -54,12 +55,31 @@ Expected<std::uint16_t> Server::start(const Network& network) {
                                     : stream_of(std::move(socket), std::move(door)));
     };
     const auto may_come = [this] { return handshakes(nullptr) < max_handshakes && has_place(network_); };
-    network_listener_ = std::make_unique<Listener>(io_, std::move(made->fd), made->family, may_come, admit_one);
+    lobby_ = std::make_unique<Lobby>(io_, network.tls != nullptr, limits_.session.patience, gave_way_, may_come, admit_one);
+    network_listener_ = std::make_unique<Listener>(
+        io_, std::move(made->fd), made->family, accepts_per_turn, [this] { return may_accept(); },
+        [this](Socket socket) { welcome(std::move(socket)); });
     return made->port;
 }
 
-void Server::stop_network() {
+// To accept takes a descriptor.
+bool Server::may_accept() { return descriptors_left() > 0 || lobby_->give_way() || has_place(network_); }
+
+void Server::welcome(Socket socket) {
+    Door door{};
+    door.is_network = true;
+    door.peer = peer_of(socket.native_handle());
+    const Party party = party_of(unknown_user, door);
+    lobby_->add(std::move(socket), party.client, may_control(party, nullptr));
+}
+
+void Server::shut_network() {
     network_listener_.reset();
+    lobby_.reset();
+}
+
+void Server::stop_network() {
+    shut_network();
     dismiss_those([](const Session& session) { return session.is_of_network(); });
 }
 
@@ -302,7 +322,7 @@ void Server::take_turn(Session& session) {
 void Server::shut() {
     if (local_listener_) local_socket_.remove();    // before closing: the file must not lead nowhere
     local_listener_.reset();
-    network_listener_.reset();
+    shut_network();
     turns_.clear();
 }
 

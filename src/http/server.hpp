@@ -4,6 +4,7 @@
 #include <http/doors/admission.hpp>
 #include <http/doors/farewell.hpp>
 #include <http/doors/listener.hpp>
+#include <http/doors/lobby.hpp>
 #include <http/doors/local_socket.hpp>
 #include <http/routes.hpp>
 #include <http/session.hpp>
@@ -30,9 +31,9 @@ struct DoorPlaces {
 struct ServerLimits {
     // 20 may wait for devices (DeviceService::waiting_places): beside them and the streams some stay free.
     DoorPlaces local{44, 20, 3, std::chrono::milliseconds{100}};
-    DoorPlaces network{44, 20, 1, std::chrono::milliseconds{5}};    // so many come that who is silent must not hold up others
-    std::size_t farewells = 32;                                     // closing connections that still get their last answer
-    std::size_t farewells_in_need = 4;                              // the same while memory is short
+    DoorPlaces network{44, 20, 1, std::chrono::milliseconds{100}};
+    std::size_t farewells = 32;           // closing connections that still get their last answer
+    std::size_t farewells_in_need = 4;    // the same while memory is short
     ano::Duration farewell = std::chrono::seconds{1};
     SessionLimits session;
 };
@@ -80,6 +81,8 @@ public:
     /// The rules for network doors: tokens and names.
     Admission& admission() noexcept { return admission_; }
     const Admission& admission() const noexcept { return admission_; }
+    /// Clients of the network that had sent nothing yet, or waited, and gave way to others.
+    const GaveWay& gave_way() const noexcept { return gave_way_; }
     /// Adds a client with any sort of connection.
     void admit(std::unique_ptr<Stream> stream);
     /// As stop(), but answers in progress are completed within `patience`, and those that are not made yet are waited for until
@@ -111,6 +114,9 @@ private:
     template <class Call>
     void for_each_session(Call call);
     void dismiss_those(const std::function<bool(const Session& session)>& wanted);
+    bool may_accept();
+    void welcome(Socket socket);
+    void shut_network();
     void shut();
     void look_whether_finished(ano::TimePoint until);
     void close_those(bool awaiting_answer);
@@ -143,6 +149,8 @@ private:
     Admission admission_;
     LocalSocket local_socket_;
     Network network_settings_;
+    GaveWay gave_way_;
+    std::unique_ptr<Lobby> lobby_;    // of the network
     std::unique_ptr<Listener> local_listener_, network_listener_;
     Room local_{limits_.local}, network_{limits_.network};
     std::deque<Party> controllers_;                   // clients of the network that have controlled, the latest last

@@ -40,14 +40,11 @@ void Session::guarded(Function function) {
 void Session::start() {
     by_address_ = owner_.may_control(party_, nullptr);
     if (by_address_) may_ = Access::control;
-    const bool hello_first = stream_->await_hello([self = shared_from_this()](error_code ec) {
-        if (!self->stream_) return;
-        if (ec || !self->owner_.may_shake_hands(self->party_)) return self->close();
-        self->awaits_handshake_ = true;
-        self->owner_.wait_for_turn(self, self->party_, self->may_.value_or(Access::open));
-    });
-    if (!hello_first) return await_request();
+    if (!stream_->door().is_encrypted) return await_request();
+    if (!owner_.may_shake_hands(party_)) return close();
+    awaits_handshake_ = true;
     expect_progress();
+    owner_.wait_for_turn(shared_from_this(), party_, may_.value_or(Access::open));
 }
 
 void Session::close() {

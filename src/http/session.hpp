@@ -76,6 +76,7 @@ class Session : public std::enable_shared_from_this<Session> {
 public:
     Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits);
 
+    /// The client of an encrypted connection has sent something.
     void start();
     /// Its turn: the request is answered, the handshake begins, or a message of its WebSocket is heard.
     void take_turn();

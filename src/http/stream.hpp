@@ -16,9 +16,6 @@ public:
     using Parts = std::array<asio::const_buffer, 3>;    // empty ones are skipped
 
     virtual ~Stream() = default;
-    /// Where the first read or write costs much work, a handshake: calls `then` when the client has sent something, or with an error. False: the
-    /// first costs no more than others, and `then` is not called.
-    virtual bool await_hello(std::function<void(error_code)>&& /*then*/) { return false; }
     /// The client sends nothing more, and what it sent may be unread.
     virtual bool has_left() const { return false; }
     /// One read and one write at a time. `done` is called from the loop, never from within the call, even if the stream is destroyed

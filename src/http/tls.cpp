@@ -45,11 +45,6 @@ public:
     TlsStream(Socket socket, asio::ssl::context& context, std::shared_ptr<const void> keep, Door door)
         : keep_{std::move(keep)}, state_{std::make_shared<Encrypted>(std::move(socket), context)}, door_{std::move(door)} {}
 
-    bool await_hello(std::function<void(error_code)>&& then) override {
-        state_->ssl.lowest_layer().async_wait(Socket::wait_read,
-                                              [state = state_, then = std::move(then)](error_code ec) { then(ec); });
-        return true;
-    }
     bool has_left() const override {
         pollfd look{state_->ssl.lowest_layer().native_handle(), POLLRDHUP, 0};
         return ::poll(&look, 1, 0) == 1;

@@ -18,7 +18,7 @@ public:
     /// What makes it a bad choice; empty: nothing. A new connection with a large RSA key costs the loop many milliseconds.
     std::string advice() const;
 
-    /// The server's side of a connected socket. The handshake is done with the first read or write; await_hello() says when it can be.
+    /// The server's side of a connected socket. The handshake is done with the first read or write, to be called when the client has sent something.
     std::unique_ptr<Stream> stream(Socket socket, Door door) const;
 
 private:

@@ -63,6 +63,9 @@ void write_gateway(MetricsText& text, const MetricsSnapshot& s) {
     text.sample({}, s.wrong_tokens);
     text.family("anogate_guessing_clients", MetricType::counter, "clients of control.http delayed because of wrong tokens");
     text.sample({}, s.guessing_clients);
+    text.family("anogate_connections_gave_way", MetricType::counter,
+                "connections to control.http that waited and were closed because others came");
+    text.sample({}, s.gave_way);
     text.family("anogate_alarms", MetricType::gauge, "device values outside their alarm limits");
     text.sample({{"level", "amber"}}, s.amber_alarms);
     text.sample({{"level", "red"}}, s.red_alarms);

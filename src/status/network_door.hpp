@@ -1,5 +1,6 @@
 // The state of the TCP access to the control interface, for the status.
 #pragma once
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -16,6 +17,7 @@ struct NetworkDoor {
         shut,       // until a reload or the next start, because of a fault of its tokens or its certificate
         up,
     };
+    static constexpr std::chrono::minutes lately{10};
     State state = State::off;
     std::string error{};      // why it waits, or is shut
     std::string address{};    // as it is configured: "0.0.0.0", "::", "fe80::1%wlan0"
@@ -27,6 +29,8 @@ struct NetworkDoor {
     std::vector<std::string> hosts{};                             // configured names of this machine
     std::uint64_t wrong_tokens = 0;                               // that came so far
     std::uint64_t guessing_clients = 0;                           // whose wrong tokens were slowed down
+    std::uint64_t gave_way = 0;                                   // connections that waited and gave way to others
+    bool gave_way_lately = false;                                 // within `lately`
     std::string_view link_code = "none", digits_code = "none";    // the state of the one-time codes
 };
 

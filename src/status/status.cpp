@@ -162,6 +162,9 @@ Json http_json(const NetworkDoor& door) {
     json["hosts"] = door.hosts;
     json["wrong_tokens"] = door.wrong_tokens;
     json["guessing_clients"] = door.guessing_clients;
+    json["gave_way"] = door.gave_way;
+    json["hint_id"] = door.gave_way_lately ? "connections" : "";
+    json["hint"] = door.gave_way_lately ? "some waiting connections were closed: limit who can reach this port" : "";
     json["codes"] = {{"link", door.link_code}, {"digits", door.digits_code}};
     return json;
 }

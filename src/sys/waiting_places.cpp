@@ -56,11 +56,12 @@ std::optional<std::size_t> gives_way(All all, bool for_first) {
     return found == candidates.end() ? std::nullopt : std::optional{*found};
 }
 
-std::optional<std::size_t> next_turn(All all) {
+std::optional<std::size_t> next_turn(All all, std::size_t places) {
     const Parties parties{all};
+    const int order = all.size() >= places - places / 4 ? -1 : 1;
     std::optional<std::size_t> next;
     const auto rank = [&](const WaitingConnection& one) {
-        return std::tuple{!one.goes_first, !one.has_answered, parties.of(one.party), -one.since.time_since_epoch()};
+        return std::tuple{!one.goes_first, !one.has_answered, parties.of(one.party), order * one.since.time_since_epoch()};
     };
     for (std::size_t i = 0; i < all.size(); ++i)
         if (all[i].stage == Stage::its_turn && (!next || rank(all[i]) < rank(all[*next]))) next = i;

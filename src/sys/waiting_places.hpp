@@ -35,8 +35,8 @@ inline constexpr ano::Duration silent_while_others_come = std::chrono::seconds{3
 std::optional<std::size_t> gives_way(std::span<const WaitingConnection> all, bool for_first);
 
 /// The next connection to process, among those in `its_turn`: first those that go first, then those that have answered, then
-/// those of the party with fewest connections, then the newest. If more connect than can be processed, the oldest are dropped,
-/// and work on them would be lost.
-std::optional<std::size_t> next_turn(std::span<const WaitingConnection> all);
+/// those of the party with fewest connections, then the oldest. If three quarters of `places` are taken, the newest instead: the
+/// oldest will be dropped, and work on them would be lost.
+std::optional<std::size_t> next_turn(std::span<const WaitingConnection> all, std::size_t places);
 
 }    // namespace anogate

@@ -14,6 +14,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -329,6 +331,59 @@ TEST_F(EncryptedDoor, a_flood_of_hellos_refuses_nobody_who_controls) {
     const Child first{[&] { return flood(71); }}, second{[&] { return flood(72); }};
     const std::string asks = "-k -H 'Authorization: Bearer " + acts + "' https://localhost:" + port + "/status";
     for (int i = 0; i < 20; ++i) EXPECT_EQ(curl(asks), "200") << i;
+}
+
+/// Opens and closes connections as fast as it can, 40 at a time; `one` address, or hundreds.
+int churn(std::uint16_t port, bool one, const std::string& says) {
+    for (int n = 0;;) {
+        std::vector<anogate::UniqueFd> held;
+        for (int i = 0; i < 40; ++i, ++n) {
+            const std::string many = "127.73." + std::to_string(n / 200 % 20) + "." + std::to_string(n % 200 + 1);
+            held.emplace_back(connect_tcp(port, one ? "127.73.0.1" : many));
+            if (held.back()) ::send(held.back().get(), says.data(), says.size(), MSG_NOSIGNAL);
+        }
+    }
+}
+
+/// How long `ask` takes, of ten times the longest: a SYN that is sent again costs a second.
+template <class Ask>
+double longest_ms(Ask ask) {
+    double longest = 0;
+    for (int i = 0; i < 10; ++i) {
+        const auto began = std::chrono::steady_clock::now();
+        ask();
+        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
+        longest = std::max(longest, took.count());
+        ::usleep(50'000);
+    }
+    return longest;
+}
+
+constexpr double without_a_second_syn = 900;    // ms
+
+TEST_F(NetworkDoor, thousands_of_new_connections_a_second_delay_no_other_client) {
+    if (sanitized) GTEST_SKIP() << "with a sanitizer the gateway is ten times slower than those who flood it";
+    for (const bool one : {true, false})
+        for (const std::string& says : {std::string{}, std::string{"GET /status HTT"}}) {
+            const Child first{[&] { return churn(port, one, says); }}, second{[&] { return churn(port, one, says); }};
+            ::usleep(300'000);
+            EXPECT_LT(longest_ms([&] { EXPECT_EQ(code_of(http(port, request("GET /status", bearer(acts)))), "200"); }),
+                      without_a_second_syn)
+                << (one ? "one address, " : "many, ") << says;
+        }
+}
+
+TEST_F(EncryptedDoor, thousands_of_new_connections_a_second_delay_no_other_client) {
+    if (sanitized) GTEST_SKIP() << "with a sanitizer the gateway is ten times slower than those who flood it";
+    const auto number = static_cast<std::uint16_t>(std::stoi(port));
+    const std::string asks = "-k -H 'Authorization: Bearer " + acts + "' https://localhost:" + port + "/status";
+    for (const bool one : {true, false})
+        for (const std::string& says : {std::string{}, hello_of_client()}) {
+            const Child first{[&] { return churn(number, one, says); }}, second{[&] { return churn(number, one, says); }};
+            ::usleep(300'000);
+            EXPECT_LT(longest_ms([&] { EXPECT_EQ(curl(asks), "200"); }), without_a_second_syn)
+                << (one ? "one address, " : "many, ") << says.size();
+        }
 }
 
 }    // namespace

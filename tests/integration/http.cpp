@@ -1,5 +1,8 @@
 // Sessions of the HTTP server over real sockets, with clients good and bad.
 #include <integration/http_server.hpp>
+#include <sys/descriptors_left.hpp>
+
+#include <sys/resource.h>
 
 #include <chrono>
 #include <string>
@@ -327,6 +330,51 @@ TEST_F(HttpServer, at_its_end_all_are_gone_at_once) {
     EXPECT_TRUE(source.gone) << "not when the loop comes to it";
     settle();
     EXPECT_TRUE(streamed.is_closed() && idle.is_closed() && half.is_closed());
+}
+
+// One that asks waits for a place; one that has sent nothing has none.
+TEST_F(JudgingHttpServer, clients_of_the_network_that_send_nothing_take_no_place) {
+    ServerLimits limits;
+    limits.network.connections = 2;
+    limits.network.hearing = std::chrono::hours{1};
+    begin(limits);
+    const auto listens = server->start(Server::Network{.address = "127.0.0.1", .needs_token = false});
+    ASSERT_TRUE(listens) << listens.error();
+    std::vector<Client> silent;
+    for (int i = 0; i < 100; ++i)
+        silent.emplace_back(UniqueFd{support::connect_tcp(*listens, "127.9.0." + std::to_string(1 + i))});
+    settle();
+    Client asks{UniqueFd{support::connect_tcp(*listens)}};
+    asks.send("GET /short?n=here HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+    EXPECT_TRUE(until([&] { return asks.has_heard("here"); }));
+    EXPECT_FALSE(silent.front().is_closed());
+}
+
+TEST_F(JudgingHttpServer, of_too_many_that_send_nothing_those_of_the_address_with_most_give_way) {
+    Client first{UniqueFd{support::connect_tcp(port, "127.9.0.2")}};
+    std::vector<Client> crowd;
+    for (int i = 0; i < 400; ++i) crowd.emplace_back(UniqueFd{support::connect_tcp(port, "127.9.0.1")});
+    const auto closed = [&] { return std::count_if(crowd.begin(), crowd.end(), [](Client& one) { return one.is_closed(); }); };
+    EXPECT_TRUE(until([&] { return static_cast<std::size_t>(closed()) >= 401 - Lobby::places; }));
+    EXPECT_EQ(server->gave_way().count, 401 - Lobby::places);
+    EXPECT_FALSE(first.is_closed());
+    EXPECT_FALSE(crowd.back().is_closed());
+    first.send("GET /short?n=here HTTP/1.1\r\nHost: 127.0.0.1\r\n" + bearer("may-act") + "\r\n");
+    EXPECT_TRUE(until([&] { return first.has_heard("here"); }));
+}
+
+TEST_F(JudgingHttpServer, a_crowd_that_waits_takes_at_most_half_of_the_descriptors) {
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+    std::vector<Client> crowd;
+    for (int i = 0; i < 200; ++i) crowd.emplace_back(UniqueFd{support::connect_tcp(port, "127.9.1." + std::to_string(1 + i))});
+    const std::size_t used = before.rlim_cur - anogate::descriptors_left();
+    const rlimit few{used + 16 + 100, before.rlim_max};    // 16 are for links
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+    EXPECT_TRUE(until([&] { return server->gave_way().count >= 150; })) << server->gave_way().count;
+    EXPECT_GE(anogate::descriptors_left(), 16u + 50u);
+    EXPECT_LE(server->gave_way().count, 152u);
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
 }
 
 }    // namespace

@@ -78,6 +78,10 @@ void write_lost(const Json& all, std::ostream& out) {
     }
 }
 
+void write_http(const Json& http, std::ostream& out) {
+    if (const std::string hint = text_at(http, "hint"); !hint.empty()) out << list_text("http: ", {hint}) << '\n';
+}
+
 void write_tunnel(const Json& tunnel, std::ostream& out) {
     std::vector<std::string> names;
     for (const auto& [name, value] : tunnel.items()) names.push_back(name);
@@ -107,7 +111,7 @@ bool is_calm(const std::string& hint) { return hint == "no_host_takes" || hint =
 // Of what needs somebody: vehicles lost while they were not locked, links that are not up or have a hint, addresses that two devices have, a
 // recording that fails.
 Verdict verdict_of(const Json& status) {
-    std::size_t links = 0, down = 0, hints = 0;
+    std::size_t links = 0, down = 0, hints = text_at(at(status, "http"), "hint").empty() ? 0 : 1;
     for (const Json& link : at(status, "links")) {
         if (text_at(link, "error_id") == "disabled") continue;
         ++links;
@@ -152,6 +156,7 @@ struct StatusView {
         write_links(at(status, "links"), at(before, "links"), seconds, streams.out);
         write_lost(at(status, "lost"), streams.out);
         write_conflicts(at(status, "conflicts"), streams.out);
+        write_http(at(status, "http"), streams.out);
         write_tunnel(at(status, "tunnel"), streams.out);
         write_gpio(at(status, "gpio"), streams.out);
         for (const std::string& line : recording_lines(at(status, "recording"))) streams.out << line << '\n';

@@ -1,28 +1,22 @@
 #include <ano/time.hpp>
 #include <http/doors/listener.hpp>
-
-#include <poll.h>
+#include <http/doors/lobby.hpp>
 
 #include <new>
-#include <optional>
 #include <utility>
 
 namespace anogate::http {
 namespace {
 
+constexpr int accepted_per_turn = 64;
 constexpr auto between_looks = std::chrono::milliseconds{2};          // for a place
 constexpr auto without_descriptor = std::chrono::milliseconds{50};    // until one may be free
-
-bool is_gone(Socket& socket) noexcept {
-    pollfd look{socket.native_handle(), 0, 0};
-    return ::poll(&look, 1, 0) == 1 && (look.revents & (POLLHUP | POLLERR)) != 0;
-}
 
 }    // namespace
 
 struct Listener::State : std::enable_shared_from_this<State> {
-    State(asio::io_context& io, HasPlace asked, Admit of_owner)
-        : acceptor{io}, pause{io}, has_place{std::move(asked)}, admit{std::move(of_owner)} {}
+    State(asio::io_context& io, int most, HasPlace asked, Admit of_owner)
+        : acceptor{io}, pause{io}, admitted_per_turn{most}, has_place{std::move(asked)}, admit{std::move(of_owner)} {}
 
     void await() {
         acceptor.async_wait(acceptor.wait_read, [self = shared_from_this()](error_code ec) {
@@ -32,29 +26,26 @@ struct Listener::State : std::enable_shared_from_this<State> {
         });
     }
 
-    void look() {
+    void look() try {
         if (!has_place()) return look_again_in(between_looks);
         error_code ec;
-        auto next = next_that_stays(ec);
-        if (ec && ec != asio::error::would_block && ec != asio::error::connection_aborted)
-            return look_again_in(without_descriptor);
-        try {
-            if (next) admit(std::move(*next));
-        } catch (const std::bad_alloc&) {    // the connection is closed
-        }
-        if (acceptor.is_open()) await();
-    }
-
-    /// Those that are gone are many in a flood: they must not keep the others waiting.
-    std::optional<Socket> next_that_stays(error_code& ec) {
-        constexpr int most = 64;
-        for (int i = 0; i < most; ++i) {
+        int admitted = 0;
+        for (int i = 0; i < accepted_per_turn && admitted < admitted_per_turn && acceptor.is_open(); ++i) {
             Socket socket{acceptor.get_executor()};
             acceptor.accept(socket, ec);
             if (ec) break;
-            if (!is_gone(socket)) return socket;
+            if (is_gone(socket)) continue;    // they are many in a flood, and must not keep the others waiting
+            ++admitted;
+            try {
+                admit(std::move(socket));
+            } catch (const std::bad_alloc&) {    // the connection is closed
+            }
         }
-        return std::nullopt;
+        if (ec && ec != asio::error::would_block && ec != asio::error::connection_aborted)
+            return look_again_in(without_descriptor);
+        if (acceptor.is_open()) await();
+    } catch (const std::bad_alloc&) {
+        look_again_in(without_descriptor);
     }
 
     void look_again_in(ano::Duration moment) {
@@ -66,12 +57,13 @@ struct Listener::State : std::enable_shared_from_this<State> {
 
     asio::basic_socket_acceptor<asio::generic::stream_protocol> acceptor;
     asio::steady_timer pause;
+    int admitted_per_turn;
     HasPlace has_place;
     Admit admit;
 };
 
-Listener::Listener(asio::io_context& io, UniqueFd fd, int family, HasPlace has_place, Admit admit)
-    : state_{std::make_shared<State>(io, std::move(has_place), std::move(admit))} {
+Listener::Listener(asio::io_context& io, UniqueFd fd, int family, int admitted_per_turn, HasPlace has_place, Admit admit)
+    : state_{std::make_shared<State>(io, admitted_per_turn, std::move(has_place), std::move(admit))} {
     state_->acceptor.assign(asio::generic::stream_protocol{family, 0}, fd.get());
     fd.release();
     state_->acceptor.non_blocking(true);

@@ -16,8 +16,8 @@ public:
     using Admit = std::function<void(Socket socket)>;
 
     /// `fd` must listen; `family`: AF_UNIX, AF_INET or AF_INET6. While `has_place` returns false, clients wait in the kernel's queue. `admit` may
-    /// throw std::bad_alloc: the connection is closed then.
-    Listener(asio::io_context& io, UniqueFd fd, int family, HasPlace has_place, Admit admit);
+    /// throw std::bad_alloc: the connection is closed then. `admitted_per_turn` of the loop, if so many have come.
+    Listener(asio::io_context& io, UniqueFd fd, int family, int admitted_per_turn, HasPlace has_place, Admit admit);
     ~Listener();
     Listener(const Listener&) = delete;
     Listener& operator=(const Listener&) = delete;

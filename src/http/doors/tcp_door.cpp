@@ -72,6 +72,12 @@ Expected<ListeningSocket> listen_tcp(const std::string& address, std::uint16_t p
     return made;
 }
 
+std::string peer_of(int fd) {
+    sockaddr_storage end{};
+    socklen_t size = sizeof end;
+    return ::getpeername(fd, reinterpret_cast<sockaddr*>(&end), &size) == 0 ? end_of(end, size).address : std::string{};
+}
+
 void prepare_tcp(int fd, Door& door) {
     sockaddr_storage end{};
     socklen_t size = sizeof end;
@@ -80,8 +86,7 @@ void prepare_tcp(int fd, Door& door) {
         door.local = local.address;
         door.port = local.port;
     }
-    size = sizeof end;
-    if (::getpeername(fd, reinterpret_cast<sockaddr*>(&end), &size) == 0) door.peer = end_of(end, size).address;
+    door.peer = peer_of(fd);
     switch_on(fd, IPPROTO_TCP, TCP_NODELAY);
     switch_on(fd, SOL_SOCKET, SO_KEEPALIVE);
     constexpr int quiet_seconds = 60, between_seconds = 15, probes = 4;

@@ -18,6 +18,9 @@ struct ListeningSocket {
 /// Listens at an IP address; [::] accepts IPv4 too.
 Expected<ListeningSocket> listen_tcp(const std::string& address, std::uint16_t port);
 
+/// The address of the other end; empty: it has gone.
+std::string peer_of(int fd);
+
 /// Sets the addresses of a connected socket in `door`; enables TCP_NODELAY and keep-alive on it.
 void prepare_tcp(int fd, Door& door);
 

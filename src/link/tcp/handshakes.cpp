@@ -132,7 +132,7 @@ void Handshakes::heard(One& one) try {
 
 void Handshakes::give_turns() try {
     while (at_work_ < at_a_time) {
-        const auto next = next_turn(facts());
+        const auto next = next_turn(facts(), places);
         if (!next) return;
         begin(*all_[*next]);
     }

@@ -51,17 +51,25 @@ TEST(WaitingPlaces, a_trusted_one_gives_way_to_trusted_ones_alone) {
     EXPECT_EQ(gives_way({}, false), std::nullopt);
 }
 
-TEST(WaitingPlaces, turns_are_for_trusted_ones_then_for_who_answered_then_for_the_address_with_fewest_then_for_the_newest) {
+TEST(WaitingPlaces, turns_are_for_trusted_ones_then_for_who_answered_then_for_the_address_with_fewest_then_for_the_oldest) {
     std::vector<WaitingConnection> all{{1, at(0ms), Stage::begun}};
-    EXPECT_EQ(next_turn(all), std::nullopt);
+    EXPECT_EQ(next_turn(all, 100), std::nullopt);
     for (int i = 0; i < 10; ++i) all.push_back({2, at(i * 1ms), Stage::its_turn});
-    EXPECT_EQ(next_turn(all), 10u);
-    all.push_back({3, at(0ms), Stage::its_turn});
-    EXPECT_EQ(next_turn(all), 11u);
-    all.push_back({2, at(0ms), Stage::its_turn, false, true});
-    EXPECT_EQ(next_turn(all), 12u);
-    all.push_back({2, at(0ms), Stage::its_turn, true, false});
-    EXPECT_EQ(next_turn(all), 13u);
+    EXPECT_EQ(next_turn(all, 100), 1u);
+    all.push_back({3, at(20ms), Stage::its_turn});
+    EXPECT_EQ(next_turn(all, 100), 11u);
+    all.push_back({2, at(20ms), Stage::its_turn, false, true});
+    EXPECT_EQ(next_turn(all, 100), 12u);
+    all.push_back({2, at(20ms), Stage::its_turn, true, false});
+    EXPECT_EQ(next_turn(all, 100), 13u);
+}
+
+TEST(WaitingPlaces, while_nearly_all_are_taken_the_newest_has_its_turn) {
+    std::vector<WaitingConnection> all;
+    for (std::uint64_t i = 0; i < 74; ++i) all.push_back({i, at(1ms * i), Stage::its_turn});
+    EXPECT_EQ(next_turn(all, 100), 0u);
+    all.push_back({74, at(74ms), Stage::its_turn});
+    EXPECT_EQ(next_turn(all, 100), 74u);
 }
 
 }    // namespace

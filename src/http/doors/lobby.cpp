@@ -1,0 +1,155 @@
+#include <http/doors/lobby.hpp>
+#include <sys/descriptors_left.hpp>
+#include <sys/waiting_places.hpp>
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace anogate::http {
+namespace {
+
+constexpr auto before_next_look = std::chrono::milliseconds{2};    // for a place
+constexpr int let_in_per_turn = 4;                                 // each costs more than to accept one, which must not wait
+
+}    // namespace
+
+bool is_gone(Socket& socket, bool is_encrypted) noexcept {
+    pollfd look{socket.native_handle(), POLLRDHUP, 0};
+    if (::poll(&look, 1, 0) != 1) return false;
+    char byte;
+    return is_encrypted || (look.revents & (POLLHUP | POLLERR)) != 0 || ::recv(look.fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) <= 0;
+}
+
+struct Lobby::State : std::enable_shared_from_this<State> {
+    struct One {
+        Socket socket;
+        WaitingConnection facts;
+    };
+
+    State(asio::io_context& its_io, bool encrypts, ano::Duration its_patience, GaveWay& counted, HasPlace asked, Admit of_owner)
+        : pause{its_io},
+          end_of_patience{its_io},
+          is_encrypted{encrypts},
+          patience{its_patience},
+          gave_way{counted},
+          has_place{std::move(asked)},
+          admit{std::move(of_owner)} {}
+
+    void add(Socket socket, std::uint64_t party, bool goes_first) {
+        if (is_gone(socket, is_encrypted)) return;
+        while (all.size() >= places_now())
+            if (!give_way(goes_first)) return;
+        const auto one = std::make_shared<One>(
+            One{std::move(socket), {party, ano::Clock::now(), WaitingConnection::Stage::silent, goes_first, false}});
+        all.push_back(one);
+        one->socket.async_wait(Socket::wait_read, [self = shared_from_this(), weak = std::weak_ptr{one}](error_code ec) {
+            const auto heard = weak.lock();
+            if (heard && !ec) self->hear(heard);
+        });
+        end_silent_later();
+    }
+
+    /// Those that links leave are shared with the clients that have a place.
+    std::size_t places_now() const {
+        const std::size_t free = descriptors_left() + all.size(), links = descriptors_of_links();
+        return free <= links ? 1 : std::clamp<std::size_t>((free - links) / 2, 1, places);
+    }
+
+    void hear(const std::shared_ptr<One>& one) {
+        if (is_gone(one->socket, is_encrypted)) return static_cast<void>(std::erase(all, one));
+        one->facts.stage = WaitingConnection::Stage::its_turn;
+        let_in();
+    }
+
+    bool give_way(bool for_first) {
+        const auto leaves = anogate::gives_way(facts(), for_first);
+        if (!leaves) return false;
+        all.erase(all.begin() + static_cast<std::ptrdiff_t>(*leaves));
+        ++gave_way.count;
+        gave_way.last = ano::Clock::now();
+        return true;
+    }
+
+    static bool is_silent(const std::shared_ptr<One>& one) { return one->facts.stage == WaitingConnection::Stage::silent; }
+
+    void end_silent_later() {
+        const auto first = std::find_if(all.begin(), all.end(), is_silent);
+        if (first == all.end() || std::exchange(ends_silent, true)) return;
+        end_of_patience.expires_at((*first)->facts.since + patience);
+        end_of_patience.async_wait([weak = weak_from_this()](error_code stopped) {
+            const auto self = weak.lock();
+            if (!self || stopped) return;
+            const ano::TimePoint since = ano::Clock::now() - self->patience;
+            std::erase_if(self->all, [since](const auto& one) { return is_silent(one) && one->facts.since <= since; });
+            self->ends_silent = false;
+            self->end_silent_later();
+        });
+    }
+
+    std::vector<WaitingConnection> facts() const {
+        std::vector<WaitingConnection> facts;
+        facts.reserve(all.size());
+        for (const auto& one : all) facts.push_back(one->facts);
+        return facts;
+    }
+
+    void let_in() try {
+        if (looks_again) return;
+        for (int i = 0; i < let_in_per_turn; ++i) {
+            const auto next = next_turn(facts(), places);
+            if (!next) return;
+            if (!has_place()) return look_again_in(before_next_look);
+            if (is_closed) return;
+            Socket socket = std::move(all[*next]->socket);
+            all.erase(all.begin() + static_cast<std::ptrdiff_t>(*next));
+            if (is_gone(socket, is_encrypted)) continue;
+            try {
+                admit(std::move(socket));
+            } catch (const std::bad_alloc&) {    // the connection is closed
+            }
+        }
+        look_again_in({});
+    } catch (const std::bad_alloc&) {
+        look_again_in(before_next_look);
+    }
+
+    void look_again_in(ano::Duration moment) {
+        looks_again = true;
+        pause.expires_after(moment);
+        pause.async_wait([self = shared_from_this()](error_code stopped) {
+            self->looks_again = false;
+            if (!stopped) self->let_in();
+        });
+    }
+
+    void close() {
+        is_closed = true;
+        all.clear();
+        pause.cancel();
+        end_of_patience.cancel();
+    }
+
+    asio::steady_timer pause, end_of_patience;
+    bool is_encrypted;
+    ano::Duration patience;
+    GaveWay& gave_way;
+    HasPlace has_place;
+    Admit admit;
+    std::vector<std::shared_ptr<One>> all{};    // in the order in which they came
+    bool looks_again = false, ends_silent = false, is_closed = false;
+};
+
+Lobby::Lobby(asio::io_context& io, bool is_encrypted, ano::Duration patience, GaveWay& gave_way, HasPlace has_place, Admit admit)
+    : state_{std::make_shared<State>(io, is_encrypted, patience, gave_way, std::move(has_place), std::move(admit))} {}
+
+Lobby::~Lobby() { state_->close(); }
+
+void Lobby::add(Socket socket, std::uint64_t party, bool goes_first) { state_->add(std::move(socket), party, goes_first); }
+bool Lobby::give_way() { return state_->give_way(true); }
+
+}    // namespace anogate::http
