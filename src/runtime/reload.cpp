@@ -3,8 +3,10 @@
 #include <runtime/gateway.hpp>
 #include <runtime/reload.hpp>
 #include <sys/notify.hpp>
+#include <sys/rooms.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <utility>
 
@@ -41,6 +43,18 @@ std::vector<std::string> names_of_changed(const Difference& difference) {
     return names;
 }
 
+constexpr const char* no_memory = "not enough memory";
+constexpr std::size_t memory_of_any = 1024 * 1024;    // bytes, to read the files and compare them
+
+/// At least as much as a change takes, most of it for the stack of a thread that a new link may have. Many links take less than the most.
+std::size_t memory_for(const Difference& difference) {
+    constexpr std::size_t of_one = 8 * memory_of_any, most = 64 * memory_of_any;
+    const auto fresh = std::count_if(difference.links.begin(), difference.links.end(), [](const LinkDifference& link) {
+        return link.change == Change::added || link.change == Change::changed;
+    });
+    return std::min(most, memory_of_any + of_one * static_cast<std::size_t>(fresh));
+}
+
 }    // namespace
 
 /// The input of the thread, and its results.
@@ -74,7 +88,8 @@ void Reload::Job::work() {
     wanted.settings = without_restart(running, std::move(wanted.settings));
     if (request.confirm_within && !difference(confirmed.settings, wanted.settings).is_none())
         outcome.confirm_within = request.confirm_within;
-    if (!request.dry_run) prepare_restart();
+    if (!memory_is_left(memory_for(outcome.difference))) outcome.refusal = no_memory;
+    else if (!request.dry_run) prepare_restart();
 }
 
 // Runs before any change, because the power may fail.
@@ -145,6 +160,12 @@ void Reload::next() {
 }
 
 void Reload::begin(const ReloadRequest& request, const Done& done) {
+    if (!memory_is_left(memory_of_any)) {
+        ReloadOutcome outcome;
+        outcome.dry_run = request.dry_run;
+        outcome.refusal = no_memory;
+        return finish(outcome, done);
+    }
     const auto job = std::make_shared<Job>(Job{request, read_again_, gateway_.settings(), confirmed_, kept_path_, written_});
     if (!request.dry_run) {
         const auto now = std::chrono::duration_cast<std::chrono::microseconds>(ano::Clock::now().time_since_epoch());

@@ -177,6 +177,30 @@ TEST(Memory, who_asks_while_it_is_short_is_told_so) {
     EXPECT_TRUE(daemon.until_answers()) << "there is memory again";
 }
 
+TEST(Memory, what_the_system_does_not_give_is_a_reload_refused) {
+    if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
+    const TempDir dir;
+    const std::string one = R"("udp-listen:127.0.0.1:0,name=ground")";
+    for (const rlim_t some : {0, 16, 64, 300, 1'000, 4'000, 20'000}) {
+        const std::string file = dir.write("anogate.json", R"({"links": [)" + one + "]}");
+        Daemon daemon{ANOGATED, dir / "control", {"--config", file}};
+        ASSERT_TRUE(daemon.until_up("ground") && has_started(daemon));
+        std::string more = one;
+        for (int i = 0; i < 30; ++i) more += R"(, "udp-listen:127.0.0.1:0,name=n)" + std::to_string(i) + '"';
+        dir.write("anogate.json", R"({"links": [)" + more + "]}");
+        const rlimit little{(static_cast<rlim_t>(daemon.proc_status("VmSize")) + some) * 1024, RLIM_INFINITY};
+        const rlimit any{RLIM_INFINITY, RLIM_INFINITY};
+        ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &little, nullptr), 0);
+        daemon.signal(SIGHUP);
+        EXPECT_TRUE(daemon.until_says("reload: nothing was changed: ")) << some << ' ' << daemon.output();
+        ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
+        ASSERT_TRUE(daemon.until_answers()) << some << ' ' << daemon.output();
+        EXPECT_EQ(daemon.status().at("links").size(), 1u);
+        daemon.signal(SIGHUP);
+        EXPECT_TRUE(daemon.until([&](const auto& status) { return status.at("links").size() == 31; })) << "there is memory again";
+    }
+}
+
 // Rooms are mostly never touched. A huge page would be touched as a whole, and the kernel may join pages to one later.
 TEST(Memory, has_no_huge_pages) {
     const TempDir dir;
