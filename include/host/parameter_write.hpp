@@ -47,6 +47,8 @@ public:
     void set_before(Bytes value, std::uint32_t doubts);
     /// The same without a value: `info` was the device's at that time.
     void set_known(std::uint32_t doubts) noexcept { doubts_ = doubts; }
+    /// Device::doubts() when the description was last read or compared; std::nullopt: before start().
+    std::optional<std::uint32_t> known() const noexcept { return doubts_; }
     void start(TimePoint now);
     Progress progress() const noexcept override { return {step_, 4}; }
     void cancel(TimePoint now) override;

@@ -55,6 +55,7 @@ void ParameterApply::described(TimePoint now) {
     renew_identity();
     presence_ = device().presence();
     announcements_ = device().announcements();
+    compared_ = parameters_.doubts();
     next(now);
 }
 
@@ -138,8 +139,8 @@ void ParameterApply::write(std::size_t row, const AnyValue& value, WriteLimits l
     last_ = std::move(write_);
     write_ = std::make_unique<ParameterWrite>(device(), infos_[row], value, limits);
     write_->mean(identity());
-    if (undoing_) write_->set_known(parameters_.doubts());
-    else write_->set_before(parameters_.bytes(infos_[row].id), parameters_.doubts());
+    if (undoing_) write_->set_known(compared_);
+    else write_->set_before(parameters_.bytes(infos_[row].id), compared_);
     write_->on_end([this, then](TimePoint later) { (this->*then)(later); });
     write_->start(now);
 }
@@ -174,6 +175,7 @@ void ParameterApply::row_ended(TimePoint now) {
         return next(now);
     }
     row.state = write_->is_clamped() ? State::clamped : State::written;
+    if (!is_restarted()) compared_ = write_->known().value_or(compared_);
     ++at_;
     next(now);
 }

@@ -372,6 +372,23 @@ TEST_F(Applies, only_what_differs_is_written) {
     EXPECT_EQ(task->rows()[3].stored, AnyValue{std::int64_t{2}});
 }
 
+TEST_F(Applies, a_lost_write_costs_one_comparison_and_not_one_for_each_later_value) {
+    fake.make_parameters(10, 0);
+    std::size_t lost = 0;
+    fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (frame.id() == 0xE1 && writes() == 3 && lost++ == 0) return std::vector<Bytes>{};
+        return std::nullopt;
+    };
+    std::vector<std::pair<std::string, AnyValue>> values;
+    for (int i = 0; i < 10; ++i) values.emplace_back("PAR_" + std::to_string(i), std::int64_t{90 + i});
+    const auto task = apply(values);
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(lost, 1u);
+    const auto is_write = [](const Bytes& frame) { return frame[3] == 0xE1; };
+    const auto first = std::find_if(fake.heard.begin(), fake.heard.end(), is_write);
+    EXPECT_LE(std::count_if(first, fake.heard.end(), [](const Bytes& frame) { return frame[3] == 0xE0 && frame[6] == 3; }), 1);
+}
+
 TEST_F(Applies, a_clamped_one_is_listed_and_no_failure) {
     fake.parameters[0].store = [](const Bytes&) { return Bytes{100}; };
     const auto task = apply({{"U8", std::int64_t{200}}, {"I16", std::int64_t{2}}}, {.rollback = true});
