@@ -16,7 +16,7 @@ constexpr long max_large_bodies = 2;
 // Handshakes that wait for their turn. Each costs a millisecond of the loop: those of one client must not fill the queue, behind which
 // others would wait in the kernel.
 constexpr std::ptrdiff_t max_handshakes = 8, max_handshakes_per_client = 6;    // a browser opens six
-constexpr int accepts_per_turn = 64;    // of the network, where a flood must not fill the kernel's queue
+constexpr int accepts_per_turn = 16;    // of the network, where a flood must not fill the kernel's queue
 constexpr ano::Duration memory_stays = std::chrono::milliseconds{1};
 constexpr ano::Duration long_turn = std::chrono::milliseconds{1};
 constexpr ano::Duration max_rest = std::chrono::milliseconds{50};
