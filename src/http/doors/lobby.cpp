@@ -13,8 +13,8 @@
 namespace anogate::http {
 namespace {
 
-constexpr auto before_next_look = std::chrono::milliseconds{2};    // for a place
-constexpr int let_in_per_turn = 4;                                 // each costs more than to accept one, which must not wait
+constexpr auto before_next_look = std::chrono::milliseconds{2};    // when all places are taken
+constexpr int let_in_per_turn = 4;    // admitting costs more than accepting, which must not wait for it
 
 }    // namespace
 
@@ -54,7 +54,7 @@ struct Lobby::State : std::enable_shared_from_this<State> {
         end_silent_later();
     }
 
-    /// Those that links leave are shared with the clients that have a place.
+    /// Descriptors that links do not need are shared with the clients that have a place.
     std::size_t places_now() const {
         const std::size_t free = descriptors_left() + all.size(), links = descriptors_of_links();
         return free <= links ? 1 : std::clamp<std::size_t>((free - links) / 2, 1, places);
@@ -140,7 +140,7 @@ struct Lobby::State : std::enable_shared_from_this<State> {
     GaveWay& gave_way;
     HasPlace has_place;
     Admit admit;
-    std::vector<std::shared_ptr<One>> all{};    // in the order in which they came
+    std::vector<std::shared_ptr<One>> all{};    // in the order of their arrival
     bool looks_again = false, ends_silent = false, is_closed = false;
 };
 

@@ -1,5 +1,5 @@
-// Accepted connections of the network whose client has sent nothing yet. Many may wait here and cost little; only who has sent something
-// gets a place at the server.
+// Accepted network connections whose client has sent nothing yet. They cost little, so many can wait here. A connection gets one of
+// the server's places only after its client has sent something.
 #pragma once
 #include <ano/time.hpp>
 #include <http/asio.hpp>
@@ -12,7 +12,7 @@
 
 namespace anogate::http {
 
-/// Clients that waited, and were closed for others.
+/// Waiting connections that were closed to make room for others.
 struct GaveWay {
     std::uint64_t count = 0;
     ano::TimePoint last{};
@@ -24,16 +24,16 @@ public:
     using HasPlace = std::function<bool()>;
     using Admit = std::function<void(Socket socket)>;
 
-    /// `admit` is called for a client that has sent something, when `has_place` returns true; it may throw std::bad_alloc: the connection is
-    /// closed then. Whoever sends nothing for `patience` is closed. `gave_way` is counted in.
+    /// Calls `admit` for a connection whose client has sent something, when `has_place` returns true. If `admit` throws
+    /// std::bad_alloc, the connection is closed. A connection that is silent for `patience` is closed. Counts in `gave_way`.
     Lobby(asio::io_context& io, bool is_encrypted, ano::Duration patience, GaveWay& gave_way, HasPlace has_place, Admit admit);
     ~Lobby();
     Lobby(const Lobby&) = delete;
     Lobby& operator=(const Lobby&) = delete;
 
-    /// `party`: see WaitingConnection. If there are too many, or too few descriptors, one of the party with most of them gives way.
+    /// `party`: see WaitingConnection. If too many wait, or too few descriptors are left, one of the party with most of them is closed.
     void add(Socket socket, std::uint64_t party, bool goes_first);
-    /// Closes one, so that there is a descriptor. False: nobody is here.
+    /// Closes one connection, to free a descriptor. False: none waits.
     bool give_way();
 
 private:
@@ -41,7 +41,7 @@ private:
     std::shared_ptr<State> state_;
 };
 
-/// The client has closed the connection, and left no request. One of TLS that sends nothing more gets no answer in any case.
+/// The client has closed the connection and left no request. A TLS client that has closed its half gets no response in any case.
 bool is_gone(Socket& socket, bool is_encrypted = false) noexcept;
 
 }    // namespace anogate::http
