@@ -1,4 +1,4 @@
-// anoctl alarms: the values of devices that are beyond their limits, as the gateway judges them.
+// anoctl alarms: the values of devices that exceed their limits, as evaluated by the gateway.
 #include <anoctl/text/frame_printer.hpp>
 #include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/table.hpp>
@@ -51,7 +51,7 @@ std::string device_text(const Json& alarm) {
     return text_at(alarm, "device") + (name.empty() ? "" : " " + name);
 }
 
-/// Prints what changes from one answer of the gateway to the next.
+/// Prints the differences between successive responses of the gateway.
 class ChangePrinter {
 public:
     explicit ChangePrinter(Streams& streams) : streams_{streams} {}
@@ -146,7 +146,7 @@ private:
         const auto take = [&](std::string_view line) {
             const std::vector<Json> alarms = wanted(parse_answer(std::string{line}));
             if (!json) return printer.print(alarms);
-            if (std::exchange(was_empty, alarms.empty()) && alarms.empty()) return;    // the line tells a vehicle
+            if (std::exchange(was_empty, alarms.empty()) && alarms.empty()) return;    // repeats without alarms are omitted
             streams.out << ano::json_text(Json{{"alarms", alarms}}) << '\n';
             streams.out.flush();
             if (!streams.out) io.stop();

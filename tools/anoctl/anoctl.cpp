@@ -88,7 +88,7 @@ std::string commands() {
     return all;
 }
 
-/// "; a, b or c" from "a|b|c"; otherwise empty.
+/// "; choices: a, b or c" from "a|b|c"; empty for a value without '|'.
 std::string choices(std::string value) {
     const auto last = value.rfind('|');
     if (last == value.npos) return {};
@@ -97,7 +97,7 @@ std::string choices(std::string value) {
     return "; choices: " + value;
 }
 
-/// `options`: of the command that was chosen.
+/// The message for a missing option or operand. `options`: those of the command that was chosen.
 std::string what_is_missing(const CLI::RequiredError& e, const Options& options) {
     std::string name = e.what();    // "file is required"
     const auto end = name.find(" is required");
@@ -110,7 +110,8 @@ std::string what_is_missing(const CLI::RequiredError& e, const Options& options)
     return "missing " + name + (option != options.end() ? choices(option->value) : std::string{});
 }
 
-/// "; 'e1.mcap' was taken for a value of --id: …": when the last value of an option that takes all words after it looks like a file.
+/// "; 'e1.mcap' was read as a value of --id; …", if the last value of an option that consumes all words after it looks like a
+/// file.
 std::string taken_for_a_value(const CLI::App& command, const Options& options) {
     for (const Option& option : options) {
         if (!std::holds_alternative<std::vector<std::string>*>(option.into)) continue;
@@ -136,7 +137,7 @@ void reject_unknown_command(int argc, const char* const* argv) {
     throw UsageError{"unknown command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
 }
 
-// Put before negative numbers, since CLI11 would take -1.5 for options.
+// Prefix of negative numbers: CLI11 would parse -1.5 as options.
 constexpr char negative_mark = '\x01';
 
 bool is_negative_number(std::string_view word) { return word.starts_with('-') && ano::parse_number(word).has_value(); }
@@ -144,7 +145,7 @@ std::string unmarked(std::string word) {
     if (word.starts_with(negative_mark)) word.erase(0, 1);
     return word;
 }
-/// Marks each negative number in `words`, so that it is never taken for an option; `kept` owns the new words.
+/// Marks each negative number in `words`, so that it is not parsed as an option; `kept` owns the new words.
 void mark_negative_numbers(std::vector<const char*>& words, std::vector<std::string>& kept) {
     kept.reserve(words.size());
     for (const char*& word : words)
@@ -184,7 +185,8 @@ CLI::Option* declare(CLI::App& app, const std::string& name, const Option::Into&
         help);
 }
 
-/// Also for commands that ask no gateway: a user with an alias that has --control uses it for all of them.
+/// Every command accepts --control, even if it sends no request to a gateway: an alias with --control then works for all
+/// commands.
 void allow_control(CLI::App& command) {
     if (command.get_option_no_throw("--control") == nullptr)
         command.add_option_function<std::string>("--control", [](const std::string&) {})->group("");    // not in --help
@@ -200,7 +202,7 @@ void declare(CLI::App& app, const Options& options) {
         for (const std::string& other : option.excludes) app.get_option(option.name)->excludes(app.get_option(other));
 }
 
-/// The only name that begins with the same three letters, --seconds for --secs; empty: there is none, or more than one.
+/// The only name that begins with the same three letters (--seconds for --secs). Empty: none, or several.
 std::string beginning_alike(const std::string& given, const std::vector<std::string>& names) {
     constexpr std::size_t alike = 5;    // with "--"
     std::string found;
@@ -212,7 +214,7 @@ std::string beginning_alike(const std::string& given, const std::vector<std::str
     return found;
 }
 
-/// The message for an error of the parser of options.
+/// The message for an error of the option parser.
 std::string told(const CLI::ParseError& error, const CLI::App& command) {
     std::string what = error.what();
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.ends_with(" missing"))
@@ -232,7 +234,8 @@ std::string told(const CLI::ParseError& error, const CLI::App& command) {
     return "unknown option " + ano::in_quotes(name) + meant;
 }
 
-/// "; to work without a gateway, add --link LINK", for a command that can have a link of its own; a --link that takes several values is a filter.
+/// "; to work without a gateway, add --link LINK", for a command that can open a link itself. A --link with several values is a
+/// filter and doesn't count.
 std::string way_without(const std::string& command, const Options& options) {
     std::string words = "anoctl " + command;
     for (const Option& option : options) {
@@ -244,7 +247,7 @@ std::string way_without(const std::string& command, const Options& options) {
     return {};
 }
 
-/// The message for a failure of the `chosen` command; when no gateway runs, with what can be done about it.
+/// The message for a failure of the `chosen` command. If no gateway is running, also says how to start one or work without it.
 std::string with_a_way_out(const std::string& what, const std::string& chosen, const Options& options) {
     if (!what.starts_with("no gateway is running at ")) return what;
     return what + "; to start one: anogated LINK..." + way_without(chosen, options);
@@ -285,7 +288,7 @@ int run(int argc, const char* const* given, Streams& streams) {
         if (*s.examples != '\0') command->footer(std::string{"Examples:\n"} + s.examples);
         declared.emplace(command, std::move(options));
     }
-    app.footer(    // not for the commands: they inherit an earlier footer, and do not have all of these options
+    app.footer(    // not for subcommands, which don't have all of these options
         "Examples:\n"
         "  anoctl status                                  is everything in order?\n"
         "  anoctl monitor --id euler --count 10           ten frames of one message\n"

@@ -14,33 +14,33 @@ namespace anoctl {
 
 enum Exit : int {
     fine = 0,
-    failed = 1,    // the work failed: nothing decoded, no answer, refused
+    failed = 1,    // the command failed: nothing decoded, no answer, refused
     usage = 2,     // a usage error
     interrupted = 130,
 };
 
-/// Where a subcommand reads and writes.
+/// Input and output of a subcommand.
 struct Streams {
-    int in;    // a file descriptor: live input is read as it comes
+    int in;    // a file descriptor: live input is read as it arrives
     std::ostream& out;
     std::ostream& err;
-    bool terminal = false;          // `out` is a terminal: write columns
-    bool color = false;             // and colours
-    bool in_is_terminal = false;    // the input would have to be typed
+    bool terminal = false;          // `out` is a terminal: print columns
+    bool color = false;             // use colours
+    bool in_is_terminal = false;    // input would have to be typed
     bool err_is_terminal = false;
     std::size_t width = 80;    // cells of a line of the terminal
 };
 
-/// A usage error: one line on `err`, exit 2.
+/// A usage error: one line on `err`, exit status 2.
 struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
-/// The work can't be done: one line on `err`, exit 1.
+/// The command failed: one line on `err`, exit status 1.
 struct Failure : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Ctrl-C ended the work: one line on `err` with what is half done, exit 130.
+/// Cancelled by Ctrl-C: one line on `err` that says which parts are incomplete, exit status 130.
 struct Interrupted : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -50,8 +50,8 @@ using Run = std::function<int(Streams&)>;
 struct Subcommand {
     const char* name;
     const char* description;
-    Run (*add)(Options& options);    // declares its options; the returned function is run when the subcommand is chosen
-    const char* group;               // of the list of subcommands in --help
+    Run (*add)(Options& options);    // declares its options; returns the function that runs the subcommand
+    const char* group;               // heading in the list of subcommands of --help
     const char* examples;            // lines; "": none
 };
 
@@ -90,11 +90,11 @@ Run add_web(Options& options);
 
 std::span<const Subcommand> subcommands() noexcept;
 
-/// The id of a message by name or number. Throws UsageError, whose text begins with `where`.
+/// The id of a message from its name or number. Throws UsageError, whose text begins with `where`.
 std::uint8_t message_id_of(const std::string& word, const std::string& where = {});
 
-/// Whether to write to a terminal in colour, by these environment variables (nullptr: not set). False when NO_COLOR is set and
-/// not empty, or when the terminal has no abilities ("dumb").
+/// Whether a terminal gets colours. The arguments are the environment variables of these names (nullptr: not set). False if
+/// NO_COLOR is set and not empty, or if `term` is "dumb".
 bool wants_color(const char* no_color, const char* term) noexcept;
 
 /// Runs the program with these arguments. Returns the exit status.

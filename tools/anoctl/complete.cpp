@@ -21,7 +21,7 @@ namespace {
 using ano::Json;
 using Words = std::span<const char* const>;
 
-constexpr ano::Duration patience = std::chrono::milliseconds{300};    // somebody has pressed a key and waits
+constexpr ano::Duration patience = std::chrono::milliseconds{300};    // the user has pressed Tab and waits
 constexpr ano::Duration patience_with_device = std::chrono::milliseconds{1500};
 
 /// The value of an option on the command line being typed; bash passes --control=PATH as three words.
@@ -46,7 +46,7 @@ Json asked(const GatewayOptions& gateway, const std::string& target, ano::Durati
     return parse_answer(outcome.answer.body);
 }
 
-/// The description that a shell shows for a word comes after a tab.
+/// One "word<tab>description" per line; shells show the description.
 void offer_devices(const Json& routes, std::ostream& out) {
     for (const Json& route : routes)
         out << text_at(route, "address") << '\t' << text_at(route, "who") << ", " << names_at(route, "links") << '\n';
@@ -57,7 +57,7 @@ void offer_links(const Json& links, std::ostream& out) {
         out << text_at(link, "name") << '\t' << text_at(link, "kind") << ", " << text_at(link, "state") << '\n';
 }
 
-/// Offers the name of each device that has one, else its address.
+/// Offers the name of each device, or its address if it has no name.
 void offer_names(const Json& devices, std::ostream& out) {
     for (const Json& device : devices) {
         const std::string name = text_at(device, "name"), address = text_at(device, "address");
@@ -65,7 +65,7 @@ void offer_names(const Json& devices, std::ostream& out) {
     }
 }
 
-/// The device of --device, else the only one.
+/// The device of --device, else the only one. Empty: there are several, or none.
 std::string device_of(const GatewayOptions& gateway, Words words) {
     if (std::string said = value_of(words, "--device"); !said.empty()) return said;
     const Json answer = asked(gateway, "/devices");
@@ -73,8 +73,8 @@ std::string device_of(const GatewayOptions& gateway, Words words) {
     return devices.size() == 1 ? text_at(devices.front(), "address") : std::string{};
 }
 
-/// Reads the descriptions from the device if the gateway does not have them yet. Names with blanks are omitted: a shell would take them for
-/// two words.
+/// The gateway reads the descriptions from the device if it does not have them yet. Names with spaces are omitted, because a
+/// shell would split them.
 void offer_of_device(const GatewayOptions& gateway, Words words, const std::string& what, std::ostream& out) {
     const std::string device = device_of(gateway, words);
     if (device.empty()) return;
@@ -100,7 +100,7 @@ int complete(Words words, Streams& streams) noexcept {
         else if (what == "fields")
             for (const std::string& word : field_words(words.subspan(1))) streams.out << word << '\n';
         streams.out.flush();
-    } catch (const std::exception&) {    // offers nothing: an error message would disturb the line being typed
+    } catch (const std::exception&) {    // prints nothing: an error message would disturb the line being typed
     }
     return fine;
 }

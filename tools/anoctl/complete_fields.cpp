@@ -15,7 +15,7 @@ namespace {
 
 using Words = std::span<const char* const>;
 
-/// The first word that is a message, and not the value of an option.
+/// The message of the first word that names one and is not the value of an option.
 std::optional<std::uint8_t> message_in(Words words) {
     for (std::size_t i = 1; i < words.size(); ++i) {
         const std::string_view word = words[i], before = words[i - 1];
@@ -26,7 +26,7 @@ std::optional<std::uint8_t> message_in(Words words) {
     return std::nullopt;
 }
 
-// Spaces in the words of the table are written as '_'.
+// Spaces in the value names of the table are written as '_'.
 void add_values(std::uint8_t id, std::string_view name, const std::string& before, std::vector<std::string>& all) {
     for (const ano::Message& row : ano::layouts_of(id)) {
         const ano::Field* const field = row.field(name);

@@ -1,4 +1,4 @@
-// The completions after the name of a message: FIELD=VALUE.
+// Completions after the name of a message: FIELD=VALUE.
 #pragma once
 #include <span>
 #include <string>
@@ -6,7 +6,8 @@
 
 namespace anoctl {
 
-/// The completions for the last of `words`, which begin with the subcommand; names of messages when none is given before it.
+/// The completions for the last of `words`, which begin with the subcommand; if no message is named before it, the names of
+/// messages.
 std::vector<std::string> field_words(std::span<const char* const> words);
 
 }    // namespace anoctl

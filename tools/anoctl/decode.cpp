@@ -1,4 +1,4 @@
-// anoctl decode [HEX|FILE|-]: bytes to frames.
+// anoctl decode [HEX|FILE|-]: decodes bytes to frames.
 #include <anoctl/recording/gap.hpp>
 #include <anoctl/text/frame_printer.hpp>
 #include <anoctl/text/hex_text.hpp>
@@ -30,11 +30,11 @@ namespace {
 using namespace ano;
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr std::size_t max_kept = 1 << 20;    // bytes not reported yet: of a longer gap, only the length is reported
+constexpr std::size_t max_kept = 1 << 20;    // bytes not reported yet; of a longer gap, only the length is reported
 
 std::string text_of(Checks checks) { return spaced_hex(std::array{checks.sum, checks.add}); }
 
-/// Shows frames as their bytes come in, and the bytes between them.
+/// Prints frames while their bytes arrive, and the bytes between frames.
 class Decoder {
 public:
     Decoder(Streams& streams, const FrameOptions& options)
@@ -55,7 +55,7 @@ public:
             show();
         }
     }
-    /// Reads bytes, or hex text, as they come, until there are no more or the output can no longer be written.
+    /// Reads bytes or hex text as they arrive, until the end of the input or until the output can no longer be written.
     void read_all(int fd, const std::string& name) {
         std::vector<std::uint8_t> buffer(65536);
         BytesOrText input;
@@ -77,7 +77,7 @@ public:
             if (n == 0) return;
         }
     }
-    /// The end of the input. Returns the exit status.
+    /// To be called at the end of the input. Returns the exit status.
     int finish() {
         parser_.finish();
         show();
@@ -92,7 +92,7 @@ public:
     }
 
 private:
-    // False: no bytes came, but a candidate that held frames back was given up.
+    // False: no bytes arrived, but an unfinished frame that delayed later frames was given up.
     bool wait_for_input(int fd) {
         const auto deadline = parser_.deadline();
         if (!deadline) return true;
@@ -148,7 +148,7 @@ private:
     std::ostream& begin_complaint(std::uint64_t bytes) {
         return complain() << "offset " << told_ << ": " << bytes << (bytes == 1 ? " byte" : " bytes");
     }
-    /// Why bytes are not a frame. `beside_frames`: wrong check bytes were reported already.
+    /// The reason why bytes are not a frame. `beside_frames`: wrong check bytes were reported already.
     const char* cause(bool beside_frames) const {
         const ParserCounters& now = parser_.counters();
         if (now.v7_frames > before_.v7_frames) return "contains frames of protocol version 7 (0xAA)";
@@ -178,13 +178,13 @@ private:
     bool json_;
     FramePrinter printer_;
     FrameParser parser_;
-    std::uint64_t told_ = 0;    // everything before this offset was reported
-    std::uint64_t good_ = 0;    // bytes of good frames
+    std::uint64_t told_ = 0;    // offset up to which everything was reported
+    std::uint64_t good_ = 0;    // bytes of valid frames
     ParserCounters before_;     // counters at the last gap
     bool damaged_ = false;
-    std::vector<std::uint8_t> kept_;    // the bytes from kept_at_ on, including those not reported yet
+    std::vector<std::uint8_t> kept_;    // bytes from offset kept_at_ on, including those not reported yet
     std::uint64_t kept_at_ = 0;
-    std::string no_hex_;    // set where text was read as raw bytes
+    std::string no_hex_;    // the place where text was read as raw bytes
 };
 
 struct Decode {

@@ -1,4 +1,4 @@
-// anoctl encode NAME FIELD=VALUE...: values to a frame.
+// anoctl encode NAME FIELD=VALUE...: encodes values to a frame.
 #include <anoctl/text/frame_printer.hpp>
 #include "anoctl.hpp"
 #include "given_frame.hpp"
@@ -29,14 +29,14 @@ namespace {
 
 using namespace ano;
 
-constexpr std::size_t max_line = 1 << 20;    // several times what the largest frame needs
+constexpr std::size_t max_line = 1 << 20;    // several times the text of the largest frame
 
-/// The lines of standard input, each as soon as it is complete.
+/// The lines of standard input, each available as soon as it is complete.
 class Lines {
 public:
     explicit Lines(int fd) : fd_{fd} {}
 
-    /// The next line. False: there are no more.
+    /// Reads the next line. False: end of input.
     bool next(std::string& line) {
         std::size_t end = 0;
         while ((end = text_.find('\n', seen_)) == std::string::npos) {
@@ -52,7 +52,7 @@ public:
         return true;
     }
     std::size_t number() const { return number_; }
-    /// Whether the next line was read already.
+    /// Whether the next line was already received.
     bool one_waits() const { return text_.find('\n', seen_) != std::string::npos; }
 
 private:
@@ -75,7 +75,7 @@ private:
     int fd_;
     std::string text_;
     std::size_t begin_ = 0;    // of the next line
-    std::size_t seen_ = 0;     // the line does not end before this
+    std::size_t seen_ = 0;     // no line end before this offset
     std::size_t number_ = 0;
 };
 
@@ -93,7 +93,7 @@ struct Encode {
     }
 
 private:
-    // The input is what `decode --json` prints: one object a line.
+    // The input is the output of `decode --json`: one object per line.
     int encode_lines(Streams& streams, const JsonOptions& options) const {
         if (!given.fields.empty() || given.data)
             throw UsageError{"- reads frames from standard input and cannot be combined with FIELD=VALUE or --data"};
@@ -102,7 +102,7 @@ private:
             if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
             const std::string where = "line " + std::to_string(lines.number());
             const Json json = json_in_text(line, where);
-            if (json.is_object() && json.contains("fault")) continue;    // bytes in which `decode` found no frame
+            if (json.is_object() && json.contains("fault")) continue;    // bytes that `decode` could not read as a frame
             write(streams, frame_bytes(json, options, where + ": "));
             if (!lines.one_waits()) streams.out.flush();
         }

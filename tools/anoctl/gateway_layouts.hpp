@@ -8,7 +8,7 @@
 
 namespace anoctl {
 
-/// Throws Failure when there is no gateway; an older one has none.
+/// Empty for an older gateway, which has no such route. Throws Failure if there is no gateway.
 std::vector<ano::FlexibleSpec> layouts_of_gateway(const GatewayOptions& gateway);
 
 }    // namespace anoctl

@@ -23,7 +23,7 @@ Field field_called(std::uint8_t id, const std::string& name) {
         if (const Field* f = row.field(name)) return *f;
     return {};
 }
-// Numbers stay text: the encoder reads them as C writes them.
+// Numbers stay text: the encoder parses them, in C notation.
 Json value(std::uint8_t id, const std::string& name, const std::string& text) {
     const Field field = field_called(id, name);
     if (field.type == Type::text || field.type == Type::bytes || field.type == Type::ip) return text;

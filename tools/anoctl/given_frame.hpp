@@ -1,4 +1,4 @@
-// A frame as it is given on the command line: NAME FIELD=VALUE... --from A --to B.
+// A frame given on the command line: NAME FIELD=VALUE... --from A --to B.
 #pragma once
 #include "options.hpp"
 
@@ -19,16 +19,16 @@ struct GivenFrame {
     std::string to = "255";
     std::optional<std::string> data;
 
-    /// `given` must live as long as the run; `help` is that of NAME.
+    /// `given` must live as long as the run; `help` is the text for NAME.
     static void add(Options& options, GivenFrame& given, const std::string& help);
-    /// The whole frame. Throws UsageError.
+    /// The complete frame. Throws UsageError.
     std::vector<std::uint8_t> bytes(const ano::JsonOptions& options) const;
 
 private:
     ano::Json json() const;
 };
 
-/// The whole frame. Throws UsageError, whose text begins with `where`.
+/// The complete frame. Throws UsageError, whose text begins with `where`.
 std::vector<std::uint8_t> frame_bytes(const ano::Json& json, const ano::JsonOptions& options, const std::string& where);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// JSON from outside, as files and command lines have it.
+// Parses JSON from files and command lines.
 #pragma once
 #include "anoctl.hpp"
 
@@ -9,11 +9,11 @@
 
 namespace anoctl {
 
-/// "-" is standard input. Throws UsageError when it can't be read, or is not JSON.
+/// Reads and parses a file; "-" is standard input. Throws UsageError if it can't be read or is not JSON.
 nlohmann::json json_in_file(const std::string& path, Streams& streams);
 
-/// `where`: the name of the file, or what else begins the text of the fault. Throws UsageError when it is not JSON, has a key twice, or is nested
-/// too deep.
+/// `where`: the beginning of the error text, as the name of the file. Throws UsageError if the text is not JSON, contains a key
+/// twice, or is nested too deeply.
 nlohmann::json json_with_comments(std::string_view text, const std::string& where);
 /// The same without comments.
 nlohmann::ordered_json json_in_text(std::string_view text, const std::string& where);

@@ -1,4 +1,4 @@
-// anoctl links: the links of a gateway with all their counters.
+// anoctl links: the links of a gateway, with all counters.
 #include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/table.hpp>
 #include "anoctl.hpp"

@@ -9,7 +9,7 @@
 
 namespace anoctl {
 
-/// Returns empty, or why `word` is not valid.
+/// Returns empty, or the reason why `word` is not valid.
 inline std::string read_message_encoding(const std::string& word, std::optional<anogate::DecodedEncoding>& encoding) {
     encoding = anogate::decoded_encoding_called(word);
     if (encoding) return {};

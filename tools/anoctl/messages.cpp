@@ -1,4 +1,4 @@
-// anoctl messages: the table itself.
+// anoctl messages: prints the message table.
 #include <anoctl/text/frame_printer.hpp>
 #include <anoctl/text/reference.hpp>
 #include "anoctl.hpp"

@@ -1,4 +1,4 @@
-// anoctl metrics: the counters as Prometheus reads them.
+// anoctl metrics: the counters in the Prometheus text format.
 #include <anoctl/text/prometheus_text.hpp>
 #include "anoctl.hpp"
 #include "gateway.hpp"

@@ -1,4 +1,4 @@
-// anoctl monitor LINK: the frames received by a link of our own; without a LINK, those of the running gateway.
+// anoctl monitor LINK: the frames received on a link of this process; without LINK, those of the running gateway.
 #include <anoctl/recording/wanted_frames.hpp>
 #include <anoctl/text/frame_printer.hpp>
 #include "anoctl.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 using namespace anogate;
 
-/// Shows the wanted frames, up to the wanted number.
+/// Prints the wanted frames, up to the wanted number.
 class Shown final : public FrameTaker {
 public:
     Shown(const WantedFrames& wanted, std::uint64_t count, Streams& streams, const FrameOptions& frames)
@@ -41,7 +41,7 @@ public:
 
 private:
     const WantedFrames wanted_;
-    std::uint64_t left_;    // 0: no end
+    std::uint64_t left_;    // 0: no limit
     Streams& streams_;
     FramePrinter printer_;
 };
@@ -69,7 +69,7 @@ struct MonitorOptions {
 
 private:
     int attach(Streams& streams) const {
-        for (const auto* words : {&ids, &from, &to, &links, &directions})    // these options take all words after them
+        for (const auto* words : {&ids, &from, &to, &links, &directions})    // these options consume all words after them
             for (const std::string& word : *words)
                 if (word.find(':') != word.npos) throw UsageError{ano::in_quotes(word) + ": place LINK before the options"};
         const std::vector<std::string> once{"in"};
@@ -79,7 +79,7 @@ private:
         if (options.config.empty()) options.known = layouts_of_gateway(gateway);
         return watch({gateway.socket(), query, count, options}, streams);
     }
-    // With the values of the options, otherwise those of the link.
+    // The options of the command line; where they are not given, those of the link.
     FrameOptions as_said_of(const LinkSettings& settings) const {
         FrameOptions options = frames;
         if (!options.encoding && settings.encoding)

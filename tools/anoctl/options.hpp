@@ -9,14 +9,15 @@
 namespace anoctl {
 
 struct Option {
-    /// Takes the word. Returns empty, or what is wrong with it.
+    /// Parses the word. Returns empty, or the reason why it is not valid.
     using Read = std::function<std::string(const std::string& word)>;
-    /// The targets live as long as the run. A bool is set when the option is given; a vector takes all words after the option.
+    /// The targets must live as long as the run. A bool is set if the option is given; a vector receives all words after the
+    /// option.
     using Into = std::variant<bool*, std::string*, std::optional<std::string>*, std::vector<std::string>*, Read>;
 
     std::string name;    // "--from"; "link" for an operand
     Into into;
-    std::string value;    // what --help calls it; empty for a flag
+    std::string value;    // the placeholder in --help; empty for a flag
     std::string help;
     bool required = false;
     std::vector<std::string> excludes = {};    // names of options that can't be combined with it

@@ -75,7 +75,7 @@ std::string keys_idle_for_listener(std::string_view link) {
     return idle;
 }
 
-/// The host of the one link.
+/// LinkHost of the only link.
 class OwnLink::Host final : public LinkHost {
 public:
     Host(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who,
@@ -144,7 +144,7 @@ public:
     }
 
 private:
-    // The channels on which `address` was heard, or all of them.
+    // The channels on which frames from `address` were received; if there are none, all channels.
     std::vector<Channel*> leading_to(std::uint8_t address) const {
         std::vector<Channel*> all, heard;
         for (const auto& open : channels_) {
@@ -224,7 +224,8 @@ private:
         return loop_;
     }
 
-    // Prints the hint that a gateway's status would have; after the first frame, only when something is wrong.
+    // Checks periodically for a hint, as in the status of a gateway, and prints it. After the first frame, only hints about
+    // faults.
     void look_later() {
         look_.expires_after(look_every_);
         look_.async_wait([this](error_code ec) {
@@ -264,7 +265,7 @@ private:
         return f;
     }
 
-    // A link must not be closed while it calls us.
+    // Posted, because a link must not be closed within its own callback.
     void finish_soon() {
         if (std::exchange(done_, true)) return;
         asio::post(io_, [this] {
@@ -286,7 +287,7 @@ private:
     std::vector<std::unique_ptr<Open>> channels_;
     std::unique_ptr<Link> link_;
     TimePoint now_{};
-    LoopWatch loop_;    // needed by links; the age of a frame is not used here
+    LoopWatch loop_;    // required by links; the age of frames is not used
     asio::steady_timer look_{io_};
     std::string hint_;
     bool up_ = false, heard_ = false, spoke_ = false;
@@ -294,7 +295,7 @@ private:
     TimePoint up_at_{};
     std::string why_;
     std::uint64_t gone_skipped_ = 0, gone_given_up_ = 0;
-    std::uint64_t nowhere_ = 0;    // frames for which there was no channel
+    std::uint64_t nowhere_ = 0;    // frames sent while no channel was open
 };
 
 OwnLink::OwnLink(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who,

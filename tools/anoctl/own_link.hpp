@@ -1,4 +1,4 @@
-// A link of our own, without a gateway.
+// A link that this process opens itself, without a gateway.
 #pragma once
 #include "anoctl.hpp"
 #include "frame_taker.hpp"
@@ -16,18 +16,18 @@
 
 namespace anoctl {
 
-/// The settings of a LINK text. Throws UsageError. `if_name`: what the user may have meant when `link` is only a name: "a link of the
-/// gateway, by its name: monitor --link".
+/// Parses a LINK text. Throws UsageError. `if_name` is added to the error if `link` is only a name: "a link of the gateway, by
+/// its name: monitor --link".
 anogate::LinkSettings link_settings_of(const std::string& link, std::string_view if_name = {});
-/// "hello, limit.0x01": the keys of a LINK text that have no effect for a listener, since they concern sending or forwarding.
+/// "hello, limit.0x01": the keys of a LINK text that have no effect for a listener, because they apply to sending or forwarding.
 std::string keys_idle_for_listener(std::string_view link);
 
-/// Passes each good frame to its taker, and reports the state of the link on `err`: up, or waiting and why, and the hints that a
-/// gateway's status would have. It works while its loop runs, and stops the loop when the taker wants no more.
+/// Passes each valid frame to a FrameTaker. Reports on `err` whether the link is up, or why it waits, and the hints that the
+/// status of a gateway would contain. Runs while its loop runs, and stops the loop when the FrameTaker needs no more frames.
 class OwnLink {
 public:
-    /// The arguments outlive it. `who`: the command, for the messages on `err`; empty: the message that the link is up is omitted.
-    /// `look_every`: the interval for checking whether there is a hint.
+    /// The references must outlive it. `who`: the command, for the messages on `err`; if empty, there is no message when the link
+    /// is up. `look_every`: interval of the check for hints.
     OwnLink(anogate::asio::io_context& io, const anogate::LinkSettings& settings, FrameTaker& taker, Streams& streams,
             std::string who, ano::Duration look_every = std::chrono::seconds{3});
     ~OwnLink();
@@ -35,20 +35,20 @@ public:
     OwnLink& operator=(const OwnLink&) = delete;
 
     void start();
-    /// Closes it. Not to be called by the taker.
+    /// Closes the link. Must not be called from within the FrameTaker.
     void stop();
-    /// Sends a frame to every channel on which its destination was heard, or else to all channels. False: there is no channel, or the port
-    /// of the link is missing.
+    /// Sends a frame to every channel on which its destination was heard, or else to all channels. False: no channel accepted it,
+    /// for example because none is open.
     bool send(ano::FrameView frame);
-    /// Has zero bytes sent (Outbox::flush_parser()) before `next`, which send() is to get.
+    /// Sends zero bytes (Outbox::flush_parser()) before `next`, the frame that will be passed to send().
     ano::Flush flush_parser(ano::FrameView next);
     const std::string& name() const noexcept;
     bool is_up() const noexcept;
-    /// A clause: what is wrong with it while it is up: "refused: nothing listens at 127.0.0.1:5555". Empty: nothing is wrong.
+    /// A clause with the fault of a link that is up: "refused: nothing listens at 127.0.0.1:5555". Empty: no fault.
     std::string trouble() const;
-    /// Bytes that belong to no frame.
+    /// Number of received bytes outside any frame.
     std::uint64_t skipped() const noexcept;
-    /// Frames of send() that wait to be sent, and those that were given up, counted for each channel.
+    /// Number of frames passed to send() that still wait, and that were dropped; a frame counts once for each channel.
     std::size_t waiting() const noexcept;
     std::uint64_t given_up() const noexcept;
 
@@ -57,7 +57,7 @@ private:
     std::unique_ptr<Host> host_;
 };
 
-/// Listens until it is interrupted or the taker wants no more. Returns the number of bytes that belong to no frame.
+/// Receives until interrupted or until `taker` needs no more frames. Returns the number of bytes outside any frame.
 std::uint64_t listen(const std::string& link, FrameTaker& taker, Streams& streams, const std::string& who);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// anoctl terminal LINK: the raw bytes of a link of the gateway, both ways; lines that are typed are sent.
+// anoctl terminal LINK: shows the raw bytes of a link of the gateway in both directions, and sends typed lines.
 #include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/raw_text.hpp>
 #include <anoctl/text/table.hpp>
@@ -36,10 +36,10 @@ namespace {
 namespace asio = anogate::asio;
 namespace http = anogate::http;
 
-/// Reads lines in a thread: a descriptor that the shell shares must not be made non-blocking, and may be a file.
+/// Reads lines in a thread, because a descriptor shared with the shell must not be made non-blocking, and may be a file.
 class Lines {
 public:
-    /// `take` is called from `io` for each line, without its end; `end` when no more come.
+    /// From `io`, `take` is called for each line, without its line end, and `end` at the end of the input.
     Lines(asio::io_context& io, int fd, std::function<void(std::string)> take, std::function<void()> end)
         : io_{io},
           fd_{fd},
@@ -85,12 +85,12 @@ private:
     std::thread thread_;
 };
 
-constexpr auto time_for_answers = std::chrono::milliseconds{500};    // after the end of the input
+constexpr auto time_for_answers = std::chrono::milliseconds{500};    // time after the end of the input
 
 struct TerminalOptions {
     std::string link;
     bool hex = false, exclusive = false, json = false;
-    std::optional<ano::Encoding> encoding;    // std::nullopt: that of the link
+    std::optional<ano::Encoding> encoding;    // std::nullopt: the encoding of the link
     std::string line_end = "\r\n";
     GatewayOptions gateway;
 };
@@ -167,7 +167,7 @@ private:
             lines_ = std::make_unique<Lines>(
                 io_, streams_.in, [this](const std::string& line) { send(line); }, [this] { end_soon(); });
     }
-    // At the end of the input: what was sent leaves, and what comes at once is shown.
+    // After the end of the input: waits until all lines are sent, and for an answer, for time_for_answers.
     void end_soon() {
         if (streams_.in_is_terminal) return io_.stop();
         last_lines_.expires_after(time_for_answers);

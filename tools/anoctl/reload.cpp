@@ -1,4 +1,4 @@
-// anoctl reload: makes the gateway read its configuration again.
+// anoctl reload: the gateway reads its configuration again.
 #include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/table.hpp>
 #include "anoctl.hpp"
@@ -67,7 +67,7 @@ private:
         return fine;
     }
 
-    // Replaces names of query parameters in the gateway's text by those of our options.
+    // Replaces the name of the query parameter in the gateway's error text by that of the option.
     [[noreturn]] static void throw_words_of(const anogate::http::Answer& answer) {
         const std::string words = words_of(answer);
         constexpr std::string_view query_word = "'confirm_within'";
@@ -75,7 +75,7 @@ private:
         throw Failure{words};
     }
 
-    // The configuration has faults, which the response lists.
+    // Prints the faults of the configuration, which the response lists.
     int refused(const anogate::http::Answer& answer, Streams& streams) const {
         const Json came = parse_answer(answer.body);
         if (json) streams.out << ano::json_text(came) << '\n';

@@ -6,8 +6,8 @@
 
 namespace anoctl {
 
-/// Runs `words[0]`, looked up in PATH, with our standard streams. Returns its exit status, 128 + N when signal N ended it;
-/// std::nullopt: it is not installed. Throws Failure when it can't be started.
+/// Runs `words[0]`, looked up in PATH, with the standard streams of this process. Returns its exit status, or 128 + N if signal N
+/// ended it; std::nullopt: it is not installed. Throws Failure if it can't be started.
 std::optional<int> run_program(std::vector<std::string> words);
 
 }    // namespace anoctl

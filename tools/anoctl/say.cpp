@@ -10,7 +10,7 @@
 namespace anoctl {
 namespace {
 
-constexpr std::size_t hanging_indent = 4;    // of the lines after the first
+constexpr std::size_t hanging_indent = 4;    // indent of all lines but the first
 
 std::size_t width_of(bool is_terminal, const Streams& streams) { return is_terminal ? streams.width : 0; }
 

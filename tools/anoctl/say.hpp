@@ -1,4 +1,4 @@
-// Prints lines for people; on a terminal they are broken between words.
+// Prints lines for people; on a terminal, long lines are broken between words.
 #pragma once
 #include "anoctl.hpp"
 
@@ -7,15 +7,15 @@
 
 namespace anoctl {
 
-/// On standard output.
+/// Prints to standard output.
 void say(Streams& streams, std::string_view text);
-/// On standard error, after "anoctl: ".
+/// Prints to standard error, with the prefix "anoctl: ".
 void tell(Streams& streams, std::string_view text);
-/// A question on standard error, without a line end.
+/// Prints a question to standard error, without a line end.
 void ask(Streams& streams, std::string_view question);
-/// The line that answers it, without its end.
+/// Reads the answer, without its line end.
 std::string answer(const Streams& streams);
-/// Asks, and says whether the answer is yes.
+/// Asks the question. Returns whether the answer is yes.
 bool agrees(Streams& streams, std::string_view question);
 
 }    // namespace anoctl

@@ -39,7 +39,7 @@ struct Send {
     }
 
 private:
-    // NAME and what follows may be the hex digits of a whole frame.
+    // NAME and the words after it may be the hex digits of a complete frame.
     std::vector<std::uint8_t> bytes() const {
         std::string digits = given.name;
         for (const std::string& word : given.fields) digits += word;
@@ -54,7 +54,7 @@ private:
         return *whole;
     }
 
-    // "left by ground (192.168.1.20:6000)"
+    // "sent on ground (192.168.1.20:6000)"
     static void tell(const Json& answer, Streams& streams) {
         const auto each = [&](const char* key, const char* words) {
             for (const Json& place : answer.value(key, Json::array())) {

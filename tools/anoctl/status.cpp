@@ -39,7 +39,7 @@ std::string sum_of(const Json& link, const std::vector<std::string>& names) {
     return Json(static_cast<std::uint64_t>(sum)).dump();
 }
 
-// Frames a second between two answers; empty: the link was not there before, or is another one.
+// Frames per second between two responses. Empty: the link was missing in the earlier one, or was recreated.
 std::string rate_of(const Json& link, const char* counter, const Json& before, double seconds) {
     for (const Json& one : before) {
         if (text_at(one, "name") != text_at(link, "name") || seconds <= 0) continue;
@@ -49,7 +49,7 @@ std::string rate_of(const Json& link, const char* counter, const Json& before, d
     return {};
 }
 
-// `before`: the same, `seconds` ago. A hint that several links have is written once, at the first of them.
+// `before`: the links `seconds` ago. A hint that several links have is printed once, for the first of them.
 void write_links(const Json& links, const Json& before, double seconds, std::ostream& out) {
     Table table{{"LINK", "KIND", "STATE", "SINCE", " IN/s", " OUT/s", " IN", " OUT", " DROPPED"}};
     Told told;
@@ -105,11 +105,10 @@ struct Verdict {
     std::string text = "ok";
 };
 
-// Those that need no action: a host may only listen, and come later.
+// Hints that need no action: a host may only receive, or connect later.
 bool is_calm(const std::string& hint) { return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "recording_ended"; }
 
-// Of what needs somebody: vehicles lost while they were not locked, links that are not up or have a hint, addresses that two devices have, a
-// recording that fails.
+// Degraded: vehicles lost while unlocked, links that are down or have a hint, conflicts of addresses, recordings that fail.
 Verdict verdict_of(const Json& status) {
     std::size_t links = 0, down = 0, hints = text_at(at(status, "http"), "hint").empty() ? 0 : 1;
     for (const Json& link : at(status, "links")) {
@@ -134,7 +133,7 @@ Verdict verdict_of(const Json& status) {
 }
 
 struct StatusView {
-    static constexpr auto between = std::chrono::milliseconds{500};    // two answers, for the rates
+    static constexpr auto between = std::chrono::milliseconds{500};    // between two responses, for the rates
     static constexpr int degraded = 3;                                 // the exit status
     GatewayOptions gateway;
     bool json = false, exit_code = false;

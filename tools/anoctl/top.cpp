@@ -1,4 +1,4 @@
-// anoctl top: the channels and addresses of the running gateway, as a live screen.
+// anoctl top: the channels and addresses of the running gateway on a live screen.
 #include <anoctl/text/terminal.hpp>
 #include <anoctl/text/top_screen.hpp>
 #include "anoctl.hpp"
@@ -47,13 +47,13 @@ public:
         signals_.add(SIGTSTP);
     }
 
-    /// Runs until it is ended. Returns the fault that ended it, or empty.
+    /// Runs until the user quits or an error occurs. Returns the error, or empty.
     std::string run() {
         await_signal();
         await_key();
         ask();
         frames_.open(get("/frames?format=binary&direction=in&elsewhere=no"), std::make_unique<Counter>(heard_),
-                     [](const http::Outcome&) {});    // without it the rates of addresses are 0
+                     [](const http::Outcome&) {});    // if this fails, the rates of addresses are 0
         io_.run();
         screen_.reset();
         status_.cancel();
@@ -95,7 +95,7 @@ private:
         heard_ = {};
         looked_at_ = now;
         before_ = std::move(status);
-        if (!screen_) screen_.emplace();    // not before there is something to show
+        if (!screen_) screen_.emplace();    // not created before the first response
         show();
     }
 

@@ -27,7 +27,7 @@ using Told = nlohmann::json;
 
 constexpr auto flush_time = std::chrono::milliseconds{250};
 
-// The names for the numbers in records, as sent by the gateway.
+// Names for the numbers in records; the gateway sends them in text messages.
 class Names {
 public:
     void set(const Told& list) {
@@ -90,7 +90,7 @@ private:
         FrameWatcher& watcher_;
     };
 
-    // A text message has the names for the numbers, or the lost frames.
+    // A text message contains the names for the numbers, or the number of lost frames.
     void hear(std::string_view text) {
         const Told told = Told::parse(text, nullptr, false);
         if (!told.is_object()) return;
@@ -98,7 +98,7 @@ private:
         links_.set(told.value("links", Told{}));
         peers_.set(told.value("channels", Told{}));
         causes_.set(told.value("causes", Told{}));
-        if (!told.contains("decoding")) return;    // an older gateway
+        if (!told.contains("decoding")) return;    // older gateways don't send it
         if (const auto decoding = anogate::Decoding::parse(told["decoding"].dump())) taker_.use(decoding);
     }
 
@@ -130,7 +130,7 @@ private:
         }
     }
 
-    // Writes waiting output also when no more frames come.
+    // Flushes pending output even if no more frames arrive.
     void tick() {
         tick_.expires_after(flush_time);
         tick_.async_wait([this](anogate::error_code ec) {
