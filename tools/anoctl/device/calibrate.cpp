@@ -1,4 +1,4 @@
-// anoctl calibrate: finds the calibration of a sensor while the user turns the device.
+// anoctl calibrate: calibrates a sensor while the user turns the device.
 #include "calibration_text.hpp"
 #include "device_client.hpp"
 #include "job_view.hpp"
@@ -47,7 +47,7 @@ private:
     Streams& streams_;
     const bool yes_;
     LiveLines lines_;
-    std::string message_, step_;    // as printed last
+    std::string message_, step_;    // last printed
 };
 
 struct Calibrate {

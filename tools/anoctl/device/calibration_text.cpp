@@ -58,7 +58,7 @@ std::vector<std::string> faces_drawn(const Json& step) {
     return lines;
 }
 
-// Bands from top to bottom; sectors around it, beginning at the x axis.
+// One line per band, from top to bottom; the sectors of a band begin at the x axis.
 std::vector<std::string> sphere_drawn(const Json& step) {
     const Json& covered = at(step, "coverage");
     std::vector<std::string> lines;

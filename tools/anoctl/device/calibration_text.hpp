@@ -1,4 +1,4 @@
-// Shows a calibration to the person who turns the device.
+// Texts and drawings for the user who turns the device during a calibration.
 #pragma once
 #include <ano_json/frame_json.hpp>
 
@@ -11,13 +11,13 @@
 namespace anoctl {
 
 /// A drawing of the face that is up, whether the device is still, and which faces are done; or a map of the directions that have
-/// measurements. Empty while there is neither.
+/// measurements. Empty if `job` contains neither.
 std::vector<std::string> calibration_lines(const ano::Json& job);
 /// Breaks lines between words, to at most `width` columns.
 std::vector<std::string> broken_lines(const std::vector<std::string>& lines, std::size_t width);
-/// The same as one line for a file or a pipe; it changes with each face and each tenth of the sphere.
+/// The state of the job as one line for a file or a pipe. It changes with each face, or with each tenth of the sphere.
 std::string calibration_step(const ano::Json& job);
-/// "residual 25.3 cm/s² before, 1.2 cm/s² now", the values found, and that they stay.
+/// "residual 25.3 cm/s² before, 1.2 cm/s² now", the values found, and that they are saved.
 std::vector<std::string> calibration_result(const ano::Json& result, const std::string& what);
 
 }    // namespace anoctl

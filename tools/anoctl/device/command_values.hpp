@@ -9,14 +9,14 @@
 
 namespace anoctl {
 
-/// The one of `commands` (as in GET /devices/A/commands) named or numbered `word`. Throws UsageError when there is none, or several
-/// have that name.
+/// The element of `commands` (as in GET /devices/A/commands) with the name or number `word`. Throws UsageError if there is none,
+/// or if several have that name.
 const ano::Json& command_called(const ano::Json& commands, const std::string& word);
 
-/// The values in the types of `command`. Throws UsageError when there are too few or too many, or one is no number or out of range.
+/// The values in the types of `command`. Throws UsageError if their number is wrong, or if one is not a number or out of range.
 ano::Json command_values(const ano::Json& command, const std::vector<std::string>& words);
 
-/// The body for POST …/commands/by-cid: `cid` is "16,0,5", each word "u16:150", or a number alone. Throws UsageError.
+/// The body for POST …/commands/by-cid: `cid` is "16,0,5"; each word is "u16:150", or only a number. Throws UsageError.
 ano::Json call_by_cid(const std::string& cid, const std::vector<std::string>& words);
 
 /// "move u16 i16 f32"

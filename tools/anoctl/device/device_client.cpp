@@ -44,14 +44,14 @@ http::Request request_of(const std::string& method, std::string target, std::str
     return request;
 }
 
-// " --control PATH" for a suggested command, if it was given with this one.
+// " --control PATH" for a command to suggest, if the option was given for the current one.
 std::string place_to_type(const DeviceOptions& options) {
     const std::string& path = options.gateway.control;
     const bool is_plain = path.find_first_of(" \t'\"\\$*?;&|<>()") == std::string::npos;
     return path.empty() ? path : " --control " + (is_plain ? path : ano::in_quotes(path));
 }
 
-// Why it was refused; when another client uses the device, with what can be done about it.
+// The text of a refusal. If another client's job uses the device, also says how to follow or cancel that job.
 std::string words_of_refusal(const http::Answer& answer, const Json& device, const DeviceOptions& options) {
     std::string words = with_device_named(with_options_named(words_of(answer), options.command), device);
     const Json json = Json::parse(answer.body, nullptr, false);
@@ -70,7 +70,7 @@ struct DeviceClient::Loop {
     Json device;    // null: not chosen yet
 };
 
-// One job, from the request to its end.
+// Runs one job, from the request to its end.
 class DeviceClient::Exchange {
 public:
     Exchange(Loop& loop, Streams& streams, JobView& view, const DeviceOptions& options)
@@ -99,7 +99,7 @@ private:
         loop_.door->stream(
             std::move(request), [this](std::string_view line) { hear(line); },
             [this](http::Outcome outcome) {
-                // Firmware and calibration: the response is the job, which is followed separately.
+                // Firmware and calibration: the response describes the job, which is then followed by a second request.
                 if (outcome.fault.empty() && outcome.answer.status == 202 && !has_job_) {
                     hear(outcome.answer.body);
                     http::Request follow = request_of("GET", "/jobs/" + text_at(job_, "id") + "?while_connected", {});
@@ -129,7 +129,7 @@ private:
         loop_.door->ask(request_of("POST", "/jobs/" + text_at(job_, "id") + "/next", {}), [](const http::Outcome&) {});
     }
 
-    // Enter continues a job that waits.
+    // Enter continues a waiting job.
     void await_key() {
         if (!streams_.in_is_terminal || keys_.is_open()) return;
         error_code ec;
@@ -146,7 +146,7 @@ private:
         });
     }
 
-    // The first signal cancels the job and waits for its end, the second one does not wait.
+    // The first signal cancels the job and waits for its end; the second one exits at once.
     void await_signal() {
         signals_.async_wait([this](error_code ec, int) {
             if (ec) return;
@@ -193,13 +193,13 @@ private:
         return error.empty() || error.starts_with("cancelled") ? rest : ": " + error;
     }
     static constexpr std::string_view gateway_ends =
-        "the gateway is stopping";    // prefix of the texts of the service when it ends
+        "the gateway is stopping";    // beginning of the errors of a gateway that stops
 
     Loop& loop_;
     Streams& streams_;
     JobView& view_;
     const DeviceOptions& options_;
-    const std::string client_;    // our name, which the gateway shows to other clients
+    const std::string client_;    // name of this program, shown to other clients
     asio::signal_set signals_{loop_.io, SIGINT, SIGTERM};
     asio::posix::stream_descriptor keys_{loop_.io};
     Json job_;
@@ -269,7 +269,7 @@ Json DeviceClient::devices(bool scan) { return at(device_list(scan), "devices");
 
 const Json& DeviceClient::device() {
     if (!loop_->device.is_null()) return loop_->device;
-    // A link of our own has not heard any device yet: so it asks.
+    // A link of this process has not received any frame yet, so a scan is needed.
     Json found = choose(devices(!options_.link.empty()));
     if (found.empty() && options_.link.empty()) found = choose(devices(true));
     if (found.size() > 1 && !all_have_names(found)) found = choose(devices(true));    // so that the user can choose by name
@@ -287,7 +287,7 @@ Json DeviceClient::choose(const Json& found) const {
     if (number == nullptr) return named;
     for (const Json& device : found)
         if (text_at(device, "address") == ano::hex_byte(*number)) return Json::array({device});
-    return Json::array({Json{{"address", ano::hex_byte(*number)}}});    // it may answer even if it was not heard yet
+    return Json::array({Json{{"address", ano::hex_byte(*number)}}});    // may respond even if no frame was received yet
 }
 
 const Json& DeviceClient::known_device() {

@@ -1,4 +1,4 @@
-// anoctl devices: the devices, and the jobs with them.
+// anoctl devices: lists devices and their jobs, and cancels jobs.
 #include "device_client.hpp"
 #include "device_names.hpp"
 #include "job_text.hpp"
@@ -54,7 +54,7 @@ Json with_losses(const Json& list) {
 struct Devices {
     DeviceOptions options;
     bool scan = false, jobs = false;
-    std::optional<unsigned> job;    // the job to be cancelled
+    std::optional<unsigned> job;    // the job to cancel
 
     int run(Streams& streams) const {
         DeviceClient client{options, streams};
@@ -64,8 +64,7 @@ struct Devices {
 
 private:
     int list_devices(DeviceClient& client, Streams& streams) const {
-        const Json found = with_losses(
-            client.device_list(scan || !options.link.empty()));    // a link of our own has not heard any yet
+        const Json found = with_losses(client.device_list(scan || !options.link.empty()));    // a link of this process needs a scan
         if (options.json) {
             for (const Json& device : found) streams.out << ano::json_text(device) << '\n';
             return fine;
@@ -76,7 +75,7 @@ private:
         for (const Json& device : found) {
             const std::string rate = text_at(device, "rate"), name = text_at(device, "name"), link = text_at(device, "link");
             std::string peer = text_at(device, "peer");
-            if (peer == link) peer.clear();    // the only peer of a link has no name of its own
+            if (peer == link) peer.clear();    // a link with only one peer: the name is that of the link
             have_names = have_names && !name.empty();
             table.row({text_at(device, "address"), name, text_at(device, "hw"), text_at(device, "sw"), text_at(device, "pt"),
                        text_at(device, "parameters"), link, peer, age_of(device), rate.empty() ? rate : rate + "/s",
@@ -91,7 +90,7 @@ private:
     }
 
     int list_jobs(DeviceClient& client, Streams& streams) const {
-        constexpr std::size_t max_ended = 10;    // jobs shown to people
+        constexpr std::size_t max_ended = 10;    // ended jobs in the table
         const Json answer = client.ask("GET", "/jobs");
         const Json& all = at(answer, "jobs");
         auto ended = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), has_ended));
@@ -109,7 +108,8 @@ private:
         return fine;
     }
 
-    // Asks only for upgrades: other jobs leave the device usable or say what became of it, but a device left in its loader does not work.
+    // A question is asked only for upgrades: after other jobs the device stays usable or the result says what was done, but a
+    // device left in its loader does not work.
     static std::string question_before_cancelling(const Json& job) {
         if (has_ended(job) || text_at(job, "kind") != "firmware") return {};
         const std::string by = text_at(job, "client");

@@ -1,4 +1,4 @@
-// Access to the routes of devices: those of a running gateway, or those in this process, over a link of its own.
+// Access to the routes of devices, of a running gateway or of this process with its own link.
 #pragma once
 #include <anoctl/anoctl.hpp>
 
@@ -13,7 +13,7 @@
 
 namespace anoctl {
 
-/// It works while its loop runs. Callbacks are called from the loop, never from within ask() or stream().
+/// Works while its loop runs. Callbacks are called from the loop, never from within ask() or stream().
 class DeviceDoor {
 public:
     using Done = std::function<void(anogate::http::Outcome)>;
@@ -22,13 +22,13 @@ public:
     virtual ~DeviceDoor() = default;
     /// Calls `done` with the complete response. One request at a time, besides one stream.
     virtual void ask(anogate::http::Request request, Done done) = 0;
-    /// Calls `line` for each line of the response. One stream at a time. `done` gets the body of a response that is not 200.
+    /// Calls `line` for each line of the response. One stream at a time. `done` receives the body of a response that is not 200.
     virtual void stream(anogate::http::Request request, Line line, Done done) = 0;
-    /// Ends both without calling their callbacks; the server notices the disconnect.
+    /// Cancels the request and the stream without calling their callbacks; the server detects the disconnect.
     virtual void hang_up() = 0;
 };
 
-/// Access to the gateway with this socket.
+/// Access to the gateway with this control socket.
 std::unique_ptr<DeviceDoor> gateway_door(anogate::asio::io_context& io, const std::string& socket);
 
 }    // namespace anoctl

@@ -50,7 +50,7 @@ void write_file(const std::string& path, const std::string& text) {
     std::error_code error;
     const fs::file_status there = fs::status(path, error);
     const bool is_plain = !fs::exists(there) || fs::is_regular_file(there);
-    const fs::path real = fs::is_regular_file(there) ? fs::canonical(path, error) : fs::path{path};    // follows a link
+    const fs::path real = fs::is_regular_file(there) ? fs::canonical(path, error) : fs::path{path};    // follows a symbolic link
     const std::string target = error && real.empty() ? path : real.string();
     const std::string part = is_plain ? target + ".part" : target;
     std::FILE* file = std::fopen(part.c_str(), "we");

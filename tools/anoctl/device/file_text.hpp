@@ -7,17 +7,17 @@ namespace anoctl {
 
 struct Streams;
 
-/// "-" is standard input. Throws UsageError when it can't be read or has more than `max_bytes`.
+/// Reads a file; "-" is standard input. Throws UsageError if it can't be read or is larger than `max_bytes`.
 std::string text_of_file(const std::string& path, std::size_t max_bytes = 64 * 1024 * 1024);
 
-/// The same; when standard input is a terminal, first prints that it waits for `what`.
+/// The same; if standard input is a terminal, first prints that it waits for `what`.
 std::string given_text(const std::string& path, const std::string& what, Streams& streams);
 
-/// Whether a plain file of this name exists, which would be lost; false for "-".
+/// Whether a regular file of this name exists, which would be overwritten; false for "-".
 bool is_file(const std::string& path);
 
-/// Replaces the file atomically: a reader sees the old or the new content. Writes into a file that is not plain, as /dev/stdout. Throws
-/// Failure.
+/// Replaces the file atomically: readers see either the old or the new content. Writes directly into a file that is not regular,
+/// as /dev/stdout. Throws Failure.
 void write_file(const std::string& path, const std::string& text);
 
 }    // namespace anoctl

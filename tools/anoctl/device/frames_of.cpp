@@ -30,7 +30,7 @@ Chosen addresses_of_devices(const std::vector<std::string>& words) {
     return chosen;
 }
 
-// Passes only the wanted frames of a link.
+// Passes only frames with these ids and sources.
 class OnlyThese final : public FrameTaker {
 public:
     OnlyThese(const Chosen& ids, const Chosen& from, FrameTaker& taker) : ids_{ids}, from_{from}, taker_{taker} {}
@@ -55,7 +55,8 @@ void FramesOf::add(Options& declared, FramesOf& self) {
     GatewayOptions::add(declared, self.gateway);
 }
 
-// Asks the gateway for the names of the devices. After its start it knows only those of devices that were asked.
+// The devices as addresses; names are looked up in the gateway. After its start, a gateway knows only the names of devices that
+// were asked for them.
 std::vector<std::string> FramesOf::by_address() const {
     std::vector<std::string> all = devices;
     for (std::string& word : all) {

@@ -1,4 +1,4 @@
-// The source of frames for commands that only listen: the running gateway, or a link of our own.
+// The source of frames for commands that only receive: the running gateway, or a link of this process.
 #pragma once
 #include <anoctl/anoctl.hpp>
 #include <anoctl/frame_taker.hpp>
@@ -12,12 +12,12 @@ namespace anoctl {
 struct FramesOf {
     GatewayOptions gateway;
     std::string link;                    // empty: the gateway
-    std::vector<std::string> devices;    // only frames from these; empty: from all
+    std::vector<std::string> devices;    // only frames from these devices; empty: all
 
-    /// Declares --device, --link and --control. `self` lives as long as the run.
+    /// Declares --device, --link and --control. `self` must live as long as the run.
     static void add(Options& declared, FramesOf& self);
-    /// Passes frames of the messages `ids` to `taker`. Returns empty when it is interrupted or `taker` wants no more, otherwise why no more
-    /// will come. Throws UsageError, and Failure when there is no gateway. `who`: the command.
+    /// Passes frames of the messages `ids` to `taker`. Returns empty if interrupted or `taker` needs no more frames, otherwise
+    /// the reason why no more frames will arrive. Throws UsageError, and Failure if there is no gateway. `who`: the command.
     std::string each(const std::vector<std::string>& ids, FrameTaker& taker, Streams& streams, const std::string& who) const;
 
 private:

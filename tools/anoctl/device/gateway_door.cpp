@@ -9,7 +9,7 @@ namespace {
 
 namespace http = anogate::http;
 
-// The result of a job is one line, which may have all parameters of a device.
+// The result of a job is one line, which may contain all parameters of a device.
 constexpr http::ClientLimits limits_of_jobs{.line = 64 * 1024 * 1024};
 
 class GatewayDoor final : public DeviceDoor {

@@ -1,4 +1,4 @@
-// anoctl image DIR: saves the pictures of devices (0xB0) as files.
+// anoctl image DIR: saves pictures of devices (0xB0) as files.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/say.hpp>
 #include <anoctl/text/frame_printer.hpp>
@@ -33,7 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The files of a folder: DIR/0xDF-0001.png and so on, numbered after the existing ones.
+/// The files of a folder: DIR/0xDF-0001.png and so on; numbering continues after existing files.
 class PictureFolder {
 public:
     explicit PictureFolder(fs::path folder) : folder_{std::move(folder)} {
@@ -42,7 +42,7 @@ public:
         if (error) throw Failure{folder_.string() + ": cannot create: " + error.message()};
     }
 
-    /// Writes the file, and returns its name. The file appears only when it is complete.
+    /// Writes a file and returns its name. The file appears only when it is complete.
     std::string write(const Picture& picture) {
         const std::string bytes = png_of(picture);
         std::string path;
@@ -54,7 +54,7 @@ public:
     }
 
 private:
-    static constexpr const char *whole = ".png", *part = "-part.png";    // a number is used with only one of them
+    static constexpr const char *whole = ".png", *part = "-part.png";    // a number is used for only one of them
 
     std::string numbered(std::uint8_t source, unsigned number) const {
         std::array<char, 32> digits{};
@@ -68,7 +68,7 @@ private:
 
 class PictureWriter final : public FrameTaker {
 public:
-    /// `refused`: nullptr without a gateway, where the link itself gives a hint.
+    /// `refused`: nullptr without a gateway; then the link prints the hint.
     PictureWriter(const std::string& folder, bool json, std::uint64_t count, RefusedLengths* refused, Streams& streams)
         : folder_{folder}, json_{json}, left_{count}, refused_{refused}, streams_{streams} {}
 
@@ -93,7 +93,7 @@ public:
     void miss(std::uint64_t count, const std::string&, std::string_view) override {
         tell(streams_, plural(count, "frame") + " lost: the buffer of the gateway was full");
     }
-    /// No more frames will come.
+    /// To be called after the last frame.
     void end() {
         if (refused_) tell_refused();
         if (!done_)
@@ -109,7 +109,7 @@ private:
         look_at_ = ano::Clock::now() + look_every;
         for (const std::string& sentence : refused_->look()) tell(streams_, sentence);
     }
-    /// `is_joined`: the first picture of its sender probably came without its beginning. It is not counted.
+    /// `is_joined`: reception probably began in the middle of this picture, the first one of its sender. It is not counted.
     void write(const Picture& picture, bool is_joined) {
         const std::string file = folder_.write(picture);
         if (is_joined) ++joined_;
@@ -137,13 +137,13 @@ private:
 
     PictureFolder folder_;
     const bool json_;
-    std::uint64_t left_;    // 0: no end
+    std::uint64_t left_;    // 0: no limit
     static constexpr std::chrono::seconds look_every{3};
     RefusedLengths* refused_;
     ano::TimePoint look_at_ = ano::Clock::now() + look_every;
     Streams& streams_;
     Pictures pictures_;
-    std::string fault_;    // as printed last
+    std::string fault_;    // last printed
     std::uint64_t written_ = 0, partial_ = 0, joined_ = 0;
     bool done_ = false;
 };

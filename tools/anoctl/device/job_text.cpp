@@ -41,7 +41,7 @@ std::string pace(double done, double total, double seconds, const std::string& u
     return text;
 }
 
-// What an unfinished apply did, from the rows of its result.
+// The effects of an unfinished apply, from the rows of its result.
 std::string what_became_of(const ano::Json& rows) {
     std::size_t written = 0, undone = 0;
     std::string still, unsure;

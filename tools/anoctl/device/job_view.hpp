@@ -1,4 +1,4 @@
-// Shows a job to a person while it runs.
+// Shows a running job to the user.
 #pragma once
 #include <anoctl/anoctl.hpp>
 
@@ -20,7 +20,7 @@ public:
     virtual void end() {}
     /// Enter was pressed `lines` times and echoed: the cursor moved down by as many lines.
     virtual void went_down(std::size_t /*lines*/) {}
-    /// Whether the job, when it waits to be continued, is continued without Enter being pressed.
+    /// Whether a waiting job is continued without Enter being pressed.
     virtual bool goes_on_by_itself() const { return false; }
 };
 
@@ -31,18 +31,18 @@ public:
     ~LiveLines() { clear(); }
     LiveLines(const LiveLines&) = delete;
     LiveLines& operator=(const LiveLines&) = delete;
-    /// `width`: columns of the terminal. Longer lines are cut off, since they would take two lines of the terminal.
+    /// `width`: columns of the terminal. Longer lines are truncated, because they would wrap.
     void show(std::vector<std::string> lines, std::size_t width);
-    /// The cursor moved below the last line, by an echoed Enter.
+    /// The cursor moved below the last line because Enter was echoed.
     void went_down(std::size_t lines) { below_ += shown_ > 0 ? lines : 0; }
     void clear() { show({}, 0); }
 
 private:
     std::ostream& err_;
-    std::size_t shown_ = 0, below_ = 0;    // below_: how many lines the cursor is below the last one
+    std::size_t shown_ = 0, below_ = 0;    // below_: lines from the last line down to the cursor
 };
 
-/// A progress bar on a terminal; otherwise, with `tells_steps`, a line for each new message.
+/// A progress bar on a terminal; otherwise, if `tells_steps`, a line for each new message.
 class ProgressView final : public JobView {
 public:
     ProgressView(Streams& streams, bool tells_steps) : streams_{streams}, tells_steps_{tells_steps}, lines_{streams.err} {}

@@ -16,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// `variable`, or `in_home` in the home folder; empty: neither is known.
+// The folder in the environment variable `variable`, else `in_home` in the home folder; with "anogate" appended. Empty: neither
+// is set.
 fs::path user_folder(const char* variable, const char* in_home) {
     if (const char* const folder = std::getenv(variable); folder != nullptr && *folder == '/')
         return fs::path{folder} / "anogate";
@@ -45,7 +46,7 @@ void cache_text(const std::string& name, const std::string& text) {
     if (folder.empty() || (fs::create_directories(folder, error), error)) return;
     try {
         write_file((folder / name).string(), text);
-    } catch (const Failure&) {    // it is read from the device again
+    } catch (const Failure&) {    // not an error: the data is read from the device again
     }
 }
 

@@ -30,7 +30,7 @@ namespace http = anogate::http;
 using ano::TimePoint;
 using anogate::error_code;
 
-constexpr auto time_to_open = std::chrono::seconds{5};    // for the link to open, before a request fails
+constexpr auto time_to_open = std::chrono::seconds{5};    // for the link to be up; then requests fail
 
 anogate::DeviceManners manners_of(const anogate::LinkSettings& settings) {
     anogate::DeviceManners manners;
@@ -50,7 +50,7 @@ std::string utc_text(std::time_t time) {
     return std::string{text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &parts)};
 }
 
-// The network of the host engine: a single link.
+// Implements DeviceNet for the host engine with a single link.
 class LinkNet final : public anogate::DeviceNet, public FrameTaker {
 public:
     LinkNet(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams, std::optional<std::uint8_t> there)
@@ -78,7 +78,7 @@ private:
     struct Heard {
         std::string peer;
         std::optional<TimePoint> at{};
-        bool elsewhere = false;    // heard from two peers: the meant one is not known
+        bool elsewhere = false;    // received from two peers, so the right one is not known
     };
 
     bool take(ano::FrameView frame, const Passage& passage) override {
@@ -144,7 +144,7 @@ private:
     asio::steady_timer timer_;
     std::optional<TimePoint> wakes_at_;
     std::array<Heard, 256> heard_;
-    std::set<std::string> kept_;    // by this run
+    std::set<std::string> kept_;    // files written by this run
     bool listens_ = false;
     const std::optional<std::uint8_t> there_;
     const anogate::DeviceManners manners_;
@@ -154,7 +154,7 @@ private:
     http::Routes routes_;
 };
 
-/// A response that is being made, until it is complete or nobody needs it any more.
+/// A response in progress. Ends when it is complete or was dropped.
 class Answering : public std::enable_shared_from_this<Answering> {
 public:
     Answering(asio::io_context& io, DeviceDoor::Line line, DeviceDoor::Done done)
@@ -255,7 +255,7 @@ private:
         if (opened_by_ == TimePoint{}) opened_by_ = ano::Clock::now() + time_to_open;
         when_open(place, std::move(request));
     }
-    // Waits until the link is open, since nobody could answer before.
+    // Waits until the link is up, because no device can respond before.
     void when_open(const std::shared_ptr<Answering>& answering, http::Request request) {
         if (net_.is_up() || ano::Clock::now() >= opened_by_) {
             asio::post(io_, [this, answering, request = std::move(request)]() mutable {

@@ -1,4 +1,4 @@
-// The routes of devices in this process, over a link of its own.
+// The routes of devices in this process, with its own link.
 #pragma once
 #include "door.hpp"
 
@@ -12,7 +12,8 @@
 
 namespace anoctl {
 
-/// `io` and `streams` outlive it. Messages about the link go to `err`. `there`: a device that counts as heard from the beginning.
+/// `io` and `streams` must outlive it. Messages about the link go to `err`. `there`: a device that is treated as known from the
+/// beginning.
 std::unique_ptr<DeviceDoor> link_door(anogate::asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams,
                                       std::optional<std::uint8_t> there = std::nullopt);
 

@@ -1,4 +1,4 @@
-// anoctl log: the log messages of devices (0xA0, 0xA1).
+// anoctl log: log messages of devices (0xA0, 0xA1).
 #include <anoctl/anoctl.hpp>
 #include <anoctl/own_link.hpp>
 #include <anoctl/say.hpp>
@@ -34,7 +34,7 @@
 namespace anoctl {
 namespace {
 
-// The ANSI escape sequence for a colour of the table; the default colour for others.
+// The ANSI escape sequence of a colour in the message table; empty (default colour) for others.
 const char* escape_of(std::uint8_t color) {
     constexpr const char* escapes[]{"", "\x1b[31m", "\x1b[32m", "\x1b[34m"};
     return color < std::size(escapes) ? escapes[color] : "";
@@ -56,7 +56,7 @@ public:
                   ano::number_text(ano::widened(value->get<"val">())) + " " + text_of(value->bytes<"str">()));
         return true;
     }
-    /// A line that the gateway kept, as it answers.
+    /// `line`: a stored line of the gateway, as in its response.
     void print_kept(const ano::Json& line) {
         const double time = number_at(line, "time");
         const std::string value = text_at(line, "value"), address = text_at(line, "device");
@@ -90,7 +90,7 @@ public:
     }
 
 private:
-    // The text as received, without the NUL and line ends that some devices append.
+    // The received text, without the NUL and line ends that some devices append.
     std::string text_of(std::span<const std::uint8_t> bytes) const {
         const std::string_view whole{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
         std::string text = ano::shown_text(whole.substr(0, whole.find('\0')), encoding_);
@@ -122,7 +122,7 @@ struct Log {
     std::string since;
     bool no_follow = false;
 
-    // The gateway keeps the last lines of each device.
+    // Prints the lines since `since` from the gateway, which stores the last lines of each device.
     void print_kept(LogPrinter& printer) const {
         const auto back = anogate::parse_duration(since);
         if (!back) throw UsageError{"--since: " + ano::in_quotes(since) + " is not a time such as 90s, 10m or 2h"};

@@ -15,7 +15,7 @@ bool are_of_one(const Picture& a, const Picture& b) {
     return a.flag == b.flag && a.color == b.color && a.width == b.width && a.height == b.height;
 }
 
-// Why no picture can be made from a frame.
+// The reason why a frame can't be part of a picture. Empty: it can.
 std::string fault_of(const Picture& picture, std::size_t bytes) {
     if (picture.color >= colors) return "colour " + std::to_string(picture.color) + " is none";
     const std::string size = std::to_string(picture.width) + "x" + std::to_string(picture.height);

@@ -14,7 +14,7 @@ namespace {
 struct Rgb {
     std::uint8_t red, green, blue;
 };
-// Colours 1 to 6 of the table.
+// Colours 1 to 6 of the message table.
 constexpr std::array<Rgb, 6> inks{{{255, 255, 255}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {255, 255, 0}, {160, 32, 240}}};
 
 void append_png(png_structp png, png_bytep bytes, std::size_t size) {
@@ -22,7 +22,7 @@ void append_png(png_structp png, png_bytep bytes, std::size_t size) {
 }
 void flush_nothing(png_structp) {}
 
-// On an error the library jumps back here: so nothing in between may have a destructor.
+// On an error libpng jumps back to setjmp: no object with a destructor may be created after it.
 bool write_png(png_structp png, png_infop info, const Picture& picture, std::string& out) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;    // NOLINT(bugprone-*): required by the library
     png_set_write_fn(png, &out, append_png, flush_nothing);

@@ -6,8 +6,8 @@
 
 namespace anoctl {
 
-/// Grey pictures stay grey; those with one bit per pixel are black and their colour (mono: white). Contains the received rows. Throws
-/// Failure when the library fails.
+/// Grey pictures stay grey. Pictures with one bit per pixel are black and their colour (mono: white). Contains only the received
+/// rows. Throws Failure if libpng fails.
 std::string png_of(const Picture& picture);
 
 }    // namespace anoctl

@@ -41,7 +41,7 @@ std::vector<std::string> RefusedLengths::look() {
     return refused_lengths(parse_answer(before), parse_answer(before_));
 }
 
-// A gateway that does not answer is reported by who listens to it.
+// No error if the gateway does not respond: the caller, which receives its frames, reports that.
 std::string RefusedLengths::status() const {
     try {
         return gateway_.ask("GET", "/status");

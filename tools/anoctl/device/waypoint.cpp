@@ -1,4 +1,4 @@
-// anoctl waypoint: reads the waypoints of a device into a file, and writes them back.
+// anoctl waypoint: reads the waypoints of a device into a file, and writes a file to a device.
 #include "device_client.hpp"
 #include "file_text.hpp"
 #include "waypoint_form.hpp"
@@ -61,7 +61,7 @@ private:
 
     Json given(Streams& streams) const { return json_in_text(given_text(file, "waypoints as JSON", streams), file); }
 
-    /// Parsed as the engine does it: errors in the file are reported before the user is asked.
+    /// Parsed as the gateway parses it, so that errors in the file are reported before the user is asked.
     std::vector<ano::host::Waypoint> waypoints_of(const Json& json, const std::string& form) const {
         auto read = anogate::waypoints_in(json, anogate::waypoint_form(form).value_or(anogate::WaypointForm::plain));
         if (const auto* wrong = std::get_if<std::string>(&read)) throw UsageError{file + ": " + *wrong};
