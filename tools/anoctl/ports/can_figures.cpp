@@ -19,7 +19,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// The value of the first attribute of that type; empty: there is none.
+/// The value of the first attribute of this type; empty: none.
 Bytes attribute(Bytes attributes, unsigned type) {
     while (attributes.size() >= sizeof(rtattr)) {
         rtattr head{};
@@ -52,7 +52,7 @@ CanFigures can_figures_in(Bytes message) {
     const auto head = read_as<nlmsghdr>(message);
     if (!head || head->nlmsg_type != RTM_NEWLINK || message.size() < sizeof(Request)) return {};
     const Bytes link_info = attribute(message.subspan(sizeof(Request)), IFLA_LINKINFO);
-    const Bytes kind = attribute(link_info, IFLA_INFO_KIND);    // with a NUL at its end
+    const Bytes kind = attribute(link_info, IFLA_INFO_KIND);    // with a terminating NUL
     if (std::string_view{reinterpret_cast<const char*>(kind.data()), kind.size()}.substr(0, 4) != std::string_view{"can\0", 4})
         return {};
     const Bytes info = attribute(link_info, IFLA_INFO_DATA);

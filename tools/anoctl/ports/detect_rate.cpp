@@ -28,9 +28,9 @@ namespace {
 
 using namespace anogate;
 
-constexpr std::size_t bytes_enough = 4096;    // so many bytes must contain some frames
+constexpr std::size_t bytes_enough = 4096;    // this many bytes must contain some frames
 
-/// A descriptor that becomes readable by SIGINT and SIGTERM, while this exists.
+/// A descriptor that becomes readable on SIGINT and SIGTERM. The signals are blocked while this object exists.
 class Interruption {
 public:
     Interruption() {
@@ -89,7 +89,7 @@ public:
     explicit Port(const std::string& path) : fd_{::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)} {
         if (!fd_) fail_to_open(path, errno);
         if (::flock(fd_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-            fd_ = UniqueFd{};    // closed first: the search for its holder must not find us
+            fd_ = UniqueFd{};    // closed first, so that the search for the holder does not find this process
             fail_busy(path);
         }
         terminal::claim(fd_.get());
@@ -99,7 +99,7 @@ public:
     ~Port() { terminal::give_back(fd_.get()); }
 
     int fd() const noexcept { return fd_.get(); }
-    /// Returns empty, or why the driver can't set that rate.
+    /// Returns empty, or the reason why the driver can't set this rate.
     std::string set_rate(std::uint32_t baud) {
         SerialSettings settings;
         settings.baud = baud;
@@ -154,7 +154,7 @@ private:
         return heard;
     }
 
-    /// False: nothing came within `limit`.
+    /// False: no data within `limit`.
     bool read_some(ano::FrameParser& parser, Duration limit) {
         std::array<pollfd, 2> fds{{{port_.fd(), POLLIN, 0}, {interruption_.fd(), POLLIN, 0}}};
         const auto ms = std::chrono::ceil<std::chrono::milliseconds>(std::max(limit, Duration{})).count();

@@ -25,10 +25,10 @@ namespace fs = std::filesystem;
 
 using HoldersByDevice = std::map<std::string, std::vector<Holder>>;
 
-/// `path`, which is absolute, in the tree below `root`.
+/// The absolute `path` in the tree below `root`.
 fs::path below(const fs::path& root, const std::string& path) { return root / path.substr(1); }
 
-/// The first line of a small file; empty when it can't be read.
+/// The first line of a small file; empty if it can't be read.
 std::string line_of(const fs::path& file) {
     std::string line;
     std::getline(std::ifstream{file} >> std::ws, line);
@@ -36,7 +36,7 @@ std::string line_of(const fs::path& file) {
     return line;
 }
 
-/// The file name of the target of the symbolic link `path`; empty: there is no link.
+/// The file name of the target of the symbolic link `path`; empty: not a symbolic link.
 std::string target_name(const fs::path& path) {
     std::error_code none;
     return fs::read_symlink(path, none).filename().string();
@@ -55,16 +55,16 @@ std::optional<int> number_in(std::string_view text) {
     return bad == std::errc{} && last == text.data() + text.size() ? std::optional{number} : std::nullopt;
 }
 
-/// A key for sorting: ttyUSB2 before ttyUSB10.
+/// Sort key: ttyUSB2 before ttyUSB10.
 auto in_order(const std::string& name) {
     const std::size_t digits = name.find_last_not_of("0123456789") + 1;
     return std::tuple{name.substr(0, digits), number_in(std::string_view{name}.substr(digits)).value_or(-1), name};
 }
 
-// From Linux 6.5 on, "port" and "ctrl" stand between a UART and its driver.
+// Since Linux 6.5, the devices "port" and "ctrl" are between a UART and its driver.
 bool is_between(const std::string& driver) { return driver == "port" || driver == "ctrl"; }
 
-/// Fills in what sysfs says of the device of a port: from the folder of the port, then from its parents.
+/// Sets the properties from sysfs: from the folder of the port, then from its parents.
 void describe(const fs::path& device, SerialPort& port) {
     std::error_code ec;
     fs::path folder = fs::canonical(device, ec);
@@ -79,10 +79,10 @@ void describe(const fs::path& device, SerialPort& port) {
     }
 }
 
-// The 8250 driver makes its ports (ttyS0 to ttyS3) even without a UART.
+// The 8250 driver creates its ports (ttyS0 to ttyS3) even without a UART.
 bool is_phantom(const fs::path& tty) { return line_of(tty / "type") == "0"; }
 
-// Adapters without a serial number of their own have the same name in by-id: udev lets it lead to the one plugged in last.
+// Adapters without a unique serial number have the same name in by-id, which udev links to the one plugged in last.
 std::string stable_name(const fs::path& root, const std::string& name, bool by_place) {
     if (by_place)
         if (std::string place = anogate::port_identity(root, "/dev/" + name).by_path; !place.empty()) return place;
@@ -92,12 +92,12 @@ std::string stable_name(const fs::path& root, const std::string& name, bool by_p
             if (target_name(link) == name) names.push_back(std::string{folder} + "/" + link.filename().string());
         if (!names.empty()) return *std::min_element(names.begin(), names.end());
     }
-    for (const char* alias : {"/dev/serial0", "/dev/serial1"})    // of a Raspberry Pi
+    for (const char* alias : {"/dev/serial0", "/dev/serial1"})    // on a Raspberry Pi
         if (target_name(below(root, alias)) == name) return alias;
     return {};
 }
 
-// --- holders of devices -----------------------------------------------------------------------------------------------
+// --- processes that use devices ---------------------------------------------------------------------------------------
 
 void add_holder(const fs::path& root, int pid, std::vector<Holder>& holders) {
     const fs::path process = below(root, "/proc/" + std::to_string(pid));
@@ -108,7 +108,7 @@ void add_holder(const fs::path& root, int pid, std::vector<Holder>& holders) {
     if (std::find(holders.begin(), holders.end(), holder) == holders.end()) holders.push_back(holder);
 }
 
-/// Processes of our own user, or all when we are root.
+/// Processes of the current user, or all for root.
 void add_openers(const fs::path& root, HoldersByDevice& devices) {
     for (const fs::path& process : entries(below(root, "/proc"))) {
         const auto pid = number_in(process.filename().string());
@@ -121,7 +121,7 @@ void add_openers(const fs::path& root, HoldersByDevice& devices) {
     }
 }
 
-/// Locks by flock(), as anogated does: "1: FLOCK  ADVISORY  WRITE 812 00:05:123 0 EOF". Everybody may read these.
+/// flock() locks, as anogated uses: "1: FLOCK  ADVISORY  WRITE 812 00:05:123 0 EOF". Readable for every user.
 void add_lockers(const fs::path& root, HoldersByDevice& devices) {
     std::map<std::string, std::vector<Holder>*> by_inode;
     for (auto& [device, holders] : devices) {
@@ -136,13 +136,13 @@ void add_lockers(const fs::path& root, HoldersByDevice& devices) {
     for (std::string line; std::getline(locks, line);) {
         std::istringstream words{line};
         const std::vector<std::string> w{std::istream_iterator<std::string>{words}, {}};
-        if (w.size() < 6 || w[1] != "FLOCK") continue;    // "->": a process waits for a lock
+        if (w.size() < 6 || w[1] != "FLOCK") continue;    // "->" in w[1]: the process waits for a lock
         const auto device = by_inode.find(w[5]);
         if (device != by_inode.end()) add_holder(root, number_in(w[4]).value_or(0), *device->second);
     }
 }
 
-/// Lock files, as of minicom and pppd; that of a process that has ended is ignored.
+/// Lock files, as minicom and pppd use them. Those of ended processes are ignored.
 void add_lock_files(const fs::path& root, HoldersByDevice& devices) {
     for (auto& [device, holders] : devices) {
         const std::string name = fs::path{device}.filename().string();
@@ -173,7 +173,7 @@ std::vector<SerialPort> serial_ports(const fs::path& root, const anogate::Device
     for (const fs::path& tty : entries(below(root, "/sys/class/tty"))) {
         const std::string name = tty.filename().string();
         std::error_code ec;
-        const bool has_device = fs::exists(tty / "device", ec);    // consoles and pseudo-terminals have none
+        const bool has_device = fs::exists(tty / "device", ec);    // consoles and pseudo-terminals have no device
         if ((!has_device && !name.starts_with("rfcomm")) || is_phantom(tty)) continue;
         SerialPort port;
         port.device = "/dev/" + name;
@@ -195,7 +195,7 @@ std::vector<CanInterface> can_interfaces(const fs::path& root) {
     std::vector<CanInterface> all;
     for (const fs::path& folder : entries(below(root, "/sys/class/net"))) {
         if (line_of(folder / "type") != std::to_string(ARPHRD_CAN)) continue;
-        const std::string flags = line_of(folder / "flags");    // 0x40081
+        const std::string flags = line_of(folder / "flags");    // for example 0x40081
         constexpr unsigned long is_up = 1;
         all.push_back({folder.filename().string(), target_name(folder / "device/driver"),
                        (std::strtoul(flags.c_str(), nullptr, 16) & is_up) != 0});

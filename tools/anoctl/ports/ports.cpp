@@ -1,4 +1,4 @@
-// anoctl ports: the serial ports and CAN interfaces.
+// anoctl ports: lists the serial ports and CAN interfaces.
 #include "ports.hpp"
 #include <anoctl/anoctl.hpp>
 #include "can_figures.hpp"
@@ -24,7 +24,7 @@ using ano::Json;
 
 constexpr std::size_t page_width = 80;
 
-/// `text` in lines of at most 80 columns, each indented by `indent`. A word is never cut, so that names can be copied.
+/// `text` in lines of at most 80 columns, each indented by `indent`. Words are never split, so that names can be copied.
 std::string paragraph(const std::string& text, std::size_t indent) {
     std::istringstream words{text};
     std::string all, line;
@@ -41,7 +41,7 @@ std::string paragraph(const std::string& text, std::size_t indent) {
     return all;
 }
 
-/// Text from a device, made harmless for a terminal and JSON.
+/// Text from a device, with control characters replaced by '?'.
 std::string safe(const std::string& text) {
     std::string out = ano::to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, ano::Encoding::utf8);
     for (std::size_t at = 0; at < out.size(); ++at)

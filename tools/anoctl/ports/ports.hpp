@@ -7,8 +7,8 @@
 
 namespace anoctl {
 
-/// In lines of at most 80 columns, or one JSON object for each port. `root`: as in serial_ports(); unless it is "/", the kernel is not
-/// asked for the figures of CAN controllers.
+/// Prints lines of at most 80 columns, or one JSON object for each port. `root`: as for serial_ports(). If it is not "/", the
+/// figures of CAN controllers are not requested from the kernel.
 void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& asker, bool json, std::ostream& out);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// anoctl convert FILE OUT: a recording as tables, as lines of JSON, or as a part of itself.
+// anoctl convert FILE OUT: converts a recording to tables, JSON lines, or a recording with some of its messages.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/counted.hpp>
 #include <anoctl/message_encoding.hpp>
@@ -38,7 +38,7 @@ using anogate::RecordingHead;
 
 constexpr std::size_t batch = 64 * 1024;
 
-/// Collects text, and writes it when there is enough. Throws Failure when a write fails.
+/// Buffers output and writes it in batches. Throws Failure if a write fails.
 class Collected {
 public:
     Collected(const std::string& path, bool force, Streams& streams) : path_{path}, output_{path, force, streams} {}
@@ -57,19 +57,19 @@ private:
     RecordingOutput output_;
 };
 
-/// The destination of items.
+/// The output of a conversion.
 class Target {
 public:
     virtual ~Target() = default;
-    /// What decodes the items that follow; called before the first one.
+    /// The following items are decoded with `decoding`; called before the first one.
     virtual void use(const DecodingPtr& decoding) = 0;
     virtual void take(const Recorded& item, const RecordingHead& head) = 0;
     virtual void end() = 0;
-    /// The files that were written; valid after end().
+    /// The written files; valid after end().
     virtual std::vector<std::string> files() const = 0;
 };
 
-/// " into 19 tables: a.csv, b.csv, …"; only the first are named.
+/// " into 19 tables: a.csv, b.csv, …"; names only the first five.
 std::string places(const std::vector<std::string>& files) {
     constexpr std::size_t max_named = 5;
     if (files.size() == 1) return files[0] == "-" ? "" : " into " + files[0];
@@ -78,14 +78,14 @@ std::string places(const std::vector<std::string>& files) {
     return files.size() > max_named ? text + ", \u2026" : text;
 }
 
-/// OUT-MESSAGE.csv for each message, or one file for the only one.
+/// Writes OUT-MESSAGE.csv for each message, or one file if only one message is wanted.
 class CsvTarget final : public Target {
 public:
     CsvTarget(std::string out, bool one, bool force, const ano::JsonOptions& options, Streams& streams)
         : out_{std::move(out)}, one_{one}, force_{force}, options_{options}, streams_{streams} {}
 
     void use(const DecodingPtr& decoding) override {
-        decodings_.push_back(decoding);    // all stay: the tables refer to them
+        decodings_.push_back(decoding);    // all are kept: the tables refer to them
         options_.flexible = &decoding->layouts();
         for (const auto& [id, file] : files_) file->csv.use(decoding->layouts());
     }
@@ -154,7 +154,7 @@ private:
     DecodingPtr decoding_;
 };
 
-/// Writes the wanted part as a recording; when everything is wanted, the same bytes.
+/// Writes the wanted messages as a recording. If all are wanted, the bytes are the same as in the input.
 class RecordingTarget final : public Target {
 public:
     RecordingTarget(const std::string& out, bool force, anogate::RecordingFormat format, anogate::RecordingOptions options,
@@ -203,11 +203,11 @@ struct Convert {
         const std::optional<std::vector<ano::FlexibleSpec>> given = frames.config.empty() ? std::nullopt
                                                                                           : std::optional{frames.specs()};
         const ano::FlexibleLayouts none;
-        const ano::JsonOptions options = frames.json_options(none);    // until use()
+        const ano::JsonOptions options = frames.json_options(none);    // `none` until use()
         if (out == file && out != "-") throw UsageError{out + " is what is read"};
         const std::unique_ptr<Target> target = make_target(options, wanted.count() == 1, streams);
         std::uint64_t taken = 0;
-        DecodingPtr recorded, used;    // that of the recording, and the one of both that is used
+        DecodingPtr recorded, used;    // from the recording; the one in use
         const RecordingFacts facts = read_recording(file, streams, [&](const Recorded& item, const RecordingHead& head) {
             const auto* frame = std::get_if<RecordedFrame>(&item);
             if (frame != nullptr && !wanted[frame->frame.id()]) return;
@@ -225,7 +225,7 @@ struct Convert {
     }
 
 private:
-    /// `recorded`, with these layouts in place of its own.
+    /// The layouts of `recorded`, or instead the `given` ones.
     static DecodingPtr with(const std::optional<std::vector<ano::FlexibleSpec>>& given, const DecodingPtr& recorded) {
         if (recorded && !given) return recorded;
         return std::make_shared<const anogate::Decoding>(given.value_or(std::vector<ano::FlexibleSpec>{}),

@@ -7,14 +7,14 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// The size of the frame at the beginning of `bytes`; 0 when there is none, or it is not complete.
+/// The size of the frame at the beginning of `bytes`; 0: none, or it is incomplete.
 std::size_t frame_size(Bytes bytes) {
     if (bytes.size() < ano::overhead || bytes[0] != ano::head) return 0;
     const std::size_t size = ano::overhead + bytes[4] + 256u * bytes[5];
     return size <= bytes.size() ? size : 0;
 }
 
-/// The begin of the longest sequence of frames that ends where `gap` ends.
+/// The start of the longest sequence of frames that ends at the end of `gap`.
 std::size_t last_row(Bytes gap) {
     std::vector<bool> in_row(gap.size() + 1);
     in_row[gap.size()] = true;

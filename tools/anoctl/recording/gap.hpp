@@ -1,4 +1,4 @@
-// Finds whole frames with wrong check bytes among the bytes between good frames.
+// Finds complete frames with wrong check bytes among the bytes between valid frames.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -9,14 +9,16 @@
 
 namespace anoctl {
 
-/// A part of a gap. With `right` it is a frame whose LEN fits; `right` is then the check bytes that it should have.
+/// A part of a gap. If `right` is set, the part is a frame with a matching LEN, and `right` is the correct value of its check
+/// bytes.
 struct GapPart {
     std::span<const std::uint8_t> bytes;
     std::optional<ano::Checks> right;
 };
 
-/// Splits `gap` into parts, in order. A frame with wrong check bytes is recognised at the beginning of the gap, directly behind another
-/// one, and when it ends where the gap ends; elsewhere the byte of HEAD may be any byte.
+/// Splits `gap` into parts, in order. A frame with wrong check bytes is recognised at the beginning of the gap, directly after
+/// another one, and if it ends at the end of the gap. Elsewhere a byte with the value of HEAD is not taken for the start of a
+/// frame.
 std::vector<GapPart> parts_of(std::span<const std::uint8_t> gap);
 
 }    // namespace anoctl

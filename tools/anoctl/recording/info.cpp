@@ -1,4 +1,4 @@
-// anoctl info FILE: the content of a recording.
+// anoctl info FILE: shows the content of a recording.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/counted.hpp>
 #include <anoctl/text/table.hpp>

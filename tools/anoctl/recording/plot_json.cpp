@@ -14,7 +14,7 @@ using ano::Json;
 
 bool is_plotted(const Json& value) { return value.is_number() || value.is_boolean(); }
 
-// Removes everything without numbers; lists keep their elements, so that the positions stay the same.
+// Removes all values but numbers and booleans. Lists keep their elements, so that the positions stay the same.
 Json numbers_of(const Json& value) {
     if (is_plotted(value)) return value;
     if (!value.is_structured()) return {};

@@ -1,4 +1,4 @@
-// The values of a frame in the form that the plotter PlotJuggler takes over UDP: JSON objects, each in a datagram of its own.
+// The values of a frame in the format that PlotJuggler receives over UDP: JSON objects, each in its own datagram.
 //
 //   {"timestamp": 1763898044.123456, "fc": {"0xDC": {"euler": {"rol": 1.23, "pit": -0.5}}}}
 #pragma once
@@ -11,12 +11,13 @@
 
 namespace anoctl {
 
-/// Bytes of a datagram that networks need not fragment.
+/// Size of a datagram, in bytes, that usual networks don't fragment.
 inline constexpr std::size_t usual_datagram = 1400;
 
-/// Only numbers: text and "no data" can't be plotted. Empty: the frame has no numbers. `link`: where it was received. A frame that does
-/// not fit into one object of `max_bytes` gives several with the same time, each with some of the fields. A field is never split, even
-/// if it is longer than that by itself, since the elements of a list are identified by their positions.
+/// Contains only numbers; text and "no data" can't be plotted. Empty: the frame has no numbers. `link`: the link on which it was
+/// received.
+/// A frame that exceeds `max_bytes` results in several objects with the same time, each with some of the fields. A field is never
+/// split, even if it alone exceeds `max_bytes`, because list elements are identified by their positions.
 std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options,
                                    std::size_t max_bytes = usual_datagram);
 

@@ -1,4 +1,4 @@
-// anoctl plot-udp IP:PORT: the frames of a gateway, or of a link of our own, for PlotJuggler's UDP server.
+// anoctl plot-udp IP:PORT: sends the frames of a gateway, or of a link of this process, to PlotJuggler's UDP server.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/counted.hpp>
 #include <anoctl/gateway_layouts.hpp>
@@ -65,9 +65,9 @@ private:
     bool send(const std::string& json) {
         const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
         int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
-        if (may_be_reported(error)) {    // the error of an earlier datagram; this one was not sent
+        if (may_be_reported(error)) {    // error of an earlier datagram; this one was not sent
             take_error_reports(socket_.get(), [this](const Endpoint&) { tell_that_nobody_listens(); });
-            if (error == EHOSTUNREACH || error == ENETUNREACH) tell_that_none_leave(error);    // the retry may succeed
+            if (error == EHOSTUNREACH || error == ENETUNREACH) tell_that_none_leave(error);    // the second attempt may succeed
             error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
         }
         if (error == 0) return true;
@@ -93,7 +93,7 @@ private:
     const ano::JsonOptions options_;
     Streams& streams_;
     UniqueFd socket_;
-    bool is_told_ = false;    // it was reported that nobody listens
+    bool is_told_ = false;    // the message that nothing listens was printed
     bool is_told_that_none_leave_ = false;
 };
 

@@ -36,9 +36,9 @@ namespace {
 
 using ano::Clock;
 
-constexpr auto sync_time = std::chrono::seconds{1};    // the maximum that a loss of power may cost
+constexpr auto sync_time = std::chrono::seconds{1};    // a loss of power loses at most this
 constexpr Clock::duration chunk_time = std::chrono::milliseconds{
-    500};    // the maximum that a kill may cost with MCAP; shorter chunks compress badly
+    500};    // a kill loses at most this (MCAP); shorter chunks compress badly
 
 anogate::RecordingHead head_now(anogate::DecodingPtr decoding) {
     const anogate::ClockReading clocks = anogate::read_clocks();
@@ -50,7 +50,7 @@ class Recorder final : public FrameTaker {
 public:
     using Descriptions = std::map<std::string, std::string>;
 
-    /// `descriptions`: of each link, by its name.
+    /// `descriptions`: of each link, by name.
     Recorder(RecordingOutput& output, Descriptions descriptions, anogate::DecodingPtr decoding, anogate::RecordingFormat format,
              anogate::RecordingOptions options)
         : output_{output},
@@ -121,7 +121,7 @@ private:
     RecordingOutput& output_;
     Descriptions descriptions_;
     std::string waiting_;
-    anogate::DecodingPtr decoding_;    // of the frames
+    anogate::DecodingPtr decoding_;    // layouts of the frames
     std::unique_ptr<anogate::RecordingWriter> writer_;
     std::uint64_t taken_ = 0, flushed_frames_ = 0;
     const ano::TimePoint began_ = Clock::now();
@@ -147,7 +147,7 @@ struct Record {
             throw UsageError{
                 "recordings are binary and not written to a terminal; give a file, or pipe the output: | wireshark -k -i -"};
         const ano::Json links_now = parse_answer(
-            gateway.ask("GET", "/links"));    // before a file is made: there may be no gateway
+            gateway.ask("GET", "/links"));    // before the file is created: there may be no gateway
         auto decoding = std::make_shared<const anogate::Decoding>(layouts_of_gateway(gateway), lx_links(links_now));
         RecordingOutput output{file, force, streams};
         Recorder recorder{output, described(links_now), std::move(decoding), format(), options};
@@ -183,7 +183,7 @@ private:
     anogate::RecordingFormat format() const {
         return anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
     }
-    /// Saves the latest frames, which the gateway keeps in memory.
+    /// Saves the latest frames, which the gateway stores in memory (keep_last).
     int save_last(Streams& streams) const {
         if (file == "-" && streams.terminal) throw UsageError{"recordings are binary and not written to a terminal; give a file"};
         std::string path = "/recordings/last?format=";

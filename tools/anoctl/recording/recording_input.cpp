@@ -34,7 +34,7 @@ RecordingInput::RecordingInput(const std::string& path, Streams& streams)
 
 RecordingInput::~RecordingInput() { ::close(fd_); }
 
-// False: the end of the file.
+// False: end of the file.
 bool RecordingInput::read() {
     ssize_t n = 0;
     do n = ::read(fd_, room_.data(), room_.size());

@@ -1,4 +1,4 @@
-// Reads a recording from its begin to its end.
+// Reads a recording from beginning to end.
 #pragma once
 #include <anoctl/anoctl.hpp>
 
@@ -15,37 +15,37 @@
 
 namespace anoctl {
 
-/// The facts that are known after reading everything.
+/// Known after the complete recording was read.
 struct RecordingFacts {
     anogate::RecordingFormat format = anogate::RecordingFormat::pcapng;
     anogate::RecordingHead head;
-    std::uint64_t size = 0;       // of the file, bytes
-    std::uint64_t read = 0;       // bytes of it that were understood
-    bool has_end = false;         // the recording was ended regularly
-    std::uint64_t foreign = 0;    // packets that are not frames
-    std::string fault;            // why nothing is read behind `read`; empty: everything was read
+    std::uint64_t size = 0;       // of the file, in bytes
+    std::uint64_t read = 0;       // bytes read successfully
+    bool has_end = false;         // the recording ended normally
+    std::uint64_t foreign = 0;    // packets without a frame
+    std::string fault;            // why nothing after `read` could be read; empty: no fault
     anogate::SkippedParts skipped{};
-    std::vector<std::string_view> mismatches{};    // of checksums, as clauses; found only when everything was read
+    std::vector<std::string_view> mismatches{};    // wrong checksums, as clauses; found only if the complete recording was read
 
-    /// Part of it can't be read, or has changed since it was written.
+    /// A part can't be read, or has changed since it was written.
     bool is_damaged() const { return !fault.empty() || skipped.count > 0 || !mismatches.empty(); }
-    /// "it was not ended: …", "damaged behind …", lines for people.
+    /// Lines for people: "not finished: …", "damaged after byte …".
     std::vector<std::string> notes() const;
 };
 
-/// Reads item by item, in any format, which its first bytes tell. "-" is standard input. A file that is still written is read up to its
-/// present end.
+/// Reads item by item. The format is detected from the first bytes. "-" is standard input. A file that is still being written is
+/// read up to its current end.
 class RecordingInput {
 public:
-    /// Throws UsageError when it can't be read.
+    /// Throws UsageError if the file can't be read.
     RecordingInput(const std::string& path, Streams& streams);
     ~RecordingInput();
     RecordingInput(const RecordingInput&) = delete;
     RecordingInput& operator=(const RecordingInput&) = delete;
 
-    /// The next item, valid until the next call; std::nullopt: there are no more. Throws Failure when it is no recording.
+    /// The next item, valid until the next call; std::nullopt: end. Throws Failure if the file is not a recording.
     std::optional<anogate::Recorded> next();
-    /// The facts about the part that was read.
+    /// Facts about the part read so far.
     RecordingFacts facts() const;
     const anogate::RecordingHead& head() const noexcept { return reader_->head(); }
 
@@ -55,18 +55,19 @@ private:
     std::string path_;
     int fd_;
     std::vector<char> room_;
-    std::unique_ptr<anogate::RecordingReader> reader_;    // chosen by the first bytes; until then a reader without input
+    std::unique_ptr<anogate::RecordingReader> reader_;    // chosen from the first bytes; before that, a reader without input
     std::uint64_t size_ = 0;
 };
 
-/// The content of the index of a recording, if it has one and is a seekable file; otherwise the whole recording must be read.
+/// The index of a recording. read_index() returns std::nullopt if the file has none or is not seekable: then the complete
+/// recording must be read.
 struct IndexedRecording {
     RecordingFacts facts;
     anogate::RecordingCounts counts;
 };
 std::optional<IndexedRecording> read_index(const std::string& path);
 
-/// Reads to the end, and passes each item to `take`, with the head of its recording.
+/// Reads to the end, and passes each item to `take` with the head of its recording.
 using TakeRecorded = std::function<void(const anogate::Recorded& item, const anogate::RecordingHead& head)>;
 RecordingFacts read_recording(const std::string& path, Streams& streams, const TakeRecorded& take);
 

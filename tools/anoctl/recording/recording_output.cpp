@@ -35,7 +35,7 @@ RecordingOutput::~RecordingOutput() {
     if (fd_ >= 0) ::close(fd_);
 }
 
-// An existing file is kept until there is something to write. Only plain files can be cut.
+// An existing file is kept until the first write. Only regular files can be truncated.
 void RecordingOutput::begin() {
     if (size_ == 0 && !is_new_ && ::ftruncate(fd_, 0) != 0 && errno != EINVAL) fault_ = reason(errno);
 }
@@ -56,7 +56,7 @@ void RecordingOutput::write(std::string_view parts) {
         else if (n == 0 || errno != EINTR) fault_ = reason(n == 0 ? EIO : errno);
     }
     if (rest.empty()) size_ += parts.size();
-    else if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0) return;    // readers cope with half a part at the end
+    else if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0) return;    // readers ignore an incomplete block at the end
 }
 
 void RecordingOutput::sync() {

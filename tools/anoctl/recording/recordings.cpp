@@ -1,4 +1,4 @@
-// anoctl recordings: the recordings that the gateway makes itself.
+// anoctl recordings: manages the recordings that the gateway makes itself.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/counted.hpp>
 #include <anoctl/gateway.hpp>
@@ -35,8 +35,8 @@ namespace {
 namespace http = anogate::http;
 using ano::Json;
 
-constexpr std::size_t max_named = 3;                        // files of a recording, in an error
-constexpr std::uint64_t bytes_at_once = 8 * 1024 * 1024;    // bytes of a file in one request
+constexpr std::size_t max_named = 3;                        // files of a recording, named in an error
+constexpr std::uint64_t bytes_at_once = 8 * 1024 * 1024;    // bytes of a file per request
 
 std::string size_of(double bytes) {
     constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};
@@ -52,7 +52,7 @@ std::string size_of(double bytes) {
     return text + " " + units[unit];
 }
 
-/// "flight.pcapng" and "flight-2.pcapng" are of "flight".
+/// "flight.pcapng" and "flight-2.pcapng" belong to "flight".
 bool is_file_of(std::string_view name, std::string_view file) {
     if (!file.starts_with(name)) return false;
     std::string_view rest = file.substr(name.size());
@@ -80,7 +80,7 @@ struct Recordings {
 private:
     static std::string path_of(const std::string& of) { return "/recordings/" + percent_encoded(of); }
 
-    /// Sends a request and returns the response; throws Failure with its text when it is refused.
+    /// Sends a request and returns the response. Throws Failure with the text of an error response.
     Json ask(const std::string& method, const std::string& target, const Json& body = nullptr) const {
         http::Request request;
         request.method = method;
@@ -153,7 +153,7 @@ private:
             if (!words->empty()) body[key] = *words;
         return say_one(ask("POST", "/recordings", body), "started", streams);
     }
-    // With --format, any ending of the name is allowed.
+    // With --format, the name may have any extension.
     void check_ending() const {
         if (format.empty() && name.rfind('.') != name.npos && !anogate::recording_format_of(name))
             throw UsageError{ending_refused(name)};
@@ -169,7 +169,7 @@ private:
     int end(Streams& streams) const { return say_one(ask("POST", path_of(name) + "/end", Json::object()), "stopped", streams); }
     int remove(Streams& streams) const { return say_one(ask("DELETE", path_of(file_meant())), "deleted", streams); }
 
-    /// NAME with the ending of its only file. Unchanged when there is none: the gateway then says so.
+    /// NAME with the extension of its only file. Unchanged if there is none: the gateway then reports the error.
     std::string file_meant() const {
         if (anogate::recording_format_of(name)) return name;
         std::vector<std::string> files;
@@ -194,7 +194,7 @@ private:
         return fine;
     }
 
-    // Gets the file piece by piece, since it may be larger than memory, and checks that it is not replaced meanwhile.
+    // Downloads the file in pieces, because it may be larger than memory, and checks that it is not replaced meanwhile.
     int get(Streams& streams) const {
         const std::string which = file_meant(), into = place_for(which);
         if (into == "-" && streams.terminal) throw UsageError{"recordings are binary and not written to a terminal; give a file"};
@@ -221,7 +221,7 @@ private:
         if (into != "-") tell(streams, into + ": " + counted(output->size(), "byte"));
         return fine;
     }
-    /// The path to write to; it may be a folder, as ".".
+    /// The path of the output; FILE may be a folder, such as ".".
     std::string place_for(const std::string& which) const {
         std::string plain = which.substr(which.rfind('/') + 1);
         std::error_code none;

@@ -1,4 +1,4 @@
-// anoctl replay FILE LINK: sends the frames of a recording on a link, with the same timing.
+// anoctl replay FILE LINK: sends the frames of a recording on a link, at their original intervals.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/counted.hpp>
 #include <anoctl/own_link.hpp>
@@ -34,11 +34,11 @@ using ano::Clock;
 using anogate::RecordedFrame;
 
 constexpr auto look_again = std::chrono::milliseconds{
-    10};    // polls for changes without an event: a link that comes up, a queue that becomes empty
-constexpr auto look_soon = std::chrono::milliseconds{1};        // polls a queue, so that the link is kept busy
-constexpr auto patience_with_link = std::chrono::seconds{5};    // with a link that sends nothing
-constexpr auto time_to_leave = std::chrono::seconds{2};         // for the last frames to be sent
-constexpr int max_at_once = 64;                                 // frames: then the loop serves the link
+    10};    // polling interval for changes without an event: the link is up, the queue is empty
+constexpr auto look_soon = std::chrono::milliseconds{1};        // polling interval of the queue, so that the link stays busy
+constexpr auto patience_with_link = std::chrono::seconds{5};    // for a link that sends nothing
+constexpr auto time_to_leave = std::chrono::seconds{2};         // to send the last frames
+constexpr int max_at_once = 64;                                 // frames per turn; then the loop serves the link
 
 class Replayer final : public FrameTaker {
 public:
@@ -62,7 +62,7 @@ public:
         io_.run();
     }
 
-    // Ignores frames that are received on the link.
+    // Frames received on the link are ignored.
     bool take(ano::FrameView, const Passage&) override { return true; }
     bool flush() override { return true; }
     void miss(std::uint64_t, const std::string&, std::string_view) override {}
@@ -85,7 +85,7 @@ private:
         step();
     }
 
-    // Reports once when nobody can receive the replay, as soon as that is known.
+    // Reports the first fault of the link: for example that nothing listens there.
     void look_for_trouble() {
         if (has_told_) return;
         const std::string trouble = link_.trouble();
@@ -110,7 +110,7 @@ private:
         asio::post(io_, [this] { step(); });
     }
 
-    // Whether to wait for the link, so that queued frames neither become stale nor are replaced by newer ones.
+    // Whether to wait for the link (only with rate 0), so that queued frames are neither stale nor superseded.
     bool must_wait() {
         const auto now = Clock::now();
         if (link_.waiting() == 0) waits_since_.reset();
@@ -152,8 +152,8 @@ private:
     ano::TimePoint began_{};
     std::optional<RecordedFrame> next_;    // valid until the next one is read
     std::optional<ano::TimePoint> due_;
-    std::optional<ano::TimePoint> waits_since_;    // since when it waits for the link
-    bool has_told_ = false;                        // of the trouble of the link
+    std::optional<ano::TimePoint> waits_since_;    // since when the queue of the link is not empty
+    bool has_told_ = false;                        // the fault of the link was reported
 };
 
 struct Replay {

@@ -1,4 +1,4 @@
-// Selects the wanted frames of a link of our own. (A gateway filters its frames itself.)
+// Filters the frames of a link of this process. (A gateway filters its frames itself.)
 #pragma once
 #include <ano/frame.hpp>
 

@@ -1,11 +1,11 @@
-// The first configuration of the service, as `anoctl setup` writes it.
+// The first configuration of the service, written by `anoctl setup`.
 #pragma once
 #include <cstdint>
 #include <string>
 
 namespace anoctl {
 
-/// JSON with comments: a serial link to `device`, a port for ground stations, and the page on this computer. `baud` 0: its default.
+/// JSON with comments: a serial link to `device`, a port for ground stations, and the page on this computer. `baud` 0: the default of the link.
 std::string service_config(const std::string& device, std::uint32_t baud);
 
 }    // namespace anoctl

@@ -1,4 +1,4 @@
-// anoctl setup: from an installed package to an open page. Each step asks first.
+// anoctl setup: sets up the service after the installation of the package, up to the open page. Each step asks first.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/device/file_text.hpp>
 #include <anoctl/gateway.hpp>
@@ -84,7 +84,7 @@ private:
     static std::string lasting_name(const SerialPort& port) { return port.stable.empty() ? port.device : port.stable; }
     static void ask_for(Streams& streams, const std::string& question) { streams.err << question << ' ' << std::flush; }
 
-    /// 0: the rate has no meaning at this port.
+    /// Returns the baud rate; 0: the port ignores it.
     std::uint32_t detected_rate(Streams& streams) const {
         if (!may(streams, "Listen at " + port + " to find the baud rate? This takes up to 20 s and sends nothing."))
             return rate_of_the_vendor;
@@ -149,7 +149,7 @@ private:
         return fine;
     }
 
-    /// The service was started just now. Throws Failure when it does not serve the page within 10 s.
+    /// Waits until the service, which was just started, serves the page. Throws Failure after 10 s.
     void await_page() const {
         const auto end = std::chrono::steady_clock::now() + std::chrono::seconds{10};
         for (;; std::this_thread::sleep_for(std::chrono::milliseconds{200})) {

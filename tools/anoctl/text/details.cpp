@@ -15,7 +15,7 @@ namespace {
 
 using namespace ano;
 
-// The values that select the layout, otherwise the documented range, otherwise the range of the type.
+// The values that select the layout; else the documented range; else the range of the type.
 std::string range_text(const Field& f) {
     if (f.selects && f.selects->first == f.selects->last) return std::to_string(f.selects->first);
     if (f.selects) return std::to_string(f.selects->first) + " to " + std::to_string(f.selects->last);

@@ -48,7 +48,7 @@ std::string shown(const Json& value) {
     return value.dump(-1, ' ', true);
 }
 
-// Writes ids and addresses in hex, also in frames inside this one.
+// Converts ids and addresses to hex, including those of frames contained in this one.
 Json with_hex(const Json& value, const Field& field) {
     const auto hexed = [](const Json& byte) { return Json(hex_byte(byte.get<std::uint8_t>())); };
     if (field.role == Role::code && value.is_number_integer()) return hexed(value);
@@ -64,7 +64,7 @@ Json with_hex(const Json& value, const Field& field) {
     return frames;
 }
 
-// Omits the quotation marks of bytes, addresses and codes.
+// As text, without the quotation marks of bytes, addresses and codes.
 std::string shown(const Json& given, const Field* field) {
     const Json value = field != nullptr ? with_hex(given, *field) : given;
     if (field != nullptr && field->role == Role::code && value.is_string()) return value.get<std::string>();
@@ -74,7 +74,7 @@ std::string shown(const Json& given, const Field* field) {
 
 const Field* field_of(const Reading& reading, const std::string& name) { return reading.field(name); }
 
-// " (airborne)", or empty; for the types of a command's values, only those in use.
+// " (airborne)", or empty. For the types of the values of a command: only the types in use.
 std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) {
     std::string words;
     const auto add = [&](const Json& number) {
@@ -91,7 +91,7 @@ std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) 
     return words.empty() ? words : " (" + words + ")";
 }
 
-// Empty: it has a layout, or its message has none at all.
+// Empty: the frame has a layout, or its message has none at all.
 std::string unknown_layout(const Reading& reading, FrameView frame) {
     const bool has_layouts = reading.message() != nullptr && !reading.message()->fields().empty();
     if (reading.readable() != Readable::unknown_layout || !has_layouts) return {};
@@ -181,11 +181,11 @@ void FramePrinter::print(FrameView frame, const Passage& passage) {
     std::ostringstream line;
     if (!passage.link.empty()) print(passage, line);
     columns(frame, json, line);
-    // What passes by is a line each; a frame that was given is shown whole.
+    // Live frames take one line each; a frame given on the command line is shown completely.
     streams_.out << (passage.link.empty() ? line.str() : cut_line(line.str(), streams_.width)) << '\n';
 }
 
-// 14:03:07.123 ground 192.168.1.20:6000 dropped limited; of a source that is at home elsewhere: … in elsewhere
+// 14:03:07.123 ground 192.168.1.20:6000 dropped limited; with "elsewhere" if the source has its route on another link.
 void FramePrinter::print(const Passage& passage, std::ostream& out) const {
     out << colored(dim, clock_text(passage.time)) << ' ' << passage.link << ' ';
     if (!passage.peer.empty() && passage.peer != passage.link) out << passage.peer << ' ';
@@ -194,7 +194,8 @@ void FramePrinter::print(const Passage& passage, std::ostream& out) const {
     if (passage.is_elsewhere) out << colored(red, "elsewhere") << ' ';
 }
 
-// 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: `encode` accepts the part after the id. One that passes by says why it shows bytes.
+// 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: `encode` accepts the part after the id. For a live frame shown as
+// bytes, the reason is added.
 void FramePrinter::plain(FrameView frame, const Json& json, bool passes) {
     const Reading reading = read(frame, &layouts());
     streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id()) << ' '

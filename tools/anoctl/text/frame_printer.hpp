@@ -1,4 +1,4 @@
-// Prints a frame as one line: for people on a terminal, for awk in a pipe, or as JSON.
+// Prints a frame as one line: for people on a terminal, as plain text for awk in a pipe, or as JSON.
 #pragma once
 #include <anoctl/anoctl.hpp>
 #include <anoctl/frame_taker.hpp>
@@ -16,22 +16,22 @@
 
 namespace anoctl {
 
-/// The options of every subcommand that shows or makes frames.
+/// The options of all subcommands that print or create frames.
 struct FrameOptions {
     bool json = false;
     std::optional<ano::Encoding> encoding;          // std::nullopt: automatic
     std::optional<ano::ValueType7> value_type_7;    // std::nullopt: f32
-    std::string config;                             // the file with the layouts of flexible messages
-    std::vector<ano::FlexibleSpec> known{};         // these layouts, when no file is given
+    std::string config;                             // file with the layouts of flexible messages
+    std::vector<ano::FlexibleSpec> known{};         // layouts if no file is given
 
     /// `self` must live as long as the run.
     static void add(Options& options, FrameOptions& self);
-    /// --encoding alone.
+    /// Only --encoding.
     static void add_encoding(Options& options, FrameOptions& self);
-    /// Throws UsageError when `config` can't be read.
+    /// Throws UsageError if `config` can't be read.
     std::vector<ano::FlexibleSpec> specs() const;
     ano::FlexibleLayouts layouts() const { return ano::FlexibleLayouts{specs()}; }
-    /// For reading and writing frames; `layouts` must live as long as the result.
+    /// For decoding and encoding; `layouts` must live as long as the result.
     ano::JsonOptions json_options(const ano::FlexibleLayouts& layouts) const {
         return {&layouts, encoding.value_or(ano::Encoding::automatic), value_type_7.value_or(ano::ValueType7::f32)};
     }
@@ -43,9 +43,9 @@ public:
     FramePrinter(const FramePrinter&) = delete;
     FramePrinter& operator=(const FramePrinter&) = delete;
 
-    /// One line.
+    /// Prints one line.
     void print(ano::FrameView frame, const Passage& passage = {});
-    /// The frames that follow are decoded with this, except for what the options state.
+    /// The following frames are decoded with `decoding`, except for values given by the options.
     void use(const anogate::DecodingPtr& decoding);
     const ano::FlexibleLayouts& layouts() const noexcept { return *options_.flexible; }
 
@@ -57,10 +57,10 @@ private:
 
     Streams& streams_;
     bool json_;
-    ano::FlexibleLayouts layouts_;    // of the options
+    ano::FlexibleLayouts layouts_;    // from the options
     ano::JsonOptions options_;
-    bool finds_encoding_;    // none was given
-    bool finds_layouts_;     // the same
+    bool finds_encoding_;    // no encoding was given
+    bool finds_layouts_;     // no layouts were given
     anogate::DecodingPtr decoding_;
     anogate::SenderEncodings encodings_;
 };
@@ -68,7 +68,7 @@ private:
 /// "14:03:07.123", local time; `time` in seconds since 1970.
 std::string clock_text(double time);
 
-/// Why DATA of a frame has no fields, as a clause; empty when it has, or the message is unknown or flexible.
+/// The reason why DATA of a frame has no fields, as a clause. Empty if it has fields, or if the message is unknown or flexible.
 std::string undecoded(ano::FrameView frame, const ano::FlexibleLayouts& layouts);
 
 }    // namespace anoctl

@@ -7,9 +7,9 @@
 namespace anoctl {
 namespace {
 
-constexpr std::size_t max_held = 1 << 20;    // text before the first frame is not expected to be this long
+constexpr std::size_t max_held = 1 << 20;    // bytes; text before the first frame is assumed to be shorter
 
-constexpr std::string_view mark = "\xEF\xBB\xBF";    // Windows editors put it at the beginning of a text
+constexpr std::string_view mark = "\xEF\xBB\xBF";    // Windows editors write it at the beginning of a text
 
 int digit(char c) noexcept {
     if (c >= '0' && c <= '9') return c - '0';
@@ -18,7 +18,7 @@ int digit(char c) noexcept {
     return -1;
 }
 
-/// Text has no control characters; bytes that are not ASCII may be text or not.
+/// Whether `c` may be part of a text: no control character but white space. Bytes beyond ASCII may be text.
 bool is_of_text(std::uint8_t c) noexcept { return (c >= ' ' && c != 0x7F) || (c >= '\t' && c <= '\r'); }
 
 }    // namespace
@@ -35,7 +35,7 @@ bool HexText::read(char c, std::vector<std::uint8_t>& bytes) {
     if (mark_ < mark.size()) {
         if (c == mark[mark_]) return ++mark_, true;
         if (mark_ > 0) return false;
-        mark_ = mark.size();    // there is none
+        mark_ = mark.size();    // no byte order mark
     }
     if (c == ' ' || (c >= '\t' && c <= '\r') || c == ',') return end_word(bytes);
     if ((c == 'x' || c == 'X') && digits_ == 1 && high_ == 0 && !prefixed_) {

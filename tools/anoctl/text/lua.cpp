@@ -1,4 +1,4 @@
-// The rows as a Lua table, and the Lua code that reads it.
+// Writes the message table as a Lua table, followed by the Lua code that uses it.
 #include "reference.hpp"
 
 #include <ano/messages.hpp>
@@ -276,7 +276,7 @@ std::string lua_text(std::string_view text) {
     return out + '"';
 }
 
-// Wireshark permits ASCII letters, digits, '-', '_' and '.' in a filter name.
+// Filter names of Wireshark consist of ASCII letters, digits, '-', '_' and '.'.
 std::string filter_part(std::string_view name, std::size_t position) {
     std::string out;
     for (const char c : name) {
@@ -346,7 +346,8 @@ void write_layout(std::ostream& out, const FlexibleLayout& layout) {
 void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
     out << head_text;
     for (const Message& row : messages) write_row(out, row);
-    // The layout of one source comes before the layout for all sources, and that for one value of its first field before that for all.
+    // Specific layouts come first: those for one source before those for all, those for one value of the first field before those
+    // for all.
     for (const bool with_source : {true, false})
         for (const bool with_value : {true, false})
             for (const FlexibleLayout& layout : flexible.all())

@@ -12,7 +12,7 @@ namespace {
 
 using ano::Json;
 
-/// The text before `end`; removes both from the front of `rest`. std::nullopt: there is no `end`.
+/// The text before `end`; removes both from `rest`. std::nullopt: `end` is missing.
 std::optional<std::string> take_until(std::string_view& rest, char end) {
     const auto at = rest.find(end);
     if (at == std::string_view::npos) return std::nullopt;
@@ -21,7 +21,7 @@ std::optional<std::string> take_until(std::string_view& rest, char end) {
     return word;
 }
 
-/// A value up to its closing quotation mark.
+/// A label value up to its closing quotation mark.
 std::optional<std::string> take_value(std::string_view& rest) {
     std::string value;
     for (std::size_t i = 0; i < rest.size(); ++i) {
@@ -36,7 +36,7 @@ std::optional<std::string> take_value(std::string_view& rest) {
     return std::nullopt;
 }
 
-// From after the '{' until after the '}'.
+// `rest` begins after '{'; everything up to '}' is removed.
 std::optional<Json> take_labels(std::string_view& rest) {
     Json labels = Json::object();
     while (!rest.starts_with('}')) {
@@ -52,7 +52,7 @@ std::optional<Json> take_labels(std::string_view& rest) {
     return labels;
 }
 
-// NaN and Inf are no JSON numbers, and not every program reads integers beyond 2^53: these stay text.
+// NaN and Inf are not JSON numbers, and some programs can't read integers beyond 2^53: these remain text.
 Json value_of(const std::string& word) {
     constexpr std::uint64_t max_exact = std::uint64_t{1} << 53;
     Json number = Json::parse(word, nullptr, false);

@@ -1,4 +1,4 @@
-// Reads the text that a gateway makes for Prometheus.
+// Parses the Prometheus text format of a gateway.
 #pragma once
 #include <ano_json/frame_json.hpp>
 

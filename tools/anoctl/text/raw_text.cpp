@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t hex_columns = 16;
 
-// The code point at text[at], which is UTF-8, and its size.
+// The code point at text[at] (UTF-8), and its size in bytes.
 std::pair<std::uint32_t, std::size_t> code_point(std::string_view text, std::size_t at) {
     const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[at + i]); };
     const std::uint8_t first = byte(0);
@@ -21,7 +21,7 @@ std::pair<std::uint32_t, std::size_t> code_point(std::string_view text, std::siz
     return {point, size};
 }
 
-// Control characters of both sets, and the format characters of Unicode: direction, joiners, separators, tags.
+// Control characters (C0, C1) and Unicode format characters: direction, joiners, separators, tags.
 bool is_harmful(std::uint32_t point) {
     const auto in = [point](std::uint32_t first, std::uint32_t last) { return first <= point && point <= last; };
     return point < 0x20 || in(0x7F, 0x9F) || point == 0xAD || point == 0x34F || point == 0x61C || in(0x115F, 0x1160) ||
@@ -67,7 +67,7 @@ std::vector<std::string> RawText::add(char direction, double time, std::string_v
         if (line.bytes.empty()) line.time = time;
         line.since = now;
         if (c != '\n' && c != '\r') line.bytes += c;
-        // A long line is broken, not within a character of several bytes, of which the last may be ASCII in GBK.
+        // A long line is broken, but not within a multibyte character; in GBK its second byte may be ASCII, from 0x30 on.
         const bool is_long = line.bytes.size() >= max_line &&
                              (static_cast<std::uint8_t>(c) < 0x30 || line.bytes.size() >= 2 * max_line);
         if (c != '\n' && c != '\r' && !is_long) continue;

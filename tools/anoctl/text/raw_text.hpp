@@ -1,4 +1,4 @@
-// Shows the raw bytes of a link as lines for people: text, or hex digits, with the time and the direction.
+// Formats the raw bytes of a link as lines for people: text or hex digits, with time and direction.
 #pragma once
 #include <ano/time.hpp>
 #include <ano_json/text.hpp>
@@ -12,8 +12,8 @@
 
 namespace anoctl {
 
-/// `text` (UTF-8) without any effect on a terminal: control characters, and those that change the direction of text or can't be seen,
-/// are written \x1B or \u{202E}.
+/// `text` (UTF-8) without effects on a terminal: control characters, invisible characters and those that change the direction of
+/// text are written as \x1B or \u{202E}.
 std::string harmless(std::string_view text);
 
 class RawText {
@@ -22,15 +22,15 @@ public:
         bool hex = false;
         ano::Encoding encoding = ano::Encoding::utf8;
     };
-    static constexpr std::size_t max_line = 1000;    // bytes; longer lines are broken
-    /// A line whose end does not come is shown after this time: a prompt.
+    static constexpr std::size_t max_line = 1000;    // in bytes; longer lines are broken
+    /// A line without a line end, such as a prompt, is shown after this time.
     static constexpr ano::Duration patience = std::chrono::milliseconds{200};
 
     explicit RawText(const Options& options) : options_{options} {}
 
-    /// Bytes that passed at `time` (seconds since 1970): '<' received, '>' sent. Returns the lines that are whole.
+    /// Adds bytes that passed at `time` (seconds since 1970): '<' received, '>' sent. Returns the complete lines.
     std::vector<std::string> add(char direction, double time, std::string_view bytes, ano::TimePoint now);
-    /// When expire() shows an unfinished line; std::nullopt: none waits.
+    /// When expire() will return an unfinished line; std::nullopt: there is none.
     std::optional<ano::TimePoint> due() const noexcept;
     std::vector<std::string> expire(ano::TimePoint now);
 
@@ -38,8 +38,8 @@ private:
     struct Line {
         std::string bytes{};
         double time = 0;
-        ano::TimePoint since{};       // its newest byte
-        bool after_return = false;    // a line feed that comes next belongs to the line before
+        ano::TimePoint since{};       // time of its newest byte
+        bool after_return = false;    // a following line feed belongs to the previous line
     };
     void add_hex(char direction, double time, std::string_view bytes, std::vector<std::string>& lines) const;
     std::string shown(char direction, const Line& line) const;

@@ -13,7 +13,7 @@
 namespace anoctl {
 namespace {
 
-/// The character that begins at text[at], and how many bytes it takes; `text` is UTF-8.
+/// The character that begins at text[at] (UTF-8), and its size in bytes.
 std::pair<std::uint32_t, std::size_t> character(std::string_view text, std::size_t at) noexcept {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[at + i]); };
     const std::size_t size = byte(0) < 0x80 ? 1 : byte(0) < 0xE0 ? 2 : byte(0) < 0xF0 ? 3 : 4;
@@ -85,7 +85,7 @@ std::string cut_line(std::string_view text, std::size_t cells) {
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent, std::size_t begin) {
     if (width == 0) return std::string{text};
     std::string all;
-    std::size_t line = 0, cells = begin;      // begin of the present line, and its cells so far
+    std::size_t line = 0, cells = begin;      // start of the current line, and its cells so far
     std::size_t end = text.npos, next = 0;    // where the line may be broken
     bool has_word = false;
     for (std::size_t at = 0; at < text.size();) {

@@ -8,19 +8,20 @@
 
 namespace anoctl {
 
-/// There are two spaces between columns. A column that is empty below its heading is omitted.
+/// Columns are separated by two spaces. A column with a heading but no content is omitted.
 class Table {
 public:
     using Line = std::vector<std::string>;
 
-    /// `heading` with as many cells as every row. A column whose heading begins with a space holds numbers: it is right-aligned.
+    /// `heading` must have as many cells as every row. A column whose heading begins with a space contains numbers and is
+    /// right-aligned.
     explicit Table(Line heading) : heading_{std::move(heading)} {}
     void row(Line cells) { lines_.push_back(std::move(cells)); }
-    /// A line of its own below the last row.
+    /// Adds a line of text below the last row.
     void note(std::string text) { lines_.push_back({std::move(text)}); }
     bool empty() const noexcept { return lines_.empty(); }
-    /// Uses at most `width` cells a line, if possible (0: no limit): columns without room go below the others, and the last one is broken
-    /// between words.
+    /// Prints at most `width` cells per line, if possible (0: no limit). Columns that don't fit are placed below the others; the
+    /// last column is broken between words.
     void write(std::ostream& out, std::string_view indent = {}, std::size_t width = 0) const;
 
 private:
@@ -31,20 +32,21 @@ private:
     std::vector<Line> lines_;
 };
 
-/// How many cells of a terminal `text` takes: Chinese characters take two.
+/// Number of terminal cells of `text`: Chinese characters have two.
 std::size_t cells_of(std::string_view text) noexcept;
 
-/// The beginning of `text` that fits into `cells`, never half a character.
+/// The beginning of `text` that fits in `cells`; characters are never split.
 std::string in_cells(std::string_view text, std::size_t cells);
 
-/// `text` with its colours; if it takes more than `cells`, its beginning and "…". 0: no limit.
+/// `text` with its colours; if it exceeds `cells`, its beginning and "…". 0: no limit.
 std::string cut_line(std::string_view text, std::size_t cells);
 
-/// `text` in lines of at most `width` cells, broken between words or Chinese characters. The lines after the first begin with `indent`
-/// spaces; before the first one, `begin` cells are already used. A word that is longer than a line stays whole. `width` 0: unchanged.
+/// Wraps `text` to lines of at most `width` cells, broken between words or Chinese characters. The lines after the first begin
+/// with `indent` spaces; on the first one, `begin` cells are already used. Words longer than a line are not broken. `width` 0:
+/// unchanged.
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent = 0, std::size_t begin = 0);
 
-/// Replaces each control character, which a terminal would execute, by '?'.
+/// Replaces control characters, which a terminal would execute, by '?'.
 std::string without_controls(std::string_view text);
 
 /// "1 waypoint", "3 waypoints"

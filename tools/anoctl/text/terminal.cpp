@@ -30,7 +30,7 @@ bool is_screen() noexcept {
 void Screen::enter() noexcept {
     if (entered_ || ::tcgetattr(STDIN_FILENO, &before_) != 0) return;
     termios raw = before_;
-    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);    // Ctrl-C and Ctrl-Z keep their effects
+    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);    // Ctrl-C and Ctrl-Z still work
     raw.c_cc[VMIN] = 1;
     raw.c_cc[VTIME] = 0;
     ::tcsetattr(STDIN_FILENO, TCSADRAIN, &raw);

@@ -11,7 +11,7 @@ namespace anoctl {
 /// Whether standard input and output are a terminal that can move its cursor.
 bool is_screen() noexcept;
 
-/// While it exists, keys are read without Enter and not echoed, and the alternate screen is shown.
+/// While this object exists, keys are read without Enter and not echoed, and the alternate screen is shown.
 class Screen {
 public:
     Screen() noexcept { enter(); }
@@ -19,7 +19,7 @@ public:
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
 
-    /// Restores the terminal, and takes it again: for a program that is stopped meanwhile (Ctrl-Z).
+    /// Restores the terminal, then uses it again: for a program stopped by Ctrl-Z.
     void leave() noexcept;
     void enter() noexcept;
 

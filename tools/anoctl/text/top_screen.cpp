@@ -13,7 +13,7 @@ namespace {
 
 using Status = nlohmann::json;
 
-// A member of a status; a missing member, or one of another type, counts as empty.
+// A member of a status; empty if it is missing or of another type.
 const Status& member_of(const Status& object, std::string_view key) {
     static const Status nothing;
     if (!object.is_object()) return nothing;
@@ -104,7 +104,7 @@ void add_address(TopView& view, const Status& route, double seconds, const Heard
     view.addresses.push_back(std::move(row));
 }
 
-// A character of UTF-8 may have several bytes.
+// UTF-8 characters may have several bytes.
 bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
 
 std::string printable_text(std::string_view text) {
@@ -137,19 +137,20 @@ std::string column(std::string_view text, std::size_t width) {
     return shown.append(width - characters_of(shown), ' ');
 }
 
-// With a space before it. Never cut, since that would give another number.
+// With a leading space. Never cut, because that would show another number.
 std::string number_column(std::string_view text, std::size_t width) {
     return std::string(1 + width - std::min(width, text.size()), ' ').append(text);
 }
 
 constexpr std::array<std::size_t, 5> number_widths{5, 5, 6, 5, 6};
-constexpr std::size_t usual_width = 80, names_there = 31;    // names_there: the part for link and peer
+constexpr std::size_t usual_width = 80, names_there = 31;    // names_there: cells for link and peer
 
 struct NameWidths {
     std::size_t link = 0, peer = 0;
 };
 
-// The width that the names need, as far as available: of the additional width of a wide screen they get two thirds, the causes the rest.
+// The widths of link and peer, as far as available. Of the additional width of a wide screen, they get two thirds and the causes
+// the rest.
 NameWidths name_widths(const std::vector<TopChannel>& rows, std::size_t width) {
     NameWidths need{4, 4};
     for (const TopChannel& row : rows)
@@ -179,7 +180,7 @@ std::string address_line(const TopAddress& row) {
            number_column(age_text(row.age), 6) + "  " + row.links;
 }
 
-/// Appends those of `lines` that fit in `room`; the last line says how many are omitted.
+/// Appends the `lines` that fit in `room`; the last line says how many are omitted.
 void put(std::vector<std::string>& screen, const std::vector<std::string>& lines, std::size_t room) {
     const std::size_t shown = lines.size() <= room ? lines.size() : room == 0 ? 0 : room - 1;
     screen.insert(screen.end(), lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(shown));
@@ -247,7 +248,7 @@ void sort(TopView& view, TopSort by) {
 }
 
 std::vector<std::string> top_screen(const TopView& view, TopSort by, std::size_t width, std::size_t height) {
-    constexpr std::size_t fixed = 5;    // the title, two heads, an empty line, the keys
+    constexpr std::size_t fixed = 5;    // title, two headings, an empty line, the keys
     const std::size_t room = height > fixed ? height - fixed : 0;
     const std::size_t for_addresses = std::min(view.addresses.size(),
                                                std::max(room / 3, room - std::min(room, view.channels.size())));

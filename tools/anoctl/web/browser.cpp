@@ -22,7 +22,7 @@
 namespace anoctl {
 namespace {
 
-/// Who called sudo; nullptr: nobody did.
+/// The user who called sudo; nullptr: none.
 const passwd* caller_of_sudo() {
     const char* const name = ::geteuid() == 0 ? std::getenv("SUDO_USER") : nullptr;
     return name ? ::getpwnam(name) : nullptr;
@@ -35,10 +35,10 @@ std::string home() {
 }
 
 constexpr std::string_view page_begin = "anogate-", page_end = ".html";
-constexpr std::size_t page_bytes = 8;                    // random ones in the name
-constexpr auto page_serves = std::chrono::minutes{5};    // as long as its code is valid
+constexpr std::size_t page_bytes = 8;                    // random bytes in the name
+constexpr auto page_serves = std::chrono::minutes{5};    // the code is valid as long
 
-// Pages of programs that could not remove them.
+// Removes the pages of programs that were killed.
 void remove_old_pages(const std::string& folder) {
     std::error_code ec;
     for (std::filesystem::directory_iterator one{folder, ec}, end; !ec && one != end; one.increment(ec)) {
@@ -54,7 +54,7 @@ void remove_old_pages(const std::string& folder) {
 }
 
 constexpr int ending_signals[] = {SIGINT, SIGTERM, SIGHUP};
-const char* page_to_remove = nullptr;    // by the function below, which may call little
+const char* page_to_remove = nullptr;    // for the signal handler below, which may use only few functions
 
 void remove_page_and_end(int signal) {
     ::unlink(page_to_remove);
@@ -84,7 +84,7 @@ RedirectFile::RedirectFile(const std::string& url) {
     removal.sa_handler = remove_page_and_end;
     for (std::size_t i = 0; i < before_.size(); ++i) {
         ::sigaction(ending_signals[i], nullptr, &before_[i]);
-        if (before_[i].sa_handler != SIG_IGN) ::sigaction(ending_signals[i], &removal, nullptr);    // nohup ignores one
+        if (before_[i].sa_handler != SIG_IGN) ::sigaction(ending_signals[i], &removal, nullptr);    // nohup ignores SIGHUP
     }
     const anogate::UniqueFd fd{::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR)};
     const std::string page = "<!doctype html><meta http-equiv=\"refresh\" content=\"0;url=" + url + "\">\n";

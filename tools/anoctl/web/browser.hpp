@@ -1,4 +1,4 @@
-// The browser of the person at this computer.
+// Opens the browser of the user at this computer.
 #pragma once
 #include <array>
 #include <csignal>
@@ -6,12 +6,14 @@
 
 namespace anoctl {
 
-/// Opens the URL by xdg-open, as the user who called sudo if somebody did. Throws Failure, which names `url`.
+/// Opens the URL with xdg-open, as the user who called sudo if there is one. Throws Failure with the reason.
 void open_in_browser(const std::string& url);
 
-/// A page in the home of that user which leads the browser to a URL, and which others can't read: the command line of a browser is readable for
-/// every user of the computer. It is not hidden, since a browser from a snap package can't read hidden files. Removed at the end, also when a signal ends the
-/// program; those of earlier programs that were killed are removed at the start. There is one at a time.
+/// A page in the home folder of that user that redirects the browser to a URL. It is readable only for that user, while the
+/// command line of a browser is readable for every user of the computer. It is not a hidden file, because a browser from a snap
+/// package can't read hidden files.
+/// The destructor removes the page, and so does a signal that ends the program. The constructor removes pages of earlier programs
+/// that were killed. Only one object may exist at a time.
 class RedirectFile {
 public:
     explicit RedirectFile(const std::string& url);

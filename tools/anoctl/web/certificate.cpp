@@ -1,4 +1,4 @@
-// anoctl certificate: an authority of one's own, and a certificate for each computer.
+// anoctl certificate: makes a certificate authority, and a certificate for each computer.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/text/table.hpp>
 #include "web_certificate.hpp"
@@ -45,7 +45,7 @@ struct CertificateCommand {
     }
 
 private:
-    /// Another one each time: a certificate of another authority is told by its name, not only by a signature that does not fit.
+    /// A unique name, so that a certificate of another authority is recognised by its issuer, not only by a wrong signature.
     static std::string name_of_authority(const std::string& computer) {
         const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
         return "anogate " + computer.substr(0, 40) + ' ' + std::to_string(now.time_since_epoch().count());

@@ -9,7 +9,7 @@
 namespace anoctl {
 namespace {
 
-constexpr int margin = 2;    // modules; with the four of the standard, a code of 37 modules would not fit into 24 lines
+constexpr int margin = 2;    // modules; with four as in the standard, a code of 37 modules would exceed 24 lines
 
 struct Free {
     void operator()(QRcode* code) const { QRcode_free(code); }

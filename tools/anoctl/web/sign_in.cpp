@@ -17,7 +17,7 @@ Json SignIn::code(Form form) const {
     return parse_answer(gateway.post("/login/code", wanted.dump()));
 }
 
-// Behind the #, it is not in what the browser sends, and so in no log.
+// A browser does not send the part after '#', so the code is in no log.
 std::string SignIn::link(const std::string& page) const { return page + "#once=" + text_at(code(Form::link), "code"); }
 
 void SignIn::open(const std::string& page) const {

@@ -1,4 +1,4 @@
-// Signs a browser in without typing a token, by a one-time code of the gateway.
+// Signs a browser in with a one-time code of the gateway, instead of a typed token.
 #pragma once
 #include <anoctl/gateway.hpp>
 
@@ -12,13 +12,14 @@ struct SignIn {
     enum class Form { link, digits };
 
     const GatewayOptions& gateway;
-    bool view = false;    // for watching only: the read-only token
+    bool view = false;    // with the read-only token
 
-    /// What POST /login/code answers: "code" and "expires_s".
+    /// The response of POST /login/code: "code" and "expires_s".
     ano::Json code(Form form) const;
-    /// `page` with the code of a link.
+    /// `page` with a code appended.
     std::string link(const std::string& page) const;
-    /// Opens `page` in a browser here that is signed in then. Throws Failure, with the link, when no browser did so within a minute.
+    /// Opens `page` in a browser on this computer, signed in. Throws Failure, with the link, if no browser signs in within a
+    /// minute.
     void open(const std::string& page) const;
 };
 

@@ -1,4 +1,4 @@
-// anoctl web: how to reach the gateway in a browser or from another program.
+// anoctl web: how to access the gateway from a browser or another program.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway.hpp>
 #include <anoctl/text/gateway_json.hpp>
@@ -41,7 +41,7 @@ WebDoor door_of(const Json& http) {
     return door;
 }
 
-/// Why HTTP is not served, and what to do.
+/// The reason why HTTP is not available, and what to do.
 std::string why_not(const Json& http, const std::string& file) {
     const std::string state = text_at(http, "state"), error = text_at(http, "error");
     if (state == "waiting") return "no HTTP yet: " + error + "; the gateway is waiting for it";

@@ -45,8 +45,8 @@ CertificateNames names_for(const Computer& computer) {
     return names;
 }
 
-// The service does not run as root, and can't read a key that only root may read. The owner of the folder may have replaced the file
-// meanwhile by a hard link to another file of root: such a file is left alone.
+// The service does not run as root and can't read a key that only root may read. The owner of the folder may have replaced the
+// file by a hard link to another file of root: the owner of such a file is not changed.
 bool give_to_service(const std::string& key) {
     const passwd* user = ::geteuid() == 0 ? ::getpwnam(user_of_the_service) : nullptr;
     if (!user) return false;
@@ -72,7 +72,7 @@ std::string certificate_folder() {
 MadeCertificate make_certificate_in(const std::string& folder, const Computer& computer) {
     std::error_code ec;
     fs::path whole = fs::absolute(folder, ec).lexically_normal();
-    if (!whole.has_filename() && whole.has_relative_path()) whole = whole.parent_path();    // removes a slash at the end
+    if (!whole.has_filename() && whole.has_relative_path()) whole = whole.parent_path();    // removes a trailing slash
     MadeCertificate made{whole / "certificate.pem", whole / "key.pem", {}, {}, false};
     check(whole, made);
     const CertificateNames names = names_for(computer);

@@ -32,7 +32,7 @@ std::vector<std::string> urls_of(const WebDoor& door, const Computer& computer) 
     std::vector<std::string> hosts;
     if (door.address.is_any()) {
         for (const IpAddress& address : reachable(computer))
-            if (!address.v6 || door.address.v6) hosts.push_back(host_of(address));    // [::] accepts IPv4 too
+            if (!address.v6 || door.address.v6) hosts.push_back(host_of(address));    // [::] also accepts IPv4
     } else {
         hosts.push_back(host_of(door.address));
     }

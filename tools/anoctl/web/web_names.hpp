@@ -1,4 +1,4 @@
-// The names and addresses under which a gateway is reached by HTTP. No I/O.
+// The names and addresses at which HTTP of a gateway is available. No I/O.
 #pragma once
 #include <gateway/ip.hpp>
 
@@ -7,13 +7,13 @@
 
 namespace anoctl {
 
-/// The computer of the gateway.
+/// The computer on which the gateway runs.
 struct Computer {
-    std::string name;                             // the host name; empty: it has none
+    std::string name;                             // the host name; empty: none
     std::vector<anogate::IpAddress> addresses;    // of its interfaces
 };
 
-/// The endpoint where the gateway listens.
+/// The endpoint on which the gateway listens.
 struct WebDoor : anogate::Endpoint {
     bool is_encrypted = false;
     std::vector<std::string> hosts{};    // configured names
@@ -22,17 +22,17 @@ struct WebDoor : anogate::Endpoint {
 /// "vehicle", "vehicle.local".
 std::vector<std::string> names_of(const Computer& computer);
 
-/// Addresses that other computers can type into a browser: neither loopback nor link-local ones.
+/// Addresses that work in browsers of other computers: neither loopback nor link-local.
 std::vector<anogate::IpAddress> reachable(const Computer& computer);
 
-/// "https://192.168.1.5:8088/": all URLs of the gateway, those with addresses first, since they always work. When it listens on a loopback
-/// address, only those for this computer.
+/// "https://192.168.1.5:8088/": all URLs of the gateway. URLs with addresses are first, because they always work. If the gateway
+/// listens on a loopback address, only the URLs for this computer.
 std::vector<std::string> urls_of(const WebDoor& door, const Computer& computer);
 
-/// The URL that phones reach most likely: the first of urls_of() without an IPv6 address, if there is one.
+/// The URL that works on most phones: the first of urls_of() without an IPv6 address, if there is one.
 std::string url_for_phones(const WebDoor& door, const Computer& computer);
 
-/// The URL on this computer itself.
+/// The URL for browsers on this computer.
 std::string url_here(const WebDoor& door);
 
 }    // namespace anoctl
