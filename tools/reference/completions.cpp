@@ -11,7 +11,7 @@ std::string joined(const std::vector<std::string>& words) {
     return all;
 }
 
-/// In single quotation marks, for bash and zsh.
+/// `text` in single quotation marks, for bash and zsh.
 std::string quoted(std::string_view text) {
     std::string out = "'";
     for (const char c : text) out += c == '\'' ? std::string{"'\\''"} : std::string{c};
@@ -22,7 +22,7 @@ std::string first_clause(const std::string& help) { return help.substr(0, help.f
 
 // --- bash -------------------------------------------------------------------------------------------------------------
 
-/// A call of the function that offers these values.
+/// A call of the bash function that offers the values of the argument.
 std::string offered_by_bash(const Program& program, const Argument& argument) {
     const std::string prefix = "_" + program.name + "_";
     switch (argument.offer()) {
@@ -42,7 +42,7 @@ std::string offered_by_bash(const Program& program, const Argument& argument) {
     return ":";
 }
 
-/// The lines of a case statement: what is offered after each option of a command.
+/// The lines of a case statement: the values after each option of a command.
 std::string values_for_bash(const Program& program, const Command& command) {
     std::string text;
     for (const Argument& option : command.options)
@@ -97,7 +97,7 @@ _%P_links() {
 }
 )bash";
 
-// Calls the program in the same way as on the command line, with the words so far, since --control may be among them.
+// Calls the program as on the command line, with all words so far, because --control may be among them.
 constexpr char bash_known[] =
     R"bash(_%P_known() { "${COMP_WORDS[0]}" __complete "$1" "${COMP_WORDS[@]:1}" 2>/dev/null | cut -f1; }
 _%P_addresses() { _%P_words "%ADDRESSES% $(_%P_known devices)"; }
@@ -161,7 +161,7 @@ bool has_commands(const Program& program) { return !program.commands.front().nam
 
 // --- zsh --------------------------------------------------------------------------------------------------------------
 
-/// Escaped for a description of _arguments.
+/// `help`, escaped as a description for _arguments.
 std::string described(const std::string& help) {
     std::string text = first_clause(help);
     for (const char c : {'[', ']'}) std::replace(text.begin(), text.end(), c, ' ');
@@ -242,7 +242,7 @@ std::string for_fish(const Program& program, const Command& command) {
         if (operand.offer() != Offer::nothing) {
             const std::string offer = offered_by_fish(operand);
             text += start + (operand.offer() == Offer::files ? " -F" : offer.substr(3)) +
-                    "\n";    // of operands there is no -r, -x
+                    "\n";    // operands have neither -r nor -x
         }
     return text;
 }

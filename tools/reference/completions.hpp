@@ -1,4 +1,4 @@
-// The completions of shells for the programs.
+// Shell completions of the programs.
 #pragma once
 #include "programs.hpp"
 

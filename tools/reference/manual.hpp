@@ -1,4 +1,4 @@
-// The manual pages.
+// The manual pages of the programs, the configuration and the HTTP API.
 #pragma once
 #include <http/routes.hpp>
 

@@ -7,10 +7,10 @@
 namespace reference {
 namespace {
 
-// mdoc requires a date; it is that of the form of the pages, not of their generated content.
+// mdoc requires a date: that of the last change of the pages' form, not of their generated content.
 constexpr char date[] = "November 22, 2026";
 
-/// Escapes hyphens, so that they stay hyphens when copied, and backslashes.
+/// Escapes backslashes, and hyphens, which would otherwise be copied as other characters.
 std::string escaped(std::string_view words) {
     std::string out;
     for (const char c : words) {
@@ -21,27 +21,27 @@ std::string escaped(std::string_view words) {
     return out;
 }
 
-/// Escapes a line, so that its beginning is not taken for a command.
+/// Escapes a line whose beginning would be read as a command.
 std::string line_of_text(std::string_view line) {
     const bool is_command = !line.empty() && (line.front() == '.' || line.front() == '\'');
     return (is_command ? "\\&" : "") + escaped(line) + "\n";
 }
 
-/// Words in lines of at most 80 bytes, as mdoc wants them.
+/// Breaks `words` into lines of at most 80 bytes, as mdoc requires.
 std::string lines_of_text(std::string_view words) {
-    constexpr std::size_t width = 78;    // \& may be put before it
+    constexpr std::size_t width = 78;    // \& may be added before it
     std::string all;
     while (escaped(words).size() > width) {
         std::size_t end = std::min(words.size(), width);
         while (end != 0 && (words[end - 1] != ' ' || escaped(words.substr(0, end)).size() > width)) --end;
-        if (end == 0) end = std::min(words.find(' '), words.size() - 1) + 1;    // a word longer than the line
+        if (end == 0) end = std::min(words.find(' '), words.size() - 1) + 1;    // a word longer than a line
         all += line_of_text(words.substr(0, end - (words[end - 1] == ' ' ? 1 : 0)));
         words.remove_prefix(end);
     }
     return words.empty() ? all : all + line_of_text(words);
 }
 
-/// Quotes one argument of a macro.
+/// Quotes an argument of a macro.
 std::string argument(std::string_view word) {
     std::string out = "\"\\&";
     for (const char c : escaped(word)) out += c == '"' ? std::string{"\"\""} : std::string{c};
@@ -78,7 +78,7 @@ void Page::subsection(std::string_view title) {
     began_ = false;
 }
 
-// mdoc requires every sentence on a line of its own.
+// mdoc requires each sentence on its own line.
 void Page::text(std::string_view words) {
     for (std::size_t at = 0; at < words.size(); ++at) {
         if (!ends_sentence(words, at)) continue;

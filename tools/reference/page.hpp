@@ -13,20 +13,20 @@ public:
 
     void section(std::string_view title);
     void subsection(std::string_view title);
-    /// A text; nothing in it is taken for a command of mdoc.
+    /// Adds text; no part of it is read as an mdoc command.
     void text(std::string_view words);
-    /// A paragraph break between two texts.
+    /// Adds a paragraph break between two texts.
     void paragraph();
-    /// Lines that are not reformatted.
+    /// Adds lines that are not reformatted.
     void literal(std::string_view lines);
 
-    /// A list of terms with explanations.
+    /// Begins a list of terms with explanations.
     void begin_list();
-    /// `name` is typed literally, `value` is a placeholder; either may be empty.
+    /// Adds a term: `name` is typed literally, `value` is a placeholder; either may be empty.
     void item(std::string_view name, std::string_view value, std::string_view words);
     void end_list();
 
-    /// A line with how the program is called: options and operands in square brackets.
+    /// Adds a synopsis line with options and operands in square brackets.
     void synopsis(std::string_view program, std::string_view arguments);
     void see_also(const std::vector<std::string>& pages);    // "anoctl 1"
 
@@ -36,7 +36,7 @@ private:
     void macro(std::string_view line);
 
     std::string text_;
-    bool began_ = false;    // this section or item has content already
+    bool began_ = false;    // the section or item already has content
 };
 
 }    // namespace reference

@@ -86,7 +86,7 @@ std::vector<std::string> message_names() {
     return names;
 }
 
-// Case does not matter, and '_' stands for a space.
+// In lower case, with '_' instead of spaces; only names that belong to a single address.
 std::vector<std::string> address_names() {
     std::vector<std::string> names;
     for (unsigned a = 1; a <= 255; ++a) {

@@ -1,4 +1,4 @@
-// The command lines of anogated and anoctl, read from the tables that their --help is made of.
+// The command lines of anogated and anoctl as data, from the tables that --help also uses.
 #pragma once
 #include <string>
 #include <string_view>
@@ -6,7 +6,7 @@
 
 namespace reference {
 
-/// What a shell offers for a value.
+/// The kind of values that a shell offers for an argument.
 enum class Offer { nothing, words, files, messages, links, ports, addresses, link_names, fields, devices, parameters, commands };
 
 struct Argument {
@@ -15,7 +15,7 @@ struct Argument {
     std::string help;
 
     Offer offer() const;
-    /// For Offer::words: "utf8", "gbk".
+    /// The words for Offer::words: "utf8", "gbk".
     std::vector<std::string> words() const;
     bool is_repeated() const { return value.ends_with("..."); }
 };
@@ -36,7 +36,7 @@ Program anogated_program();
 Program anoctl_program();
 
 std::vector<std::string> message_names();
-/// The names of single addresses: "host", "flight_controller", …
+/// The names that belong to a single address: "host", "flight_controller", …
 std::vector<std::string> address_names();
 /// "serial:", "udp-listen:", …
 std::vector<std::string> link_prefixes();
