@@ -1,10 +1,10 @@
-// The names of addresses.
+// Names for addresses.
 import { whoText } from "./i18n";
 import { devices, lostVehicles, status } from "./live/gateway";
 import { hexByte } from "./protocol/table";
 import { visible } from "./visible";
 
-/** The name that the device gives itself, else the gateway's name for the address. */
+/** The name from the device; else the gateway's name for the address; else empty. */
 export function nameOf(address: number): string {
   const hex = hexByte(address);
   const said = [...devices.get(), ...lostVehicles.get()].find((device) => Number(device.address) === address)?.name;

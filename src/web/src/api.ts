@@ -1,4 +1,4 @@
-// Requests to the gateway, and their results.
+// Requests to the gateway, and their responses.
 import { jsonIn } from "./json";
 
 export interface Refusal {
@@ -7,13 +7,13 @@ export interface Refusal {
   what: string;
   evidence?: Record<string, unknown> | undefined;
   body?: unknown;
-  /** The request was to change something: without an answer, it may have done so. */
+  /** The request changes something: without a response, it is not known whether it was executed. */
   writes?: boolean;
 }
 
 export type Answer<T> = { ok: true; value: T; status: number } | { ok: false; refusal: Refusal };
 
-/** Called for every response, of any status: the gateway is there. */
+/** Called for every response, of any status: the gateway is available. */
 export const onHeard: { call: () => void } = { call: () => undefined };
 export const onTokenNeeded: { call: () => void } = { call: () => undefined };
 
@@ -37,7 +37,7 @@ export function refusalOf(status: number, body: unknown): Refusal {
 
 export const isWrite = ({ method = "GET" }: Options): boolean => method !== "GET";
 
-/** The path of the page, without its file: the page may be behind a proxy, below a path. */
+/** The path of the page without its file: a reverse proxy may serve it below a path. */
 const base = (): string => location.pathname.replace(/[^/]*$/, "");
 export const path = (route: string): string => base() + route.replace(/^\//, "");
 

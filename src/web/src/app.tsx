@@ -1,4 +1,4 @@
-// The frame around every page: the present page, the state of the gateway, the navigation.
+// The frame around every page: header, navigation, alerts and the current page.
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Refusal } from "./api";
@@ -34,7 +34,7 @@ function ContactLamp() {
   );
 }
 
-/** The chosen device: its rate, and the age of its last frame. */
+/** The chosen device, its rate, and the age of its last frame. */
 function DeviceLamp({ device }: { device: number }) {
   useTick(200);
   const one = useStore(devices).find((one) => Number(one.address) === device);
@@ -55,7 +55,7 @@ function DeviceLamp({ device }: { device: number }) {
   );
 }
 
-/** Offered to who signed in with a token. */
+/** Only for sessions that signed in with a token. */
 function SignOut() {
   const may = useStore(access), needed = useStore(tokenNeeded), known = useStore(status);
   if (needed || may === "" || known?.http.token_needed !== true) return null;
@@ -83,7 +83,7 @@ function Switches() {
   );
 }
 
-/** The addresses whose pages are offered: those that were heard, except hosts; lost vehicles; those in a recording; and the chosen one. */
+/** The addresses with pages: known devices except hosts, lost vehicles, devices in replayed recordings, and the chosen one. */
 function useDevices(chosen: number | undefined, replayed: Map<number, string>): number[] {
   const heard = [...useStore(devices), ...useStore(lostVehicles)].map((device) => Number(device.address));
   const all = new Set([...heard.filter((address) => !isHost(address)), ...replayed.keys()]);
@@ -91,7 +91,7 @@ function useDevices(chosen: number | undefined, replayed: Map<number, string>): 
   return [...all].sort((a, b) => a - b);
 }
 
-/** `among`: the number of tabs; when it changes, this one may have to be scrolled into view again. */
+/** `among`: the number of tabs; when it changes, the tab is scrolled into view again. */
 function Tab({ page, device, here, among }: { page: Page; device?: number | undefined; here: boolean; among: number }) {
   const ref = useRef<HTMLAnchorElement>(null);
   const marked = isEdited(useStore(editedPages), device ?? 0, page.name);
@@ -107,7 +107,7 @@ function Tab({ page, device, here, among }: { page: Page; device?: number | unde
   );
 }
 
-/** The chosen device, also on the pages of the gateway: the last one, else the first flight controller. */
+/** The chosen device, also for pages of the gateway: the last one chosen, else the flight controller at 0xDC, else the first device. */
 function useSelected(chosen: number | undefined, all: number[]): number | undefined {
   const remembered = useRef<number | undefined>(undefined);
   if (chosen !== undefined) remembered.current = chosen;
@@ -164,7 +164,7 @@ function Navigation({ all, device, replayed }: { all: number[]; device: number |
   );
 }
 
-/** What a read-only session sees above each page: it can enter the token that allows more. */
+/** Shown above each page in a read-only session, with a form for the control token. */
 function OnlyView() {
   const [enters, setEnters] = useState(false);
   if (enters) return <Login title={t("control_enter")} done={() => setEnters(false)} />;
@@ -181,7 +181,7 @@ function loginFault({ status, error }: Refusal, kind: "token" | "code"): string 
   return status === 0 ? t("no_contact") : error;
 }
 
-/** `done`: the form can be left without a token. */
+/** `done`: called when the form is closed; without it, the form can't be closed without a token. */
 function Login({ title = t("token_title"), done }: { title?: string; done?: () => void }) {
   const [token, setToken] = useState("");
   const [wrong, setWrong] = useState("");
@@ -213,8 +213,8 @@ function Login({ title = t("token_title"), done }: { title?: string; done?: () =
   );
 }
 
-/** A note when two devices have this address. If one of them is at home, the pages show its values alone, and it gets the commands; otherwise
- * these may be of either. */
+/** The text for two devices with one address. If the address has a route or is pinned, the pages show only the values of that device, and it receives
+ * the commands. Otherwise the values and commands may belong to either device. */
 function conflictWords({ links = [], home = [], pinned, claimed_by: by }: Status["conflicts"][number]): string {
   if (!by || home.length === 0) return t("two_claim_more", { links: links.join(", ") });
   const values = { home: home.join(", "), by: by.peer ? `${by.link} (${by.peer})` : by.link };
@@ -231,12 +231,12 @@ function ConflictNote({ device }: { device: number }) {
   );
 }
 
-/** A note that the chosen device exists only in a recording. */
+/** A note that the chosen device exists only in a replayed recording. */
 function ReplayedNote({ link }: { link: string }) {
   return <p class="note" role="status">{t("replayed_more", { link })}</p>;
 }
 
-/** Grey when what it shows is not current: of the gateway, or of its device. */
+/** Greyed out if the gateway, or the device of the page, is lost. */
 function Body({ device, children }: { device: number | undefined; children: ComponentChildren }) {
   const state = useStore(contact), lost = useStore(lostDevices);
   const isOld = state === "lost" || (device !== undefined && lost.has(device));
@@ -258,7 +258,7 @@ export function App() {
   useStore(alarms);
   useStore(contact);
   useEffect(() => scrollTo(0, 0), [page, now.device]);
-  useLayoutEffect(() => { // other effects of a hidden page come a second later
+  useLayoutEffect(() => { // not useEffect: on a hidden page it runs about a second late
     const whose = page.ofDevice && now.device !== undefined ? called(now.device) : known?.gateway.name;
     document.title = `${alertTitle()}${t(page.title)} · ${whose ?? "anogate"}`;
   });

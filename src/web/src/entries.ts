@@ -1,4 +1,4 @@
-/** What a map has for a key, made when it has nothing yet. */
+/** The value of `key`; if there is none, adds the result of `make`. */
 export function entryOf<K, V>(map: Map<K, V>, key: K, make: () => V): V {
   const known = map.get(key);
   if (known !== undefined) return known;

@@ -1,19 +1,19 @@
 // Formats numbers and times for people.
 import type { FieldRow, Value } from "./protocol/table";
 
-/** The number of decimal places that the scale of the field gives. */
+/** The number of decimal places for a scale. */
 export function digitsOf(scale: number | undefined): number {
   if (scale === undefined || scale >= 1) return 0;
   return Math.min(Math.max(Math.ceil(-Math.log10(scale) - 1e-9), 0), 7);
 }
 
-/** Without a minus before a zero. */
+/** Without a minus sign before zero. */
 export const fixed = (value: number, digits: number): string => value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1");
 
-/** At most so many digits. */
+/** With at most this number of significant digits. */
 export const significant = (value: number, digits: number): string => String(Number(value.toPrecision(digits)));
 
-/** Short enough for a table: four significant digits. */
+/** Short text for tables: about four significant digits. */
 export function shortNumber(value: number): string {
   const size = Math.abs(value);
   if (!Number.isFinite(value)) return "–";
@@ -46,12 +46,12 @@ export function duration(seconds: number, zh = false): string {
   return `${s}${unit[3]}`;
 }
 
-/** By the user's local time: 2026-11-23. */
+/** In local time: 2026-11-23. */
 export function dayText(time: number): string {
   const date = new Date(time * 1000), two = (n: number): string => String(n).padStart(2, "0");
   return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())}`;
 }
-/** 14:05:09, or 14:05:09.123. */
+/** In local time: 14:05:09, or 14:05:09.123. */
 export function clockText(time: number, isPrecise = false): string {
   const date = new Date(time * 1000), whole = date.toTimeString().slice(0, 8);
   return isPrecise ? `${whole}.${String(date.getMilliseconds()).padStart(3, "0")}` : whole;
@@ -64,9 +64,9 @@ export function numberText(value: number | bigint, field: FieldRow): string {
   return field.scale !== undefined && field.scale < 1 ? value.toFixed(digitsOf(field.scale)) : String(value);
 }
 
-const maxText = 400; // characters of a text that a device sent
+const maxText = 400; // characters of a text from a device
 
-/** Without its unit. Text from a device is never interpreted as HTML. */
+/** Without the unit. Text from a device is never interpreted as HTML. */
 export function valueText(value: Value, field: FieldRow): string {
   if (value === null) return "–";
   if (typeof value === "number" || typeof value === "bigint") return numberText(value, field);
@@ -78,6 +78,6 @@ export function valueText(value: Value, field: FieldRow): string {
   return Object.entries(value).map(([name, one]) => `${name} ${one === null ? "–" : String(one)}`).join(" ");
 }
 
-/** The meaning of a number of an enumeration. */
+/** The meaning of an enumeration value; undefined: not known. */
 export const meaningOf = (value: Value, field: FieldRow): string | undefined =>
   typeof value === "number" ? field.values?.[String(value)] : undefined;

@@ -1,4 +1,4 @@
-// The texts of the page in two languages. {x} is replaced by a value.
+// The texts of the page in two languages. {x} is a placeholder for a value.
 import { duration } from "./format";
 import { Store, useStore } from "./live/store";
 import { remember, remembered } from "./kept";
@@ -37,7 +37,7 @@ export function t(key: Key, args?: Record<string, unknown>): string {
   return filled(said(words[key]), args);
 }
 
-/** The parts of the text, with `make` of each value in the place of {x}. */
+/** The parts of the text; each {x} is replaced by `make` of its value. */
 export function filledWith<T>(key: Key, args: Record<string, unknown>, make: (value: string) => T): (string | T)[] {
   return said(words[key]).split(/(\{\w+\})/).map((part) => {
     const name = /^\{(\w+)\}$/.exec(part)?.[1];
@@ -49,7 +49,7 @@ export const useLanguage = (): Language => useStore(language);
 
 export const inWords = (seconds: number): string => duration(seconds, isChinese());
 
-/** The gateway's text about a link: in Chinese when its id is known, else unchanged. */
+/** The text of the gateway about a link, in Chinese if its id is known. */
 export function hintText(id: string, text: string, args: Record<string, unknown>): string {
   if (!isChinese()) return hintsInEnglish[id] ?? text;
   const known = hints[id];
@@ -59,10 +59,10 @@ export function errorText(id: string, text: string, args: Record<string, unknown
   const known = isChinese() ? errors[id] : undefined;
   return known === undefined ? text : filled(known, args);
 }
-/** What a job does, or why it failed: in Chinese when a translation is known. */
+/** The progress or the error of a job, in Chinese if a translation is known. */
 export const messageText = (text: string): string => (isChinese() ? messageInChinese(text) : text);
 export const reasonText = (text: string): string => (isChinese() ? reasonInChinese(text) : text);
-/** The meaning of a counter; its name when that is not known. */
+/** The meaning of a counter, or its name if not known. */
 export const causeText = (name: string): string => said(causes[name] ?? [name, name]);
 export const whoText = (who: string): string => (isChinese() ? (whos[who] ?? who) : who);
 export const titleText = (name: string, title: string): string => (isChinese() ? (titles[name] ?? title) : title);

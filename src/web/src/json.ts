@@ -1,4 +1,4 @@
-/** undefined: it is no JSON. */
+/** undefined: not valid JSON. */
 export function jsonIn(text: string): unknown {
   try {
     return JSON.parse(text);

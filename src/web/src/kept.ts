@@ -1,6 +1,6 @@
-// Settings that the browser keeps for the next visit.
+// Settings stored in the browser for the next visit.
 
-/** A browser may forbid storage: then nothing is kept. */
+/** Does nothing if the browser forbids storage. */
 export function remember(key: string, value: string): void {
   try {
     localStorage.setItem("anogate." + key, value);

@@ -1,4 +1,4 @@
-// The visible page: "#/frames", or "#/220/vehicle" of a device.
+// The visible page: "#/frames", or "#/220/vehicle" for a device.
 import { Store } from "./live/store";
 
 export interface Place {
@@ -6,7 +6,7 @@ export interface Place {
   device: number | undefined;
 }
 
-/** The page that is shown when a device is chosen. */
+/** The page that opens when a device is chosen. */
 export const pageOfDevice = "vehicle";
 
 export function placeOf(hash: string): Place {

@@ -1,4 +1,4 @@
-// Light, dark, or as in the system settings.
+// Light, dark, or as set in the system.
 import { remember, remembered } from "./kept";
 import { Store } from "./live/store";
 

@@ -1,4 +1,4 @@
-// Chinese translations of the gateway's texts about jobs: progress and errors. Other texts stay in English.
+// Chinese translations of the gateway's texts about jobs: progress and errors. Other texts remain English.
 
 const messages: Record<string, string> = {
   "reading parameters": "正在读取参数",
@@ -108,7 +108,7 @@ const reasons: [RegExp, string][] = [
   [/^the new values could not be verified: it was not turned when they were stored$/, "无法验证新值：存入后没有继续转动"],
 ];
 
-/** Also of texts with numbers: "sending, 12.3 KB/s, 40 s left". */
+/** Also translates texts with numbers: "sending, 12.3 KB/s, 40 s left". */
 export function messageInChinese(message: string): string {
   const [first = "", ...rest] = message.split(", ");
   const whole = messages[message];

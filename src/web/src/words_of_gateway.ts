@@ -1,4 +1,4 @@
-// Chinese translations of the gateway's texts that have an id; and the meanings of its counters in both languages.
+// Chinese translations of the gateway's texts that have an id, and the meanings of its counters in both languages.
 
 export const unhandled = { try_hello: "（有些设备需要先收到帧才会发送数据：可设置 hello=on）" };
 
@@ -46,13 +46,13 @@ export const hints: Record<string, string> = {
   nothing_from_peer: "尚未收到对端的数据",
 };
 
-/** English texts for this page, where the gateway's own ones are for other readers. */
+/** English texts for this page that replace those of the gateway, which are for other readers. */
 export const hintsInEnglish: Record<string, string> = {
   two_peers_one_device: "two peers send as the same device: see 'Needs attention'",
   no_host_takes: "shown on this page, but no ground station is registered for it yet: have one send a frame, or add --route 0xFE=LINK",
 };
 
-/** Hints that are no problem: this page shows the frames of such a link, and a listener may wait. */
+/** Hints that are not a problem: this page shows the frames of such a link, and a listening link may wait. */
 export const calmHints: ReadonlySet<string> = new Set(["no_host_takes", "no_peer_yet", "recording_ended"]);
 
 export const errors: Record<string, string> = {

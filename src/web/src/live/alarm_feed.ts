@@ -1,5 +1,5 @@
-// What the gateway finds in alarm and which devices it has lost (GET /alarms), told whole at each change, so that all viewers see the same; also
-// to a hidden page.
+// Receives the current alarms and the lost devices from the gateway (GET /alarms): the complete state at each change, so that all viewers see the
+// same. Also while the page is hidden.
 import { jsonIn } from "../json";
 import { Connection } from "./connection";
 import { hurry } from "./gateway";

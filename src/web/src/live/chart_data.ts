@@ -1,4 +1,4 @@
-// The fields of the chart, and the frames that contain them.
+// The fields shown in the chart, and their values from frames.
 import { entryOf } from "../entries";
 import type { FrameRecord } from "../protocol/records";
 import { Reading, type FieldRow, type MessageRow, type MessageTable } from "../protocol/table";
@@ -22,9 +22,9 @@ export class ChartData {
   readonly lines: Line[] = [];
   private readonly byFrame = new Map<number, Line[]>();
   private readonly fieldsOf = new Map<MessageRow, Map<string, FieldRow | undefined>>();
-  /** Senders and messages that were heard: from × 256 + id. */
+  /** Received senders and messages: from × 256 + id. */
   readonly heard = new Set<number>();
-  private offset: number | undefined; // Unix time when the gateway's computer was started; kept, since its clock may be changed later
+  private offset: number | undefined; // Unix time of the boot of the gateway's computer; kept, because its clock may be changed later
   newest = Number.NEGATIVE_INFINITY;
 
   constructor(
@@ -77,7 +77,7 @@ export class ChartData {
     return fields.get(name);
   }
 
-  /** What passed from now on was not seen: the curves end, until the next value. */
+  /** Frames after this were missed: the curves end until the next value. */
   gap(): void {
     for (const { series } of this.lines) if (series.length > 0) series.push(series.lastTime(), Number.NaN);
   }

@@ -1,4 +1,4 @@
-// A WebSocket of the gateway. It is opened again when it breaks. A hidden page has only those that say so.
+// A WebSocket to the gateway, with reconnection. While the page is hidden, only connections with `whileHidden` stay open.
 import { onHeard, socketAddress } from "../api";
 
 export interface ConnectionUser {
@@ -14,7 +14,7 @@ export const retryHidden = 3000;
 
 const all: Connection[] = [];
 
-/** For when the gateway was not heard for a while: the old connections may never report that they are broken. */
+/** For use after the gateway was silent: the browser may never report that the old connections are broken. */
 export const reopenAll = (): void => all.forEach((one) => one.reopen());
 
 export class Connection {
@@ -27,7 +27,7 @@ export class Connection {
     document.addEventListener("visibilitychange", () => (document.hidden && !this.user?.whileHidden ? this.disconnect() : this.connect()));
   }
 
-  /** Does nothing while it is open: close it first, if the route is another one. */
+  /** Has no effect on an open connection: call close() before changing the route. */
   open(user: ConnectionUser): void {
     this.user = user;
     this.connect();

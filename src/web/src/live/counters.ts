@@ -1,4 +1,4 @@
-// Rates from counters that are read at intervals.
+// Rates from counters that are read periodically.
 
 import { entryOf } from "../entries";
 
@@ -6,28 +6,28 @@ export interface Counters {
   [name: string]: unknown;
 }
 
-/** The counters of frames that did not arrive. The other numbers of a link are traffic, a position, a port, a rate. */
+/** The counters of dropped frames. The other numbers of a link are traffic, a position, a port or a rate. */
 const losses: ReadonlySet<string> = new Set([
   "bad_check", "bad_length", "expired", "denied_in", "inhibited", "looped", "duplicate", "no_route", "over_share", "suspended",
   "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big", "send_failed", "held_back",
-  "kernel_drops", "refused", "transfer_errors", // of some kinds of links; wrong_source is contained in denied_in
-  "faults_lost", "faults_unheard", // simulated; faults_corrupted is counted as bad_check by the receiver
+  "kernel_drops", "refused", "transfer_errors", // of some kinds of links; wrong_source is already counted in denied_in
+  "faults_lost", "faults_unheard", // simulated; faults_corrupted is counted as bad_check at the receiver
 ]);
 
-/** Names and numbers of dropped frames, the highest number first. */
+/** Names and values of the counters of dropped frames, highest first. */
 export function drops(counters: Counters): [string, number][] {
   return Object.entries(counters)
     .filter((entry): entry is [string, number] => losses.has(entry[0]) && typeof entry[1] === "number" && entry[1] > 0)
     .sort((a, b) => b[1] - a[1]);
 }
 
-/** Without a host, or with a replayed recording, frames without a receiver are no loss: the page shows them anyway. */
+/** Without a host, or for a replay, frames without a destination are no loss: the page receives them in any case. */
 const isAlone = (link: Counters): boolean => link.hint_id === "no_host_takes" || link.replayed !== undefined;
 
-/** Dropped frames that should have arrived, the highest number first. */
+/** The same without drops that are no loss (isAlone), highest first. */
 export const lost = (link: Counters): [string, number][] => drops(link).filter(([cause]) => cause !== "no_route" || !isAlone(link));
 
-/** Of each cause: how many frames should have arrived, and of which links. */
+/** Lost frames by cause: their total, and the links. */
 export function lossesByCause<L extends Counters>(links: L[]): Map<string, { total: number; of: L[] }> {
   const all = new Map<string, { total: number; of: L[] }>();
   for (const link of links)
@@ -44,12 +44,12 @@ interface Look {
   values: Map<string, number>;
 }
 
-/** Rates of several objects, by name. A counter that has decreased was restarted. */
+/** Rates by object name. A counter that has decreased was reset. */
 export class CounterRates {
   private readonly looks = new Map<string, Look>();
   private readonly rates = new Map<string, Map<string, number>>();
 
-  /** `now` in seconds; readings less than half a second apart are ignored, except the second: the first rates are wanted soon. */
+  /** `now` in seconds. Readings within 0.5 s of the last one are ignored, except the second one, so that the first rates are available early. */
   look(of: string, counters: Counters, now: number): void {
     const before = this.looks.get(of);
     if (before && now - before.at < (this.rates.has(of) ? 0.5 : 0.1)) return;

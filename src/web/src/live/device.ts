@@ -1,4 +1,4 @@
-// Requests to one device, through the gateway's host engine.
+// Requests to a device through the gateway.
 import { ask, type Answer } from "../api";
 import { entryOf } from "../entries";
 import { Store } from "./store";
@@ -28,13 +28,13 @@ const part = (name: string | number): string => encodeURIComponent(String(name))
 const kept = new Map<number, Store<Commands | undefined>>();
 const asking = new Set<number>();
 
-/** The commands that a device describes; requested once, and again after a failure. */
+/** The commands of a device; requested once, and again after a failure. */
 export const commandsOf = (device: number): Store<Commands | undefined> => entryOf(kept, device, () => new Store<Commands | undefined>(undefined));
 
-/** It has new firmware, and perhaps other commands. */
+/** To be called after a firmware upgrade, which may change the commands. */
 export const forgetCommands = (device: number): void => commandsOf(device).set(undefined);
 
-/** `anew`: asks the device even if the gateway knows its commands. */
+/** `anew`: requests them from the device even if the gateway has them. */
 export async function readCommands(device: number, anew = false): Promise<Answer<Commands> | undefined> {
   if (asking.has(device)) return undefined;
   asking.add(device);
@@ -44,16 +44,16 @@ export async function readCommands(device: number, anew = false): Promise<Answer
   return answer;
 }
 
-/** By its number, but only while that is still the number of this command: the gateway may have read the device again since. */
+/** By number; the name is sent as well, so that the gateway rejects the call if the number now belongs to another command. */
 export const call = (device: number, command: Command, values: unknown[], repeat = false, type7 = ""): Promise<Answer<{ name: string; called: boolean }>> =>
   ask(path(device, "commands/" + part(command.id)), { method: "POST", body: { values, repeat, name: command.name, ...(type7 ? { type7 } : {}) }, timeout: 60000 });
 
-/** A value type whose meaning the device does not show: the user has to state it. */
+/** A value type whose meaning the device does not state: the user has to choose it. */
 export const openType = "f32|u64";
 
 const plain = (name: string): string => name.replace(/[\s_-]+/g, "").toLowerCase();
 
-/** The commands that end a flight, if the device has commands with such names and without values. */
+/** The commands that lock and land, if the device has commands with these names and without values. */
 export function pinnedOf(commands: readonly Command[]): { lock: Command | undefined; land: Command | undefined } {
   const called = (...names: string[]): Command | undefined => commands.find((command) => command.values.length === 0 && names.includes(plain(command.name)));
   return {

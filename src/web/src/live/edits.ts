@@ -1,15 +1,15 @@
-// What was changed and not sent to its device yet, of each page of each device: it stays while the page is open, whichever page is shown.
+// Changes that were not sent to the device yet, by page and device. They are kept while the web page is open.
 import { entryOf } from "../entries";
 import { Store } from "./store";
 
 const kept = new Map<string, Store<unknown>>();
 const key = (page: string, device: number): string => `${page} ${device}`;
 
-/** undefined: nothing is changed. The page decides what it is: `T` is the same for each use of one `page`. */
+/** undefined: no changes. `T` must be the same for all uses of one `page`. */
 export const draftOf = <T>(page: string, device: number): Store<T | undefined> =>
   entryOf(kept, key(page, device), () => new Store<unknown>(undefined)) as Store<T | undefined>;
 
-/** "waypoints 220": pages and devices with such changes. */
+/** "waypoints 220": pages and devices with unsent changes. */
 export const editedPages = new Store<ReadonlySet<string>>(new Set());
 export const isEdited = (all: ReadonlySet<string>, device: number, page?: string): boolean =>
   page === undefined ? [...all].some((one) => one.endsWith(` ${device}`)) : all.has(key(page, device));
@@ -21,7 +21,7 @@ export function setDraft<T>(page: string, device: number, draft: T | undefined):
   editedPages.update((all) => (draft !== undefined ? new Set([...all, one]) : new Set([...all].filter((other) => other !== one))));
 }
 
-/** The browser asks before the page with such changes is closed or loaded again. */
+/** The browser asks before the page is closed or reloaded while there are unsent changes. */
 export function beginEdits(): void {
   addEventListener("beforeunload", (event) => {
     if (editedPages.get().size > 0) event.preventDefault();

@@ -1,29 +1,29 @@
-// The streams of frames of the page: one of the present view, which says which frames it needs, and gets only those; one that watches all devices.
+// The streams of frames: one with only the frames that the current view needs, one that watches all devices.
 import { Connection } from "./connection";
 import { Arrivals } from "./rate";
 import { takeRecords, textMessage, type FrameRecord, type Lost, type Tables } from "../protocol/records";
 
 export interface FrameWish {
   from?: number[];
-  id?: (number | string)[]; // ids, names of messages or of classes
+  id?: (number | string)[]; // ids, or names of messages or classes
   direction?: string;
-  limit?: Record<string, number>; // frames a second of an id, by its number
-  samples?: number; // a second of each link, sender and message, at most
-  batch?: number; // milliseconds, in the place of the usual ones
+  limit?: Record<string, number>; // frames per second of an id, by its number
+  samples?: number; // maximum per second for each link, sender and message
+  batch?: number; // milliseconds, instead of the default
 }
 
 export interface FrameUser {
   wish: FrameWish;
-  /** `at`: when it passed the gateway, in seconds of the page's clock. */
+  /** `at`: when the frame passed the gateway, in seconds of the page's clock. */
   take(record: FrameRecord, at: number): void;
   tables?(tables: Tables): void;
   lost?(lost: Lost): void;
-  /** The stream was begun anew: frames in between were not seen. */
+  /** The stream was reopened: frames in between were missed. */
   began?(): void;
 }
 
-/** Milliseconds in which the gateway collects frames for one message, at most: while frames arrive, a message leaves with one of them after
- * four fifths of that, 20 times a second. Too short to be seen, while each message costs the gateway a system call. */
+/** Maximum time in milliseconds for which the gateway collects frames for one message. While frames arrive, it sends a message with one of them after
+ * four fifths of this, 20 times per second. This delay is not visible, and each message costs the gateway a system call. */
 const usualBatch = 60;
 
 export function queryOf(wish: FrameWish): string {
@@ -31,7 +31,7 @@ export function queryOf(wish: FrameWish): string {
   if (wish.from?.length) parts.push("from=" + wish.from.join(","));
   if (wish.id?.length) parts.push("id=" + wish.id.join(","));
   parts.push("direction=" + (wish.direction ?? "in"));
-  parts.push("elsewhere=no"); // a frame in the name of a device that is at home elsewhere says nothing of that device
+  parts.push("elsewhere=no"); // frames from an address whose route is another link may come from another device
   if (wish.samples) parts.push(`samples=${wish.samples}`);
   for (const [id, rate] of Object.entries(wish.limit ?? {})) parts.push(`limit.${id}=${rate}`);
   return parts.join("&");
@@ -51,7 +51,7 @@ class FrameStream {
   private user: FrameUser | undefined;
   lostFrames = 0;
 
-  /** Registers the visible view; the last one counts. Returns a function to be called when the view is removed. */
+  /** Registers the visible view; the last one registered receives the frames. Returns a function to be called when the view is removed. */
   use(user: FrameUser): () => void {
     this.connection.close();
     this.user = user;
@@ -77,7 +77,7 @@ class FrameStream {
   }
 }
 
-/** Of the present view. */
+/** For the current view. */
 export const frameStream = new FrameStream();
-/** Of every device, whichever page is open. */
+/** For all devices, on every page. */
 export const watchStream = new FrameStream();

@@ -1,4 +1,4 @@
-// What the page knows of the gateway: whether it is there, its status, its message table, the devices that are heard.
+// State of the gateway: contact, status, message table, known devices.
 import { ask, onHeard, onTokenNeeded, type Answer, type Refusal } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
@@ -13,7 +13,7 @@ import { Store } from "./store";
 
 export interface Channel extends Counters {
   peer: string;
-  listening_since_s?: number; // a host that sent a single frame, and listens since then
+  listening_since_s?: number; // set for a host that sent only one frame: the time since then
 }
 export interface Link extends Counters {
   name: string;
@@ -27,9 +27,9 @@ export interface Link extends Counters {
   hint_id: string;
   hint_args: Record<string, unknown>;
   channels: Channel[];
-  /** "lx": pitch and yaw of its Euler angles are opposite to its quaternions. */
+  /** "lx": pitch and yaw of its Euler angles have the opposite sign of its quaternions. */
   attitude?: string;
-  /** The devices in the recording that the link plays. */
+  /** The devices in the recording that the link replays. */
   replayed?: { address: string; who: string }[];
 }
 export interface Route {
@@ -57,16 +57,16 @@ export interface Device {
   hw?: number;
   sw?: number;
   in_loader?: boolean;
-  limits?: number; // the version of its alarm limits; 0: there are none
-  red_lines?: number; // of its log, since the gateway was started
+  limits?: number; // version of its alarm limits; 0: none
+  red_lines?: number; // number in its log since the start of the gateway
 }
 
-/** A vehicle, or a device that sent telemetry, that the gateway does not hear any more. */
+/** A vehicle, or a device that sent telemetry, from which the gateway receives nothing any more. */
 export interface LostVehicle {
   address: string;
   name?: string;
   age: number;
-  sflag?: number; // of its last `mode`, if it ever sent one
+  sflag?: number; // from its last `mode`, if any
 }
 
 export const contact = new Store<Contact>("never");
@@ -76,7 +76,7 @@ export const devices = new Store<Device[]>([]);
 export const lostVehicles = new Store<LostVehicle[]>([]);
 export const tokenNeeded = new Store(false);
 const linkRates = new CounterRates();
-/** The sum of these counters of all `links`, per second; undefined: not known yet. */
+/** The sum of these counters over all `links`, per second; undefined: not known yet. */
 export function rateOf(links: Link[], counters: string[]): number | undefined {
   if (counters.length === 0) return 0;
   const known = links.flatMap((link) => counters.map((name) => linkRates.perSecond("link:" + link.name, name))).filter((rate) => rate !== undefined);
@@ -98,15 +98,15 @@ function took(value: Status): void {
   status.set(value);
 }
 
-// Another run of the gateway may have another configuration, and so another table; so after a change of the flexible layouts.
+// Identifies a run of the gateway with its flexible layouts: another run, or changed layouts, may have another message table.
 interface Run {
   version: string;
   begunAt: number; // Unix seconds
-  changes: number | undefined; // of the layouts
+  changes: number | undefined; // number of changes of the flexible layouts
 }
 let tableOfRun: Run | undefined, tableText = "";
 
-/** Begun at about the same time, by clocks that are set now and then, and with as many changes of the layouts. */
+/** Same version, same number of changes, and a start within 10 s of each other, because clocks may be adjusted. */
 const isSameRun = (a: Run, b: Run): boolean => a.version === b.version && a.changes === b.changes && Math.abs(a.begunAt - b.begunAt) <= 10;
 
 async function keepTable({ gateway }: Status): Promise<void> {
@@ -115,7 +115,7 @@ async function keepTable({ gateway }: Status): Promise<void> {
   tableOfRun = run;
   const answer = await ask<MessageRow[]>("/messages", { timeout: 5000 });
   if (!answer.ok || !Array.isArray(answer.value)) return void (tableOfRun = undefined);
-  const text = JSON.stringify(answer.value); // the same table: what was read by it stays
+  const text = JSON.stringify(answer.value); // the same table is kept, with everything decoded by it
   if (text !== tableText) table.set(new MessageTable(answer.value));
   tableText = text;
 }
@@ -131,7 +131,7 @@ async function keepDevices(now: number): Promise<void> {
   lostVehicles.set(answer.value.lost ?? []);
 }
 
-/** Asks who is there. */
+/** Requests the names of all devices. */
 export async function scan(): Promise<Answer<{ devices: Device[] }>> {
   const answer = await ask<{ devices: Device[] }>("/devices/scan", { method: "POST", body: {} });
   if (answer.ok) devices.set(answer.value.devices);
@@ -140,15 +140,15 @@ export async function scan(): Promise<Answer<{ devices: Device[] }>> {
 
 const beatEvery = 100; // milliseconds
 
-/** Milliseconds between two requests for the status. On the overview its figures are read; elsewhere it says which devices and links there
- * are. Each costs the gateway up to half a millisecond of its processor. */
+/** Milliseconds between two requests for the status. The overview shows its figures; the other pages use only its devices and links. Each request
+ * costs the gateway up to half a millisecond of processor time. */
 const statusEvery = (): number => (statuses < 2 ? firstRatesAfter : ["", "overview"].includes(place.get().page) ? 1000 : 3000);
-/** The second status comes soon after the first: two make a rate. */
+/** The second request follows early, because a rate needs two. */
 const firstRatesAfter = 300;
 let statuses = 0;
 let askedForStatus = Number.NEGATIVE_INFINITY;
 
-/** In between, something small: it is there, or not. */
+/** Between two requests for the status, a small request checks the contact. */
 async function askGateway(question: number): Promise<void> {
   const now = performance.now();
   if (now - askedForStatus <= statusEvery() - beatEvery) {
@@ -159,7 +159,7 @@ async function askGateway(question: number): Promise<void> {
   liveness.ended(question);
 }
 
-/** Returns whether the gateway answered, with whatever. */
+/** Returns whether the gateway responded, with any status. */
 async function readStatus(): Promise<boolean> {
   askedForStatus = performance.now();
   const answer = await ask<Status>("/status", { timeout: 5000 });
@@ -181,7 +181,7 @@ function beat(): void {
   look();
 }
 
-/** Whether the gateway is there. */
+/** Updates the contact state. */
 function look(): void {
   if (document.hidden || tokenNeeded.get()) return;
   const now = performance.now();
@@ -198,10 +198,10 @@ const hiddenEvery = 5000; // milliseconds
 let isAskingHidden = false;
 let endPause = (): void => undefined;
 
-/** A hidden page asks now, and not only when it is time: a connection was opened or has ended. */
+/** Ends the waiting time of a hidden page: a connection was opened or closed. */
 export const hurry = (): void => endPause();
 
-/** A browser slows the intervals of a hidden page down to one a minute, but not what follows an answer. */
+/** For a hidden page: browsers limit its intervals to one per minute, but not the code that follows a response. */
 async function askWhileHidden(): Promise<void> {
   if (isAskingHidden) return;
   isAskingHidden = true;
@@ -233,10 +233,10 @@ export function begin(): void {
   setInterval(beat, beatEvery);
 }
 
-/** Of “anoctl web --pair”, instead of a token. */
+/** A six-digit code of “anoctl web --pair”, instead of a token. */
 export const isDigits = (typed: string): boolean => /^\d{6}$/.test(typed);
 
-/** Undefined: signed in. */
+/** Returns undefined after success. */
 export async function logIn(secret: string, kind: "token" | "code"): Promise<Refusal | undefined> {
   const answer = await ask<{ access: string }>("/login", { method: "POST", body: { [kind]: secret }, timeout: 5000 });
   if (!answer.ok) return answer.refusal;
@@ -248,7 +248,7 @@ export async function logIn(secret: string, kind: "token" | "code"): Promise<Ref
   return undefined;
 }
 
-/** The browser forgets the cookie, and the page asks for a token. Without contact to the gateway it can't: it is signed in as before. */
+/** The browser deletes the cookie, and the page asks for a token. Without contact to the gateway, the session remains signed in. */
 export async function logOut(): Promise<void> {
   const answer = await ask("/logout", { method: "POST", timeout: 5000 });
   if (!answer.ok) return;
@@ -257,6 +257,6 @@ export async function logOut(): Promise<void> {
   tokenNeeded.set(true);
 }
 
-/** "view": read-only. Actions that are not allowed are not offered; the gateway checks the rights. */
+/** "view": read-only. The page hides actions that are not allowed; the gateway checks the rights. */
 export const access = new Store(remembered("access"));
 export const mayAct = (): boolean => access.get() !== "view" || status.get()?.http.token_needed === false;

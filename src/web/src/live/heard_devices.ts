@@ -1,14 +1,14 @@
-// Which devices the gateway hears, as it tells with the alarms. Pure.
+// Which devices the gateway receives and which are lost, as sent with the alarms. Pure.
 
 export interface HeardDevice {
   device: number;
   isLost: boolean;
-  heardAt: number; // of a lost one, in seconds of the clock of `now`
-  flag: number | undefined; // of a lost vehicle, of its last `mode`
-  elsewhere?: string; // where a lost one is heard, though it is not known to be the same
+  heardAt: number; // for a lost device: time of its last frame, in seconds of the clock of `now`
+  flag: number | undefined; // for a lost vehicle: sflag of its last `mode`
+  elsewhere?: string; // where frames with the address of a lost device are received; it may be another device
 }
 
-/** A message of GET /alarms, which came at `now`. */
+/** Parses a message of GET /alarms received at `now`. */
 export function heardDevicesIn(body: unknown, now: number): HeardDevice[] {
   const list = (body as { devices?: unknown } | undefined | null)?.devices;
   if (!Array.isArray(list)) return [];

@@ -1,4 +1,4 @@
-// Jobs, which take long: the gateway reports their progress line by line, and the result at the end.
+// Jobs: operations that take long. The gateway reports their progress as lines, and the result at the end.
 import { ask, isWrite, onHeard, path, refusalOf, requestOf, type Answer, type Options } from "../api";
 
 export interface Job<T = unknown> {
@@ -19,7 +19,7 @@ export interface Job<T = unknown> {
   result?: T;
 }
 
-/** Splits the received text into whole lines, and keeps the rest. */
+/** Splits received text into complete lines, and keeps the rest. */
 export class Lines {
   private rest = "";
 
@@ -43,11 +43,11 @@ export const isOver = (job: Job): boolean => job.state !== "running" && job.stat
 const lost = (writes: boolean): Answer<never> => ({ ok: false, refusal: { status: 0, error: "", what: "no_contact", writes } });
 const againAfter = 500; // milliseconds
 
-/** A restarted gateway numbers its jobs from 1 again: so the number of an earlier job may belong to another one. */
+/** After a restart, the gateway numbers its jobs from 1 again, so the number may belong to another job. */
 export const isSameJob = (before: Job, now: Job): boolean => before.id === now.id && before.kind === now.kind && before.device === now.device;
 
-/** Follows a job to its end, and calls `onJob` for each change. A job goes on without a connection: after a lost connection, this tries until the
- * gateway is there again. When the end was missed, the result is not known. */
+/** Follows a job to its end, and calls `onJob` for each change. A job continues without a connection. After a lost connection, this retries until the
+ * gateway is available again. If the end was missed, the result is not known. */
 export async function follow<T>(route: string, options: Options, onJob: (job: Job<T>) => void, known?: Job<T>): Promise<Answer<T>> {
   let isAnother = false;
   const take = (job: Job<T>): void => {
@@ -63,7 +63,7 @@ export async function follow<T>(route: string, options: Options, onJob: (job: Jo
   return isAnother || !answer.ok && (answer.refusal.status === 0 || (known && answer.refusal.status === 404)) ? lost(isWrite(options)) : answer;
 }
 
-/** Follows a job on one connection. */
+/** Follows a job on a single connection. */
 async function listen<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
   try {
     const response = await fetch(path(route), requestOf({ ...options, accept: "application/x-ndjson" }));
@@ -90,13 +90,13 @@ async function listen<T>(route: string, options: Options, onJob: (job: Job<T>) =
   }
 }
 
-/** Following is reading, but the job writes. */
+/** The request only reads, but the job may have changed something. */
 export const followOn = async <T>(job: Job<T>, onJob: (job: Job<T>) => void): Promise<Answer<T>> => {
   const answer = await follow<T>(`/jobs/${job.id}`, {}, onJob, job);
   return answer.ok || answer.refusal.status !== 0 ? answer : lost(true);
 };
 
-/** For a route that responds with the job at once: then follows the job to its result. */
+/** For a route that responds at once with the job: then follows the job to its result. */
 export async function begin<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
   const answer = await ask<Job<T>>(route, { ...options, method: "POST" });
   if (!answer.ok) return answer;

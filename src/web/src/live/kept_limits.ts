@@ -1,4 +1,4 @@
-// The alarm limits that the gateway keeps for all who look at it; read again when the gateway says that they changed.
+// The alarm limits stored in the gateway for all viewers; read again when the gateway reports a new version.
 import { ask, type Answer, type Options } from "../api";
 import { path } from "./device";
 import { bodyOf, limitsIn, type Limit } from "./limits";
@@ -16,7 +16,7 @@ const asking = new Set<number>();
 
 interface Told {
   version?: number;
-  kept?: boolean; // false: not over a restart
+  kept?: boolean; // false: lost when the gateway restarts
 }
 
 async function answered(device: number, options: Options): Promise<Answer<Told>> {

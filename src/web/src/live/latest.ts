@@ -1,4 +1,4 @@
-// The last frame of each message of one device.
+// The last frame of each message from one device.
 import { entryOf } from "../entries";
 import type { FrameRecord } from "../protocol/records";
 import { Reading, type MessageTable, type Value } from "../protocol/table";
@@ -10,7 +10,7 @@ export interface Seen {
   late: boolean;
 }
 
-/** Converts lengths and speeds to the units that people use. */
+/** Converts lengths and speeds to the units shown to users. */
 export function inPeoplesUnits(value: number, unit: string): [number, string] {
   if (unit === "cm") return [value / 100, "m"];
   if (unit === "cm/s") return [value / 100, "m/s"];
@@ -21,7 +21,7 @@ export function inPeoplesUnits(value: number, unit: string): [number, string] {
 export class Latest {
   private readonly rows = new Map<number, FrameRow>();
   version = 0;
-  /** The device is not heard any more: nothing of it is current. */
+  /** The device is lost: none of its values is current. */
   isGone = false;
 
   constructor(private readonly table: MessageTable) {}
@@ -53,12 +53,12 @@ export class Latest {
     return this.isGone || (this.row(message)?.rate.isLate(now) ?? true);
   }
 
-  /** Seconds since the last frame of this message; undefined: none came. */
+  /** Seconds since the last frame of this message; undefined: never received. */
   age(message: string, now: number): number | undefined {
     return this.row(message)?.rate.age(now);
   }
 
-  /** A number in people's units; undefined when it was never received, or means "no data". */
+  /** A number in the units shown to users; undefined: never received, or "no data". */
   number(message: string, field: string, now: number): Seen | undefined {
     const reading = this.reading(message);
     const row = reading?.row.fields.find((one) => one.name === field);

@@ -1,13 +1,13 @@
-// The alarm limits of a device, as the gateway keeps them, and the values that it finds beyond them. Pure.
+// The alarm limits of a device, in the gateway's form, and the alarms. Pure.
 
 export interface Limit {
-  key: string; // tells it from the others of the device
+  key: string; // unique for the device
   field: string; // "power.voltage"
   side: "below" | "above";
   amber: number | undefined;
   red: number | undefined;
-  cells: number | undefined; // the value is divided by it
-  for_s: number; // as long as a value must be beyond the limit
+  cells: number | undefined; // the value is divided by this number
+  for_s: number; // seconds for which a value must exceed the limit
 }
 
 const numberIn = (value: unknown): number | undefined => (typeof value === "number" && Number.isFinite(value) ? value : undefined);
@@ -16,7 +16,7 @@ export const keyOf = ({ field, side }: Pick<Limit, "field" | "side">): string =>
 
 type What = Pick<Limit, "key" | "field" | "side" | "cells">;
 
-/** What `make` makes of the good rows of a list in the gateway's form, and of what each is about. */
+/** The results of `make` for the valid rows of a list in the gateway's form; `of` is the value that a row is about. */
 function rowsOf<T>(list: unknown, make: (of: What, row: Record<string, unknown>) => T | undefined): T[] {
   if (!Array.isArray(list)) return [];
   return list.flatMap((row: Record<string, unknown> | null): T[] => {
@@ -31,7 +31,7 @@ function rowsOf<T>(list: unknown, make: (of: What, row: Record<string, unknown>)
 export const limitsIn = (body: unknown): Limit[] =>
   rowsOf((body as { limits?: unknown } | undefined)?.limits, (of, row) => ({ ...of, amber: numberIn(row.amber), red: numberIn(row.red), for_s: numberIn(row.for_s) ?? 0 }));
 
-/** The body of PUT. */
+/** The body of PUT /devices/A/limits. */
 export const bodyOf = (limits: readonly Limit[]): { limits: Record<string, unknown>[] } => ({
   limits: limits.map(({ field, side, amber, red, cells, for_s }) => ({
     field, side,
@@ -42,17 +42,17 @@ export const bodyOf = (limits: readonly Limit[]): { limits: Record<string, unkno
 export const messageOf = (limit: Pick<Limit, "field">): string => limit.field.split(".")[0] ?? "";
 export const fieldOf = (limit: Pick<Limit, "field">): string => limit.field.slice(limit.field.indexOf(".") + 1);
 
-/** A value beyond its limit for long enough, as the gateway judges it. */
+/** A value that has exceeded its limit for long enough, as evaluated by the gateway. */
 export interface Alarm {
   device: number;
   limit: What;
   level: "amber" | "red";
-  value: number; // divided by the cells
-  edge: number; // what it is beyond
-  heardAt: number; // when the value last came, in seconds of the clock of `now`
+  value: number; // divided by the number of cells
+  edge: number; // the limit that it exceeds
+  heardAt: number; // when the value was last received, in seconds of the clock of `now`
 }
 
-/** A message of GET /alarms, which came at `now`. */
+/** Parses a message of GET /alarms received at `now`. */
 export const alarmsIn = (body: unknown, now: number): Alarm[] =>
   rowsOf((body as { alarms?: unknown } | undefined)?.alarms, (limit, { level, ...row }) => {
     const device = Number(row.device), value = numberIn(row.value), edge = numberIn(row.limit);

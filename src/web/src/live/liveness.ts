@@ -1,7 +1,7 @@
-// Decides whether the gateway is there, by the time when it was heard last. No I/O; times are milliseconds of one clock.
+// Decides whether the gateway is available, from the time of its last message. No I/O; times are milliseconds of one clock.
 
-export const askEvery = 400; // while nothing else is heard
-export const lostAfter = 940; // with the time for drawing, it is seen within a second
+export const askEvery = 400; // if nothing else is received
+export const lostAfter = 940; // including the time for drawing, a loss is visible within a second
 export const maxOutstanding = 3;
 
 export type Contact = "never" | "live" | "lost";
@@ -17,8 +17,8 @@ export class Liveness {
     this.heardAt = now;
   }
 
-  /** To be called after the page was hidden: it sent few requests, so silence in that time means nothing; `isLost`: but it knows that the
-   * gateway did not answer. */
+  /** To be called after the page was hidden: it sent few requests then, so silence has no meaning, unless `isLost`: the gateway did not respond to
+   * them. */
   restart(now: number, isLost = false): void {
     this.outstanding.clear();
     this.askedAt = Number.NEGATIVE_INFINITY;
@@ -30,7 +30,7 @@ export class Liveness {
     return now >= this.lostAt() ? "lost" : "live";
   }
 
-  /** When it is lost, if nothing is heard until then. */
+  /** The time at which the gateway counts as lost if nothing is received before. */
   lostAt(): number {
     return Math.max(this.heardAt, this.restartedAt) + lostAfter;
   }
@@ -39,8 +39,8 @@ export class Liveness {
     return now - this.heardAt;
   }
 
-  /** The number of the request to be sent now; undefined: none. On a slow line, several may be outstanding. `atLeastEvery`: for what the
-   * answer says, however often other messages are heard. */
+  /** The number of the request to send now; undefined: none. On a slow connection, several may be outstanding. `atLeastEvery`: maximum interval of
+   * requests, even if other messages are received. */
   ask(now: number, atLeastEvery: number): number | undefined {
     const patience = 5000;
     for (const [question, at] of this.outstanding) if (now - at > patience) this.outstanding.delete(question);

@@ -1,4 +1,4 @@
-// The orientation of a device, from its quaternion (0x04), else from its Euler angles (0x03): the same rule as for ROS 2 (src/ros/README.md).
+// The orientation of a device, from its quaternion (0x04), else from its Euler angles (0x03); by the same rule as for ROS 2 (src/ros/README.md).
 import type { Latest, Seen } from "./latest";
 
 export interface Orientation {
@@ -10,7 +10,7 @@ export interface Orientation {
 
 const degrees = 180 / Math.PI;
 
-/** `lx`: the Euler angles have pitch and yaw of the opposite sign. */
+/** `lx`: pitch and yaw of the Euler angles have the opposite sign. */
 export function orientationOf(latest: Latest, now: number, lx: boolean): Orientation {
   return latest.isLate("quaternion", now) ? byEuler(latest, now, lx) : byQuaternion(latest, now) ?? byEuler(latest, now, lx);
 }
@@ -24,7 +24,7 @@ function byEuler(latest: Latest, now: number, lx: boolean): Orientation {
   return { roll: seen("rol", 1), pitch: seen("pit", sign), yaw: seen("yaw", sign), late: latest.isLate("euler", now) };
 }
 
-/** undefined: its length is far from 1, so it is none. */
+/** undefined: not a quaternion, because its length is not near 1. */
 function byQuaternion(latest: Latest, now: number): Orientation | undefined {
   const parts = ["v0", "v1", "v2", "v3"].map((name) => latest.number("quaternion", name, now)?.value ?? 0);
   const length = Math.hypot(...parts);

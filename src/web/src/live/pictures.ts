@@ -1,11 +1,11 @@
-// Assembles pictures from frames with some of their rows. Frames of one picture have the same sender, flag, colour and size, and come in
-// the order of the rows. Rows have no numbers: a lost frame is noticed when the next picture begins. Pure.
+// Assembles pictures from frames that contain some rows each. Frames of one picture have the same sender, flag, colour and size, and arrive in the
+// order of the rows. Rows have no numbers, so a lost frame is detected only when the next picture begins. Pure.
 import type { Reading } from "../protocol/table";
 
 export interface Picture {
   from: number;
   flag: number;
-  colour: number; // 0: grey, one byte per pixel; else one bit per pixel, the highest first
+  colour: number; // 0: grey, one byte per pixel; otherwise one bit per pixel, most significant first
   width: number;
   height: number;
   pixels: Uint8Array;
@@ -14,7 +14,7 @@ export interface Picture {
 }
 
 const maxBytes = 16 * 1024 * 1024;
-const pause = 1; // seconds: after such a pause, the next picture begins
+const pause = 1; // seconds without frames, after which the next picture begins
 
 export const rowBytes = (picture: { colour: number; width: number }): number => (picture.colour === 0 ? picture.width : (picture.width + 7) >> 3);
 
@@ -22,7 +22,7 @@ export class Pictures {
   private readonly begun = new Map<number, { picture: Picture; last: number }>();
   refused = 0;
 
-  /** The pictures that this frame ends: complete, or with missing rows. */
+  /** Returns the pictures that end with this frame: complete, or with missing rows. */
   take(reading: Reading, from: number, time: number): Picture[] {
     const number = (name: string): number => reading.number(name) ?? 0;
     const picture: Picture = { from, flag: number("flag"), colour: number("color"), width: number("width"), height: number("height"), pixels: new Uint8Array(0), filled: 0, began: time };

@@ -1,19 +1,19 @@
-// Whether a device is still heard: by the period of its telemetry. Pure; times are seconds of one clock.
+// Decides whether a device is lost, from the period of its telemetry. Pure; times are seconds of one clock.
 import { entryOf } from "../entries";
 import { isFlexible } from "../protocol/table";
 
-/** Telemetry and flexible messages come by themselves. What a device answers or shows as a picture has no period. */
+/** Telemetry and flexible messages are sent periodically. Responses and pictures have no period. */
 export const isTelemetry = (id: number): boolean => (id >= 0x01 && id < 0x60) || isFlexible(id);
-/** Lines come by themselves too, but some devices log only at times: see Presence.period(). */
+/** Log lines are sent without a request as well, but some devices log only occasionally: see Presence.period(). */
 const isLog = (id: number): boolean => id === 0xa0 || id === 0xa1;
 
 const kept = 8; // intervals
-const longest = 5; // seconds: a message that is rarer is no sign of life
+const longest = 5; // seconds: rarer messages don't show whether a device is lost
 
 /** The longest of the last intervals of one message, so that neither jitter nor a lower rate counts as a loss. */
 class Beat {
   last = Number.NEGATIVE_INFINITY;
-  private since = 0; // without a longer silence
+  private since = 0; // start of the time without an interval above `longest`
   private readonly intervals: number[] = [];
 
   add(now: number): void {
@@ -31,17 +31,17 @@ class Beat {
   }
 }
 
-/** With the time that frames are collected and the page needs to draw, the page shows a loss within 1 s and two periods. */
+/** Added to the period. Together with the time for collecting frames and drawing, a loss is shown within 1 s plus two periods. */
 export const patience = 0.75;
 
-const sameLoss = 1; // seconds between what the gateway and the page know of when it was heard last
+const sameLoss = 1; // seconds: tolerance between the times of the last frame in the gateway and in the page
 
 export class Presence {
   heardAt = Number.NEGATIVE_INFINITY;
-  private lostAt: number | undefined; // as others know
-  /** Where frames in its name come from that are no sign of life, as others know; it stays lost until isBack(). */
+  private lostAt: number | undefined; // time of the last frame, as reported by the gateway
+  /** Where frames with its address are received that may come from another device, as reported by the gateway. The device stays lost until isBack(). */
   elsewhere: string | undefined;
-  private readonly beats = new Map<number, Beat>(); // of telemetry
+  private readonly beats = new Map<number, Beat>(); // of telemetry messages
   private readonly logs = new Map<number, Beat>();
   private readonly recent: number[] = [];
 
@@ -52,21 +52,21 @@ export class Presence {
     if (isTelemetry(id) || isLog(id)) entryOf(isLog(id) ? this.logs : this.beats, id, () => new Beat()).add(now);
   }
 
-  /** Others know that it was heard last at that time, and is lost since: here nobody listened, or not for long enough to know. */
+  /** The gateway reports that the device is lost since `at`. Needed if the page received no frames, or not for long enough to detect the loss. */
   wasLost(at: number, elsewhere?: string): void {
     this.elsewhere = elsewhere;
-    if (this.heardAt > at + sameLoss && elsewhere === undefined) return; // it is heard again
+    if (this.heardAt > at + sameLoss && elsewhere === undefined) return; // received again since then
     if (Math.abs(this.heardAt - at) > sameLoss) this.heardAt = at;
     this.lostAt = this.heardAt;
   }
 
-  /** Others know that it is heard, though here nobody listens. */
+  /** The gateway reports that the device is received, even if the page receives no frames. */
   isBack(): void {
     this.lostAt = this.elsewhere = undefined;
   }
 
-  /** Of its most frequent telemetry. While it has none, of its log: if it had some, or logs all the time. undefined: it sends nothing by itself,
-   * or not long enough to know. */
+  /** The period of its most frequent telemetry. Without current telemetry, that of its log, if the device had telemetry or logs continuously.
+   * undefined: no periodic messages, or not for long enough. */
   period(): number | undefined {
     const hadSome = [...this.beats.values()].some((beat) => beat.period() !== undefined);
     return this.shortest(this.beats.values()) ?? this.shortest([...this.logs.values()].filter((beat) => hadSome || beat.isSteady()));
@@ -81,14 +81,14 @@ export class Presence {
     return shortest;
   }
 
-  /** `since`: from when on the page listens. */
+  /** `since`: when the page began to receive frames. */
   isLost(now: number, since: number): boolean {
     if (this.lostAt === this.heardAt) return true;
     const period = this.period();
     return period !== undefined && now - Math.max(this.heardAt, since) > patience + period;
   }
 
-  /** Frames in the last second. */
+  /** Number of frames in the last second. */
   rate(now: number): number {
     let first = this.recent.length;
     while (first > 0 && this.recent[first - 1]! > now - 1) --first;

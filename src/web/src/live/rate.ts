@@ -1,4 +1,4 @@
-// The rate of events, and whether the next one is late.
+// The rate of events, and whether the next one is overdue.
 
 /** All times are seconds of one clock. */
 export class Rate {
@@ -18,7 +18,7 @@ export class Rate {
     this.forget(now);
   }
 
-  /** Events per second over the window; for rarer events, from the smoothed interval. */
+  /** Events per second in the window; for rare events, from the smoothed interval. */
   perSecond(now: number): number {
     this.forget(now);
     if (this.times.length >= 4) {
@@ -33,7 +33,7 @@ export class Rate {
     return now - this.last;
   }
 
-  /** Whether the next event is overdue by its own rate; after a single event, only after five seconds. */
+  /** Whether the next event is overdue at the present rate; after a single event, only after five seconds. */
   isLate(now: number): boolean {
     const promised = this.interval > 0 ? Math.min(Math.max(3 * this.interval, 0.5), 30) : 5;
     return now - this.last > promised;
@@ -46,17 +46,17 @@ export class Rate {
   }
 }
 
-/** Converts times of the gateway's clock to the page's clock, since the frames of one message passed at different times. The message with
- * the shortest delay shows the difference of the clocks. */
+/** Converts times of the gateway's clock to the page's clock, because the frames of one message passed at different times. The message with the
+ * shortest delay determines the difference of the clocks. */
 export class Arrivals {
   private ahead = Number.NEGATIVE_INFINITY;
 
-  /** To be called for each message: corrects for a clock that runs a little slower than ours. */
+  /** To be called for each message: corrects for a gateway clock that is a little slower than the page's. */
   begin(): void {
     this.ahead -= 0.0005;
   }
 
-  /** `seen`: seconds of the other clock, never decreasing. */
+  /** `seen`: seconds of the gateway's clock, never decreasing. */
   at(seen: number, now: number): number {
     this.ahead = Math.max(this.ahead, seen - now);
     return seen - this.ahead;

@@ -1,4 +1,4 @@
-// The recordings of the gateway: stored ones, running ones, and requests for new ones.
+// The recordings of the gateway, stored and running, and requests for new ones.
 import { ask, type Answer } from "../api";
 
 export interface RunningRecording {
@@ -21,7 +21,7 @@ export interface Recording {
   bytes: number;
   frames: number | null;
   begun: number | null; // Unix seconds
-  seconds: number | null; // its length according to the file
+  seconds: number | null; // length according to the file
   time: number;
   state: string; // "recording", "ended" or "unfinished"
 }
@@ -46,11 +46,11 @@ export interface Recordings {
   recordings: Recording[];
 }
 
-/** The section `recording` of the status; null: there are no recordings. */
+/** The section `recording` of the status; null: recording is not available. */
 export type RecordingState = Pick<Recordings, "keep_last" | "running"> | null;
 
 export interface RecordingFault {
-  name: string; // of the recording; empty: the frames of keep_last could not be saved
+  name: string; // name of the recording; empty: the frames of keep_last could not be saved
   error: string;
 }
 
@@ -59,7 +59,7 @@ export function faultsOf(state: RecordingState | undefined): RecordingFault[] {
   return [...all, { name: "", error: state?.keep_last?.error ?? "" }].filter((one) => one.error !== "");
 }
 
-/** The input for a new recording; empty: not given. */
+/** The form for a new recording; empty: not given. */
 export interface Wishes {
   name: string;
   format: string;
@@ -77,14 +77,14 @@ export const fileOf = (name: string): string => "/recordings/" + encodeURICompon
 const partsOf = (text: string): string[] => text.split(/[\s,]+/).filter(Boolean);
 const listed = (text: string): string => partsOf(text).join(",");
 
-/** The rates by message; undefined: the text is not valid. */
+/** The rates by message; undefined: invalid text. */
 export function limitsIn(text: string): Record<string, number> | undefined {
   const pairs = partsOf(text).map((one) => /^([^=]+)=(\d+(?:\.\d+)?)$/.exec(one));
   if (pairs.some((pair) => !pair)) return undefined;
   return Object.fromEntries(pairs.map((pair) => [pair![1]!, Number(pair![2])]));
 }
 
-/** The body of the request for a new recording, or the field that is not valid. */
+/** The body of the request for a new recording, or the name of the invalid field. */
 export function questionOf(wishes: Wishes): { body: Record<string, unknown> } | { fault: "name" | "limit" | "seconds" } {
   const name = wishes.name.trim(), seconds = wishes.seconds.trim(), limit = limitsIn(wishes.limit);
   if (name !== "" && !/^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$/.test(name)) return { fault: "name" };

@@ -1,9 +1,9 @@
-// Devices in recordings that are being replayed.
+// Devices in replayed recordings.
 import { isHost } from "../protocol/table";
 import type { Status } from "./gateway";
 
 
-/** Devices that exist only in a recording, by address, with the link that plays it: they can be watched, but do not answer. */
+/** Devices that exist only in a replayed recording, by address, with the link that replays it. They can be watched, but don't respond. */
 export function replayedDevices(status: Pick<Status, "links" | "routes"> | undefined): Map<number, string> {
   const alive = new Set(status?.routes.map((route) => Number(route.address)));
   const found = new Map<number, string>();

@@ -1,4 +1,4 @@
-// The frames heard, a row for each link, sender and message: its rate, and its last frame.
+// The received frames: one row for each link, sender and message, with its rate and its last frame.
 import type { FrameRecord } from "../protocol/records";
 import type { MessageTable } from "../protocol/table";
 import { Rate } from "./rate";
@@ -17,11 +17,11 @@ export class FrameRow {
     readonly link: number,
     readonly from: number,
     readonly id: number,
-    readonly variant: number, // the first byte of DATA if it distinguishes messages of the same id; else -1
+    readonly variant: number, // first byte of DATA, if it distinguishes messages of the same id; otherwise -1
   ) {}
 }
 
-/** A hostile sender can use 254 sources × 256 messages; a page can show this many rows. */
+/** A hostile sender can use 254 sources × 256 messages; the page shows at most this many rows. */
 const maxRows = 2000;
 
 export class FrameRows {

@@ -1,17 +1,17 @@
-// Jobs at a device, as a page shows them.
+// Hooks for jobs of a device.
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Answer, Options, Refusal } from "../api";
 import { hexByte } from "../protocol/table";
 import { begin, follow, followOn, isOver, jobs, type Job } from "./jobs";
 
 export interface Running<T> {
-  job: Job<T> | undefined; // undefined: it has ended, or there is none
+  job: Job<T> | undefined; // undefined: ended, or none
   ended: Answer<T> | undefined;
-  /** Does nothing while a job runs, so that a double click does not begin two. */
+  /** Has no effect while a job runs, so that a double click starts only one. */
   start(route: string, options: Options): void;
 }
 
-/** Follows a job of one kind, also one that another client began. */
+/** Follows a job of one kind, including a job that another client started. */
 export function useRunning<T>(device: number, kind: string): Running<T> {
   const [job, setJob] = useState<Job<T>>();
   const [ended, setEnded] = useState<Answer<T>>();
@@ -41,14 +41,14 @@ export function useRunning<T>(device: number, kind: string): Running<T> {
 }
 
 export interface Asked {
-  job: Job | undefined; // the present one
-  fault: Refusal | undefined; // why it could not be read
-  /** Follows a job, with its progress. */
+  job: Job | undefined; // the running job
+  fault: Refusal | undefined; // the error of the last read
+  /** Runs a request that may start a job, and follows it with its progress. */
   run<R>(options: Options, to?: string): Promise<Answer<R>>;
   read(): Promise<void>;
 }
 
-/** What a device has, which takes long to read: read at once, and given to `take`. */
+/** Reads data of a device that takes long to read: once at the beginning, and on read(). `take` receives the result. */
 export function useAsked<T>(route: string, take: (value: T) => void): Asked {
   const [job, setJob] = useState<Job>();
   const [fault, setFault] = useState<Refusal>();

@@ -1,4 +1,4 @@
-// Values over time, in bounded memory: of old values only the smallest and largest are kept, so that a chart of them looks the same. Pure.
+// Values over time in bounded memory: of old values only the smallest and largest are kept, so that a chart looks the same. Pure.
 
 const capacity = 1 << 17; // points
 export const history = 600; // seconds
@@ -7,7 +7,7 @@ export class Series {
   private times = new Float64Array(1 << 12);
   private values = new Float64Array(1 << 12);
   private first = 0;
-  private end = 0; // one past the last
+  private end = 0; // index after the last point
 
   get length(): number {
     return this.end - this.first;
@@ -23,7 +23,7 @@ export class Series {
     return this.length > 0 ? this.times[this.end - 1]! : Number.NEGATIVE_INFINITY;
   }
 
-  /** Times must not decrease: a point before the last one is ignored. */
+  /** Times must not decrease: an earlier point than the last one is ignored. */
   push(time: number, value: number): void {
     if (time < this.lastTime()) return;
     while (this.first < this.end && this.times[this.first]! < time - history) ++this.first;
@@ -51,7 +51,7 @@ export class Series {
     this.values = values;
   }
 
-  // Of each four points of the older half, keeps the smallest and the largest, in their order.
+  // In the older half, keeps the smallest and the largest of every four points, in order of time.
   private thin(): void {
     this.move(this.times, this.values);
     const { times, values } = this;
@@ -76,7 +76,7 @@ export class Series {
     this.end = to + this.end - half;
   }
 
-  /** The first point at or after `time`. */
+  /** The index of the first point at or after `time`. */
   at(time: number): number {
     let low = 0, high = this.length;
     while (low < high) {
@@ -87,15 +87,15 @@ export class Series {
     return low;
   }
 
-  /** The last value at or before `time`; undefined: there is none within 5 s. */
+  /** The last value at or before `time`; undefined: none within 5 s. */
   before(time: number): number | undefined {
     const i = this.at(time + 1e-9) - 1;
     return i >= 0 && time - this.time(i) < 5 ? this.value(i) : undefined;
   }
 }
 
-/** Writes two values for each column of a chart: the smallest and the largest one in it, null where there is none. Behind values that are
- * followed by NaN, the next column has NaN: there the line ends. */
+/** Writes two values for each column of a chart: the smallest and the largest one in it, in order of time; null if it has none. If NaN follows the
+ * values, the next column gets NaN, so that the line ends there. */
 export function envelope(series: Series, from: number, to: number, columns: number, into: (number | null)[]): void {
   into.length = columns * 2;
   into.fill(null);
@@ -131,10 +131,10 @@ export function envelope(series: Series, from: number, to: number, columns: numb
   put();
 }
 
-/** Whether an angle wrapped around between two values, independent of its range (±180°, 0 to 360°): they differ by more than half a turn. */
+/** Whether an angle wrapped around between two values, for any range (±180°, 0 to 360°): they differ by more than half a turn. */
 export const wentOver = (unit: string, a: number, b: number): boolean => unit === "°" && Math.abs(a - b) > 180;
 
-/** The times of the values that envelope() writes. */
+/** The times of the values written by envelope(). */
 export function columnTimes(from: number, to: number, columns: number, into: number[]): void {
   into.length = columns * 2;
   const half = (to - from) / (columns * 2);
@@ -143,7 +143,7 @@ export function columnTimes(from: number, to: number, columns: number, into: num
 
 const quoted = (text: string): string => (/[",\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
 
-/** A row for each time at which any of them has a value. */
+/** CSV with one row for each time at which any series has a value. */
 export function csvOf(all: readonly { label: string; series: Series }[], from: number, to: number): string {
   const lines = [["time", ...all.map((one) => quoted(one.label))].join(",")];
   const next = all.map((one) => one.series.at(from));

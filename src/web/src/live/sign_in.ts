@@ -1,14 +1,14 @@
-// Signing in by a link of “anoctl web --qr”. Its one-time code is behind the #, and so in no request, log or Referer.
+// Signs in with a link of “anoctl web --qr”. Its one-time code is after the #, and therefore in no request, log or Referer.
 import { logIn } from "./gateway";
 import { Store } from "./store";
 
-/** Not the six digits: another site could open the page with digits that it guesses. */
+/** Accepts no six-digit codes: another site could open the page with guessed digits. */
 export const linkCodeOf = (hash: string): string | undefined => /^#once=([0-9a-f]{32})$/.exec(hash)?.[1];
 
-/** A link was used, or has expired. */
+/** The link was already used, or has expired. */
 export const linkIsOver = new Store(false);
 
-/** A browser may load a page before its user wants it. */
+/** Waits for prerendering to end: a browser may load a page before its user opens it. */
 const shown = (): Promise<void> =>
   new Promise((done) => {
     if ((document as { prerendering?: boolean }).prerendering) document.addEventListener("prerenderingchange", () => done(), { once: true });
@@ -24,7 +24,7 @@ async function signIn(): Promise<void> {
   linkIsOver.set(refusal?.status === 401);
 }
 
-/** Before the address is read as that of a page. */
+/** To be called before the hash is read as a page. */
 export async function beginSignIn(): Promise<void> {
   addEventListener("hashchange", () => void signIn());
   await signIn();

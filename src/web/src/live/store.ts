@@ -31,7 +31,7 @@ export function useStore<T>(store: Store<T>): T {
   const [, again] = useState(0);
   const shown = store.get();
   useEffect(() => {
-    if (store.get() !== shown) again((n) => n + 1); // it changed before this effect, which comes late on a hidden page
+    if (store.get() !== shown) again((n) => n + 1); // it changed before this effect, which runs late on a hidden page
     return store.subscribe(() => again((n) => n + 1));
   }, [store]);
   return shown;

@@ -1,4 +1,4 @@
-// Watches every device, whichever page is open: whether it is heard, its state, its red log lines, and what the gateway finds in alarm.
+// Watches all devices on every page: lost devices, their state, red log lines, and the alarms of the gateway.
 import { ask } from "../api";
 import { entryOf } from "../entries";
 import { alarmsOfGateway, followAlarms } from "./alarm_feed";
@@ -14,49 +14,49 @@ import { isHost, Reading } from "../protocol/table";
 import type { FrameRecord } from "../protocol/records";
 import { alarmSound } from "../parts/sound";
 
-const samples = 20; // a second of each message
+const samples = 20; // maximum per second for each message
 const lookEvery = 50; // milliseconds
 const askRedAfter = 200; // milliseconds
-const soundEvery = 4; // seconds, until somebody silences it
+const soundEvery = 4; // seconds, until the user silences it
 
 interface RedLine {
   device: number;
   text: string;
-  count: number; // of this device, since they were dismissed here
+  count: number; // of this device, since the last dismissal in this browser
 }
 
 class Watched {
   readonly presence = new Presence();
-  flag: number | undefined; // of `mode`: 0 locked, 1 unlocked, 2 airborne
-  dismissedAt: number | undefined; // its loss was dismissed
+  flag: number | undefined; // sflag of `mode`: 0 locked, 1 unlocked, 2 airborne
+  dismissedAt: number | undefined; // time of the last frame when the loss was dismissed
 }
 
 const all = new Map<number, Watched>();
-let since = Number.POSITIVE_INFINITY; // from when on frames are seen; a hidden page sees none
+let since = Number.POSITIVE_INFINITY; // when the page began to receive frames; a hidden page receives none
 
-/** Devices that sent telemetry and are not heard any more. */
+/** Devices that sent telemetry and are lost. */
 export const lostDevices = new Store<ReadonlySet<number>>(new Set());
-/** Those of them whose loss was not dismissed. */
+/** Lost devices whose loss was not dismissed. */
 export const lostNews = new Store<ReadonlySet<number>>(new Set());
 const keep = (store: Store<ReadonlySet<number>>, now: number[]): void => {
   if (now.length !== store.get().size || now.some((device) => !store.get().has(device))) store.set(new Set(now));
 };
 export const alarms = new Store<readonly Alarm[]>([]);
 export const redLines = new Store<readonly RedLine[]>([]);
-/** What sounds until it is silenced: "lost 220", "alarm 220 …". */
+/** Reasons for sound that the user has silenced: "lost 220", "red 220 …". */
 const silenced = new Set<string>();
 export const sounding = new Store<readonly string[]>([]);
 
 const watched = (device: number): Watched => entryOf(all, device, () => new Watched());
 
-/** Seconds since the device was heard; undefined: not while this page was open. */
+/** Seconds since the last frame of the device; undefined: none while this page was open. */
 export function ageOf(device: number, now = seconds()): number | undefined {
   const at = all.get(device)?.presence.heardAt ?? Number.NEGATIVE_INFINITY;
   return at === Number.NEGATIVE_INFINITY ? undefined : Math.max(0, now - at);
 }
-/** Of the frames that the page sees, which are at most `samples` of each message. */
+/** Rate of the frames that the page receives: at most `samples` per second of each message. */
 export const seenRateOf = (device: number): number | undefined => all.get(device)?.presence.rate(seconds());
-/** The last state of a vehicle, and when it was heard. */
+/** The last state of a vehicle, and the time of its last frame. */
 export function lastStateOf(device: number): { flag: number; at: number } | undefined {
   const one = all.get(device);
   return one?.flag === undefined ? undefined : { flag: one.flag, at: one.presence.heardAt };
@@ -77,16 +77,16 @@ function take(record: FrameRecord, at: number): void {
   if (isLog && reading.get("color") === 1) void askForRed(record.from);
 }
 
-/** By device: how many red lines the gateway counted, and how many of them were dismissed in this browser. */
+/** By device: the number of red lines in the gateway. */
 const counted = new Map<number, number>();
 const dismissedOf = (device: number): number => Number(remembered(`red.${device}`)) || 0;
 const asking = new Set<number>();
 
-/** The gateway has every line and their number: the frames here are samples. */
+/** Requests the log of the gateway, which has every line and their number, while the page receives only samples. */
 async function askForRed(device: number): Promise<void> {
   if (asking.has(device)) return;
   asking.add(device);
-  await new Promise((done) => setTimeout(done, askRedAfter)); // lines come in groups
+  await new Promise((done) => setTimeout(done, askRedAfter)); // lines often arrive in groups
   asking.delete(device);
   const answer = await ask<{ red?: number; lines?: { color?: number; counts?: boolean; text: string }[] }>(`/devices/${device}/log`, { timeout: 5000 });
   if (!answer.ok || typeof answer.value.red !== "number") return;
@@ -108,7 +108,7 @@ function lookForRed(): void {
     if ((device.red_lines ?? 0) !== (counted.get(Number(device.address)) ?? 0)) void askForRed(Number(device.address));
 }
 
-/** The device was switched off: its loss is no news, also on the next visit. It counts again once it is heard. */
+/** For a device that was switched off: its loss is not reported any more, also on the next visit, until it is received again. */
 export function dismissLost(device: number): void {
   const one = all.get(device);
   if (one) {
@@ -118,10 +118,10 @@ export function dismissLost(device: number): void {
   look();
 }
 
-const sameVisit = 5; // seconds between what two visits know of when a device was heard last
+const sameVisit = 5; // seconds: tolerance between two visits for the time of the last frame of a device
 
-/** The gateway knows the devices that were lost while this page was hidden, or before it was opened. A vehicle that was locked then was switched
- * off: that is no news. */
+/** The gateway reports devices that were lost while this page was hidden or before it was opened. If a vehicle was locked then, it was switched off:
+ * its loss counts as dismissed. */
 function takeHeard(heard: HeardDevice[]): void {
   for (const { device, isLost, heardAt, flag, elsewhere } of heard) {
     if (!isLost) {
@@ -137,7 +137,7 @@ function takeHeard(heard: HeardDevice[]): void {
   look();
 }
 
-/** What is lost stays so until it is heard, or the gateway says so. */
+/** Lost devices stay lost until they are received, or the gateway reports that they are. */
 function seeNoFrames(): void {
   for (const device of lostDevices.get()) {
     const presence = all.get(device)?.presence;
@@ -146,14 +146,14 @@ function seeNoFrames(): void {
   since = Number.POSITIVE_INFINITY;
 }
 
-/** A value that is older is shown with its age, and can be dismissed: its device was switched off. */
+/** An older value is shown with its age and can be dismissed: its device may be switched off. */
 export const oldAfter = 10; // seconds
 const alarmKey = ({ device, limit }: Alarm): string => `alarm.${device} ${limit.key}`;
-/** In seconds since 1970, since it is kept for the next visit; rounded up, since the ages of one value differ a little. */
+/** Unix time, because it is stored for the next visit. */
 const heardTime = (alarm: Alarm): number => Date.now() / 1000 - (seconds() - alarm.heardAt);
 const isDismissed = (alarm: Alarm): boolean => heardTime(alarm) <= (Number(remembered(alarmKey(alarm))) || 0);
 
-/** Until the value comes again. */
+/** Dismisses the alarm until the value is received again. The 2 s allow for ages that differ a little between messages. */
 export function dismissAlarm(alarm: Alarm): void {
   remember(alarmKey(alarm), String(heardTime(alarm) + 2));
   look();
@@ -190,7 +190,7 @@ function sound(now: number, keys: string[]): void {
   alarmSound(loud.every((key) => key.startsWith("amber")) ? "amber" : "red");
 }
 
-/** Begins with the first status: before, it is not known whether the gateway asks for a token. */
+/** Starts at the first status: before, it is not known whether the gateway requires a token. */
 export function beginWatch(): void {
   const stop = status.subscribe(() => {
     stop();

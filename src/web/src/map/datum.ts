@@ -1,4 +1,4 @@
-// Converts to GCJ-02, the datum of maps made in China, which is shifted by some hundred metres against WGS 84. Pure.
+// Converts positions to GCJ-02, the datum of maps made in China, which is shifted by some hundred metres from WGS 84. Pure.
 
 export interface Place {
   lng: number; // degrees
@@ -7,17 +7,17 @@ export interface Place {
 
 export type Datum = "wgs84" | "gcj02";
 
-// The ellipsoid of Krassowsky, on which the shift is defined.
+// The Krassowsky ellipsoid, on which the shift is defined.
 const axis = 6378245.0; // m
 const eccentricity = 0.00669342162296594323; // squared
 
 /** Maps of other countries are not shifted. */
 const isShifted = ({ lng, lat }: Place): boolean => lng >= 72.004 && lng <= 137.8347 && lat >= 0.8293 && lat <= 55.8271;
 
-/** One of the four waves of the shift, with two periods. */
+/** A pair of sine waves, one of the terms of the shift. */
 const wave = (a: number, p: number, b: number, q: number): number => ((a * Math.sin(p * Math.PI) + b * Math.sin(q * Math.PI)) * 2) / 3;
 
-/** Metres north and east; x and y: degrees from 105° E, 35° N. */
+/** The shift in metres; x and y: degrees from 105° E, 35° N. */
 function shiftOf(x: number, y: number): { north: number; east: number } {
   const both = wave(20, 6 * x, 20, 2 * x), root = Math.sqrt(Math.abs(x));
   return {
@@ -36,5 +36,5 @@ export function gcj02Of(place: Place): Place {
   return { lng: place.lng + east / metresOfLng, lat: place.lat + north / metresOfLat };
 }
 
-/** The position on a map with `datum`, of a `place` by satellites. */
+/** The position of a WGS 84 `place` on a map with `datum`. */
 export const onMap = (place: Place, datum: Datum): Place => (datum === "gcj02" ? gcj02Of(place) : place);

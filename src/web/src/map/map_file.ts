@@ -1,14 +1,14 @@
-// Reads the map of the gateway by ranges: only the parts that are needed.
+// Reads the gateway's map by HTTP ranges: only the parts that are needed.
 import { headerOf, headerSize, directoryOf, entryFor, MapFault, tileNumber, type Entry, type MapHeader, type Part } from "./pmtiles";
 
-/** Reads the bytes of a part; fewer at the end of the file. */
+/** Reads the bytes of a part; returns fewer at the end of the file. */
 export type ReadPart = (part: Part) => Promise<ArrayBuffer>;
 
-const firstBytes = 16384; // the header and the root directory are in these
+const firstBytes = 16384; // contain the header and the root directory
 const maxDirectory = 4 << 20; // bytes, uncompressed
 const maxTile = 4 << 20;
 const maxAbout = 1 << 20;
-const maxLevels = 4; // of directories
+const maxLevels = 4; // levels of directories
 const keptDirectories = 32;
 
 async function unpacked(bytes: ArrayBuffer, maxBytes: number, what: string): Promise<Uint8Array> {
@@ -25,7 +25,7 @@ async function unpacked(bytes: ArrayBuffer, maxBytes: number, what: string): Pro
   return all;
 }
 
-/** Removes HTML tags: the attribution of a file is shown as text. */
+/** Removes HTML tags: the attribution is shown as text. */
 const plain = (html: string): string => html.replace(/<[^>]*>/g, "").replace(/&copy;/g, "©").replace(/&amp;/g, "&").trim().slice(0, 200);
 
 export class MapFile {
@@ -46,7 +46,7 @@ export class MapFile {
     return file;
   }
 
-  /** The attribution that the maker of the map asks for. */
+  /** The attribution required by the maker of the map. */
   async attribution(): Promise<string> {
     const { about } = this.header;
     if (about.size === 0 || about.size > maxAbout) return "";
@@ -55,7 +55,7 @@ export class MapFile {
     return typeof json.attribution === "string" ? plain(json.attribution) : "";
   }
 
-  /** The picture; undefined: the map has none there. */
+  /** The picture of a tile; undefined: the map has none. */
   async tile(zoom: number, x: number, y: number): Promise<Blob | undefined> {
     const number = tileNumber(zoom, x, y);
     let directory: Part = this.header.root;
@@ -89,7 +89,7 @@ export class MapFile {
     if (this.directories.size > keptDirectories) this.directories.delete([...this.directories.keys()].find((at) => at !== this.header.root.at)!);
     known = this.read(part).then((bytes) => this.entriesIn(bytes));
     this.directories.set(part.at, known);
-    known.catch(() => this.directories.delete(part.at)); // read again the next time
+    known.catch(() => this.directories.delete(part.at)); // read again next time
     return known;
   }
 }

@@ -1,16 +1,16 @@
-// The tiles under a drawing and their positions: Web Mercator, north up. Pure.
+// The tiles visible in a drawing and their positions: Web Mercator, north up. Pure.
 import type { Place } from "./datum";
 
 const equator = 2 * Math.PI * 6378137; // m
-const tileSize = 256; // pixels: the natural size of a tile
-const minSize = 64; // pixels of a tile: smaller ones would be too many
+const tileSize = 256; // pixels: natural size of a tile
+const minSize = 64; // pixels: with smaller tiles there would be too many
 const maxLatitude = 85; // degrees; Web Mercator maps end there
 
 export interface PlacedTile {
   zoom: number;
   x: number;
   y: number;
-  left: number; // pixels of the drawing
+  left: number; // pixels in the drawing
   top: number;
   size: number;
 }
@@ -21,10 +21,10 @@ export function onSquare({ lng, lat }: Place): { x: number; y: number } {
   return { x: lng / 360 + 0.5, y: 0.5 - Math.log((1 + sine) / (1 - sine)) / (4 * Math.PI) };
 }
 
-/** `middle` is the centre of `width` × `height` pixels. Uses the zoom of the map at which tiles are nearest to their natural size. */
+/** `middle` is the centre of a drawing of `width` × `height` pixels. Uses the zoom of the map at which the tiles are nearest to their natural size. */
 export function tilesUnder(middle: Place, metresPerPixel: number, width: number, height: number, minZoom: number, maxZoom: number): PlacedTile[] {
   if (Math.abs(middle.lat) > maxLatitude || !(metresPerPixel > 0)) return [];
-  const square = (equator * Math.cos((middle.lat * Math.PI) / 180)) / metresPerPixel; // pixels of the whole map
+  const square = (equator * Math.cos((middle.lat * Math.PI) / 180)) / metresPerPixel; // width of the whole map in pixels
   const zoom = Math.min(Math.max(Math.round(Math.log2(square / tileSize)), minZoom), maxZoom);
   const count = 2 ** zoom, size = square / count;
   if (size < minSize) return [];

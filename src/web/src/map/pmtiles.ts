@@ -1,34 +1,34 @@
-// Reads the structure of .pmtiles files of version 3. Pure. A file may contain anything: each number is checked before it is used.
+// Reads the structure of .pmtiles files, version 3. Pure. Each number in the file is checked before use.
 
 export interface Part {
-  at: number; // bytes from the begin of the file
+  at: number; // bytes from the start of the file
   size: number;
 }
 
 export interface MapHeader {
   root: Part;
-  about: Part; // metadata, JSON
+  about: Part; // metadata (JSON)
   leaves: Part;
   tiles: Part;
-  packed: boolean; // directories and metadata, by gzip
-  type: string; // of the pictures
+  packed: boolean; // directories and metadata are compressed with gzip
+  type: string; // media type of the pictures
   minZoom: number;
   maxZoom: number;
 }
 
 export interface Entry {
   tile: number;
-  run: number; // this number of consecutive tiles have the same picture; 0: the entry is a directory
+  run: number; // number of consecutive tiles with this picture; 0: the entry is a directory
   size: number;
   at: number;
 }
 
 export const headerSize = 127;
-const maxWholeZoom = 26; // above this, a double can't hold the numbers of tiles exactly
+const maxWholeZoom = 26; // at higher zooms, a double can't represent the numbers of tiles exactly
 const maxEntries = 1 << 20;
 const pictures: Record<number, string> = { 2: "image/png", 3: "image/jpeg", 4: "image/webp", 5: "image/avif" };
 
-/** A clause for people: why a file can't be shown. */
+/** The reason why a map can't be shown, as a clause for users. */
 export class MapFault extends Error {}
 
 function whole(view: DataView, at: number): number {
@@ -50,7 +50,7 @@ export function headerOf(bytes: ArrayBuffer): MapHeader {
   return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, minZoom, maxZoom };
 }
 
-/** Numbers with seven bits per byte, the lowest first (varints). */
+/** Numbers with seven bits per byte, least significant first (varints). */
 class Numbers {
   private at = 0;
 
@@ -77,7 +77,7 @@ export function directoryOf(bytes: Uint8Array): Entry[] {
   for (let i = 0; i < count; ++i) entries.push({ tile: (tile += numbers.next()), run: 0, size: 0, at: 0 });
   for (const entry of entries) entry.run = numbers.next();
   for (const entry of entries) entry.size = numbers.next();
-  let end = 0; // of the entry before: most are contiguous
+  let end = 0; // end of the previous entry: most entries are contiguous
   for (const [i, entry] of entries.entries()) {
     const said = numbers.next();
     if (said === 0 && i === 0) throw new MapFault("a directory has no start offset");
@@ -87,7 +87,7 @@ export function directoryOf(bytes: Uint8Array): Entry[] {
   return entries;
 }
 
-/** The entry that contains `tile`; undefined: there is no such tile. */
+/** The entry that contains `tile`; undefined: none. */
 export function entryFor(entries: readonly Entry[], tile: number): Entry | undefined {
   let low = 0, high = entries.length; // all entries before `low` begin at or before `tile`
   while (low < high) {
@@ -99,7 +99,7 @@ export function entryFor(entries: readonly Entry[], tile: number): Entry | undef
   return entry && (entry.run === 0 || tile < entry.tile + entry.run) ? entry : undefined;
 }
 
-/** Tiles are numbered zoom after zoom, and within a zoom along the Hilbert curve, so that neighbours have close numbers. */
+/** Tiles are numbered zoom by zoom, and within a zoom along the Hilbert curve, so that neighbours have similar numbers. */
 export function tileNumber(zoom: number, x: number, y: number): number {
   let number = (4 ** zoom - 1) / 3;
   for (let side = 2 ** (zoom - 1); side >= 1; side /= 2) {

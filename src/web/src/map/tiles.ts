@@ -1,18 +1,18 @@
-// The pictures of the gateway's map, fetched when they become visible.
+// The pictures of the gateway's map, loaded when they become visible.
 import { onHeard, onTokenNeeded, path, refusalOf } from "../api";
 import { Store } from "../live/store";
 import { MapFile } from "./map_file";
 import { MapFault, type Part } from "./pmtiles";
 
-const maxKept = 160; // pictures: 40 MB with 256 × 256 pixels
-const maxRequests = 6; // at once; further ones are made when these have ended, if still needed
+const maxKept = 160; // pictures: 40 MB at 256 × 256 pixels
+const maxRequests = 6; // at the same time; others are requested later if still needed
 const againAfter = 5000; // milliseconds after a failed request
 
 type Kept = { picture?: ImageBitmap; asked?: boolean; failedAt?: number; none?: boolean };
 
-/** Changes when a picture has come, so that the map is drawn again. */
+/** Changes when a picture was loaded, so that the map is redrawn. */
 export const mapNews = new Store(0);
-/** A clause: why no map can be shown; empty: there is a map, or it is not known yet. */
+/** A clause with the reason why no map can be shown. Empty: there is a map, or it is not known yet. */
 export const mapFault = new Store("");
 
 export class MapTiles {
@@ -24,18 +24,18 @@ export class MapTiles {
   private version = "";
   attribution = "";
 
-  /** The zooms of the map; undefined while they are not known. */
+  /** The zooms of the map; undefined: not known yet. */
   get zooms(): { minZoom: number; maxZoom: number } | undefined {
     if (!this.file) void this.open().catch(() => undefined);
     return this.file?.header;
   }
 
-  /** The picture, if it was fetched; with `ask`, a missing one is fetched. */
+  /** The picture, if already loaded; with `ask`, a missing one is requested. */
   picture(zoom: number, x: number, y: number, ask: boolean): ImageBitmap | undefined {
     const key = `${zoom}/${x}/${y}`;
     const known = this.kept.get(key);
     if (known?.picture) {
-      this.kept.delete(key); // moves it to the end: used last
+      this.kept.delete(key); // moved to the end: most recently used
       this.kept.set(key, known);
       return known.picture;
     }
@@ -105,7 +105,7 @@ export class MapTiles {
     return response.arrayBuffer();
   }
 
-  /** The file was replaced: forgets everything about the old one. */
+  /** The file was replaced: discards all data of the old one. */
   private beginAnew(): never {
     this.version = "";
     this.file = this.opening = undefined;

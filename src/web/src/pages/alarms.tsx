@@ -1,4 +1,4 @@
-// The alarm limits of a device: kept in the gateway, for all who look at it.
+// The alarm limits of a device, stored in the gateway for all viewers.
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { entryOf } from "../entries";
 import { significant } from "../format";
@@ -16,7 +16,7 @@ import { numberIn } from "../parts/numbers";
 import { DeviceHeading, DeviceText } from "../parts/device_text";
 import { isFlexible, isNumber, type MessageTable } from "../protocol/table";
 
-/** A limit as it is typed, in people's units. */
+/** A limit as typed, in the units shown to users. */
 interface Draft {
   field: string;
   side: "below" | "above";
@@ -40,7 +40,7 @@ function formOf(limit: Limit): Draft {
   return { field: limit.field, side: limit.side, amber: text(limit.amber, factor), red: text(limit.red, factor), cells: text(limit.cells, 1), for_s: limit.for_s > 0 ? text(limit.for_s, 1) : "" };
 }
 
-/** The limit, or the words of what is wrong. */
+/** The limit, or the key of the error text. */
 function limitOf(draft: Draft): Limit | Key {
   const { factor } = limitWords({ field: draft.field, cells: undefined });
   const read = (typed: string): number | undefined => (typed.trim() === "" ? undefined : (numberIn(typed) ?? Number.NaN));
@@ -54,14 +54,14 @@ function limitOf(draft: Draft): Limit | Key {
   return { key: keyOf(draft), field: draft.field, side: draft.side, amber: inTable(amber), red: inTable(red), cells, for_s };
 }
 
-/** A field that may be the charge of the battery: the protocol has none, but a flexible message of the device may. */
+/** A field that may be the charge of the battery. The protocol has none, but a flexible message of the device may. */
 const percentOf = (of: MessageTable | undefined, device: number): string | undefined => {
   const rows = (of?.rows ?? []).filter((row) => isFlexible(row.id) && (row.source === undefined || row.source === device));
   const all = rows.flatMap((row) => row.fields.filter((field) => field.unit === "%" && isNumber(field)).map((field) => `${row.name}.${field.name}`));
   return all.find((name) => /batt|soc|charge|capacity|percent|电/i.test(name)) ?? all[0];
 };
 
-/** Every number that a device may send, by message. */
+/** All number fields that a device may send as telemetry, by message. */
 const fieldsOf = (of: MessageTable | undefined): { message: string; fields: string[] }[] => {
   const found = new Map<string, Set<string>>();
   for (const row of of?.rows ?? [])
@@ -100,7 +100,7 @@ export function Alarms({ device }: { device: number }) {
   useLanguage();
   useTick(500);
   const of = useStore(table), kept = useStore(keptLimits).get(device), beyond = useStore(alarms);
-  const drafts = useStore(draftOf<Draft[]>("alarms", device)); // undefined: as the gateway keeps them
+  const drafts = useStore(draftOf<Draft[]>("alarms", device)); // undefined: unchanged, as stored in the gateway
   const setDrafts = (changed: Draft[] | undefined): void => setDraft("alarms", device, changed);
   const [fault, setFault] = useState("");
   const action = useAction();

@@ -87,7 +87,7 @@ const titleOf = (name: string): string => {
   return title ? t(title) : name;
 };
 
-/** All figures of the gateway about the quality of the result. */
+/** All figures from the gateway about the quality of the result. */
 function Result({ value }: { value: unknown }) {
   const rows = typeof value === "object" && value !== null ? Object.entries(value) : [];
   return (

@@ -1,4 +1,4 @@
-// Fields of messages over time.
+// Charts of fields over time.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { called } from "../addresses";
 import { significant } from "../format";
@@ -19,7 +19,7 @@ import { isNumber, type MessageTable } from "../protocol/table";
 
 const windows = [5, 10, 30, 60, 180, 600];
 
-/** The chart data is kept while the page is open, also when another view is shown. */
+/** Kept while the web page is open, also while another view is shown. */
 let kept: ChartData | undefined;
 
 function chosenBefore(): Chosen[] {
@@ -79,7 +79,7 @@ function Picker({ data, onChange }: { data: ChartData; onChange: () => void }) {
 
 const numberText = (value: number | undefined): string => (value === undefined || Number.isNaN(value) ? "–" : significant(value, 6));
 
-/** The newest value of each line, the one under the pointer, and its difference from the one at the measuring mark. */
+/** For each line, the newest value, the value at the pointer, and its difference from the value at the measuring mark. */
 function Values({ lines, look, mark, onRemove }: { lines: readonly Line[]; look: number | undefined; mark: number | undefined; onRemove: (key: string) => void }) {
   useTick(250);
   const gone = useStore(lostDevices);
@@ -120,11 +120,11 @@ interface View {
   stopped: { from: number; to: number } | undefined; // the visible range while paused
 }
 
-/** Milliseconds in which frames are collected: longer than where single values are read, because the curves are drawn that much later and so
- * move without steps. */
+/** Milliseconds for which frames are collected: longer than for single values, because the curves are drawn with this
+ * delay and therefore move smoothly. */
 const batch = 100;
 
-/** Draws once per frame of the screen, and only when something has changed visibly. */
+/** Draws once per screen frame, and only if there is a visible change. */
 function useDrawing(data: ChartData | undefined, count: number, view: { current: View }, onLook: (time: number | undefined) => void, onZoom: (from: number, to: number) => void) {
   const holder = useRef<HTMLDivElement>(null);
   const plot = useRef<Plot | undefined>(undefined);
@@ -135,7 +135,7 @@ function useDrawing(data: ChartData | undefined, count: number, view: { current:
     let changed = true;
     const watch = new ResizeObserver(() => { drawn.fit(); changed = true; });
     watch.observe(holder.current);
-    let lead = Number.NEGATIVE_INFINITY; // how far the newest frame is ahead of the page's clock without delay: everything older than that by `batch` has been received
+    let lead = Number.NEGATIVE_INFINITY; // lead of the newest frame over the page's clock without delay: everything older than that by `batch` has been received
     let running = 0;
     const step = (): void => {
       running = requestAnimationFrame(step);

@@ -1,4 +1,4 @@
-// The commands of a device, as described by the device.
+// The commands that a device describes.
 import { useEffect, useState } from "preact/hooks";
 import { called } from "../addresses";
 import { t, useLanguage } from "../i18n";

@@ -30,7 +30,7 @@ export function Firmware({ device }: { device: number }) {
   const [crc, setCrc] = useState(crcs[0]!);
   const [force, setForce] = useState(false);
   const action = useAction();
-  const [isAskedAnew, setAskedAnew] = useState(false); // with new firmware it has another version: the old one is not shown meanwhile
+  const [isAskedAnew, setAskedAnew] = useState(false); // new firmware has another version: the old one is hidden until the scan ends
   useEffect(() => {
     if (!ended?.ok) return;
     setFile(undefined);

@@ -1,4 +1,4 @@
-// The frames that pass, a row for each sender and message; an opened row shows fields and bytes.
+// The received frames: one row for each sender and message; an opened row shows fields and bytes.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { finder } from "../finder";
@@ -18,7 +18,7 @@ import { SendForm } from "../parts/send_form";
 
 const maxShown = 300;
 
-/** The first values, as many as fit into a line. */
+/** The first values; CSS hides those that don't fit in the line. */
 function Brief({ reading, size }: { reading: Reading | Unreadable; size: number }) {
   if (typeof reading === "string") return <span class="muted">{t(reading, { n: size })}</span>;
   const shown = reading.fields().filter(({ field }) => field.type !== "bytes" && field.type !== "list" && field.type !== "frames").slice(0, 8);
@@ -82,7 +82,7 @@ function Row({ row, of, open, onToggle, now, tables, isGone }: { isGone: boolean
 
 const textOf = (row: FrameRow, of: MessageTable): string => `${hexByte(row.from)} ${nameOf(row.from)} ${of.name(row.id)} ${hexByte(row.id)} ${titleText(of.name(row.id), of.title(row.id))}`;
 
-/** The rows of one direction, while it is shown. */
+/** The rows of one direction, updated while it is shown. */
 function useRows(direction: Direction): { rows: FrameRows; tables: Tables | undefined} {
   const of = useStore(table);
   const rows = useMemo(() => new FrameRows(), [direction]);

@@ -1,4 +1,4 @@
-// Pictures that devices send: 0xB0.
+// Pictures from devices: 0xB0.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { called } from "../addresses";
 import { rateText } from "../format";
@@ -59,7 +59,7 @@ export function Images() {
           const whole = picture.filled === rowBytes(picture) * picture.height;
           const isFirst = !heard.current.has(record.from);
           heard.current.add(record.from);
-          if (isFirst && !whole) continue; // it may have begun before this page was shown
+          if (isFirst && !whole) continue; // reception may have begun in the middle of this picture
           const one = shown.current.get(record.from) ?? { picture, rate: new Rate(), broken: 0 };
           one.picture = picture;
           one.rate.add(seconds());

@@ -1,4 +1,4 @@
-// The table of all pages, in the order of the navigation.
+// All pages, in the order of the navigation.
 import type { FunctionComponent } from "preact";
 import type { Key } from "../i18n";
 import { pageOfDevice, type Place } from "../route";
@@ -20,7 +20,7 @@ export interface Page {
   name: string;
   title: Key;
   ofDevice: boolean;
-  asks?: true; // needs a real device: those of a recording do not answer
+  asks?: true; // sends requests to the device, so not available for devices of a recording
   view: FunctionComponent<{ device: number }>;
 }
 

@@ -1,4 +1,4 @@
-// The log messages of devices: 0xA0 and 0xA1.
+// Log messages of devices: 0xA0 and 0xA1.
 import { useEffect, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { ask } from "../api";
@@ -15,7 +15,7 @@ import { LostFrames } from "../parts/lost_frames";
 import { hexByte, Reading } from "../protocol/table";
 
 export interface Entry {
-  missed?: string; // why messages may be missing here
+  missed?: string; // the reason why messages may be missing here
   number: number;
   time: number;
   from: number;
@@ -25,9 +25,9 @@ export interface Entry {
 }
 
 const maxEntries = 2000;
-const maxText = 2000; // characters of an entry: a device can send more than anybody reads
+const maxText = 2000; // characters of an entry, because a device can send very long ones
 
-/** Kept while the page is open. */
+/** Kept while the web page is open. */
 const entries: Entry[] = [];
 let count = 0;
 
@@ -36,7 +36,7 @@ function add(entry: Omit<Entry, "number">): void {
   while (entries.length > maxEntries) entries.splice(oldestOfMost(), 1);
 }
 
-/** The place of the oldest entry of the device with the most, so that nobody displaces the lines of others. */
+/** The index of the oldest entry of the device with the most entries, so that a device can't displace the lines of others. */
 function oldestOfMost(): number {
   const of = new Map<number, number>();
   for (const one of entries) of.set(one.from, (of.get(one.from) ?? 0) + 1);
@@ -54,7 +54,8 @@ interface KeptLine {
 
 const everybody = 255;
 
-/** What the gateway kept of the time before, or while another page was open. Its clock is the one of the frames, but it looks at it a moment earlier or later. */
+/** Adds the lines that the gateway stored before, or while another page was open. Both sides use the gateway's clock, but read it at slightly
+ * different moments, so equal lines may differ by up to 0.1 s. */
 async function fill(): Promise<void> {
   const answer = await ask<{ lines?: KeptLine[] }>(`/devices/${everybody}/log`, { timeout: 5000 });
   if (!answer.ok || !Array.isArray(answer.value.lines)) return;

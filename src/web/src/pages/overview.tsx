@@ -1,4 +1,4 @@
-// Overview of the gateway, problems first.
+// Overview of the gateway, beginning with problems.
 import { useState } from "preact/hooks";
 import { causeText, errorText, hintText, inWords, reasonText, t, useLanguage } from "../i18n";
 import { lossesByCause } from "../live/counters";
@@ -15,7 +15,7 @@ interface Trouble {
   who: string;
   text: string;
   bad: boolean;
-  page?: string; // the page with details
+  page?: string; // page with details
 }
 
 function troublesOf(status: Status): Trouble[] {

@@ -1,4 +1,4 @@
-// The parameters of a device: writes only the changed ones, and shows the values that the device stored.
+// The parameters of a device. Writes only changed ones, and shows the values that the device has stored.
 import { useState } from "preact/hooks";
 import { ask, type Answer } from "../api";
 import { t, useLanguage } from "../i18n";
@@ -52,7 +52,7 @@ function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Par
 
 type Which = "all" | "changed" | "file" | "defaults";
 
-/** By the key of the parameter. */
+/** By key of the parameter. */
 type Typed = Record<string, string>;
 const nothing: Typed = {};
 
@@ -92,7 +92,7 @@ export function Parameters({ device }: { device: number }) {
       async (): Promise<Answer<{ parameters: Written[] }>> => {
         const answer = await run<{ parameters: Written[] }>({ method: "POST", body: { parameters: changes } }, path(device, "apply"));
         const result = answer.ok ? answer.value : (answer.refusal.body as { parameters?: Written[] } | undefined);
-        const keys = Object.keys(changes); // in their order the gateway tells of each, by its name alone
+        const keys = Object.keys(changes); // the gateway reports the rows in this order, and only with their names
         if (Array.isArray(result?.parameters)) stored(result.parameters.map((one, i) => ({ ...one, name: has(changes, one.name) ? one.name : (keys[i] ?? one.name) })));
         return answer;
       },

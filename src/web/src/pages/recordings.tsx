@@ -1,4 +1,4 @@
-// Recordings on the gateway: begin, end, download, delete; and the state of the disk.
+// Recordings on the gateway: start, end, download, delete; state of the disk.
 import { useEffect, useState } from "preact/hooks";
 import { path, type Refusal } from "../api";
 import { bytesText, clockText, dayText, shortNumber } from "../format";
@@ -13,7 +13,7 @@ const between = 1000; // milliseconds from a response to the next request
 const lasts = (seconds: number): string => inWords(Math.round(seconds));
 const clock = (time: number): string => `${dayText(time)} ${clockText(time)}`;
 
-/** Requested periodically while the page is shown. */
+/** Requested periodically while the page is visible. */
 function useRecordings(): { all: All | undefined; fault: Refusal | undefined; look: () => void } {
   const [all, setAll] = useState<All>();
   const [fault, setFault] = useState<Refusal>();
@@ -143,7 +143,7 @@ function Row({ one, seconds, action }: { one: Recording; seconds: number | null;
   );
 }
 
-/** A file that is being written does not tell its length yet; the recording does, unless it has several files. */
+/** The list has no length of a file that is being written; the running recording has it, unless it has several files. */
 const runsFor = (file: Recording, running: RunningRecording[]): number | null =>
   running.find((one) => one.files === 1 && one.file.split("/").at(-1) === file.name)?.seconds ?? null;
 

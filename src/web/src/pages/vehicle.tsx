@@ -1,4 +1,4 @@
-// One vehicle: attitude, position, state.
+// A vehicle: attitude, position, state.
 import { useEffect, useMemo } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { fixed } from "../format";
@@ -18,7 +18,7 @@ import { Track } from "../parts/track";
 import { addPlace, addPoint, earthTrackOf, trackOf } from "../parts/tracks";
 import { isPlace, onGround } from "../parts/waypoint_set";
 
-/** Maximum rates of the messages that the page shows, per second; more would not be seen. */
+/** Maximum rates of the messages on this page, per second; higher rates would not be visible. */
 const wanted: Record<string, number> = {
   euler: 30, quaternion: 30, altitude: 10, velocity: 10, position: 10, mode: 10, power: 4, gps: 5, module_status: 2, return_home: 4, wind: 2, remote_control: 20, pwm: 10,
 };
@@ -53,7 +53,7 @@ function addPointOf(latest: Latest, device: number): void {
   if (point) addPoint(trackOf(device), point);
 }
 
-const fixes = [2, 3, 4]; // values of fix_sta with a known position
+const fixes = [2, 3, 4]; // values of fix_sta with a valid position
 
 function placeOf(latest: Latest): Place | undefined {
   const fix = latest.number("gps", "fix_sta", 0), lng = latest.number("gps", "lng", 0), lat = latest.number("gps", "lat", 0);
@@ -99,7 +99,7 @@ function numbersOf(latest: Latest, message: string): [string, number][] {
 
 const lockWords: Record<number, Key> = { 0: "flag_locked", 1: "flag_unlocked", 2: "flag_airborne" };
 
-/** Of a vehicle that was lost before this page was opened, the state is what was known last. */
+/** If no state was received while this page was open, shows the last one known to the gateway. */
 function State({ latest, device, now }: { latest: Latest; device: number; now: number }) {
   const seen = latest.number("mode", "sflag", now), mode = latest.number("mode", "mode", now);
   const before = seen ? undefined : lastStateOf(device);

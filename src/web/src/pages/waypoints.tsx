@@ -1,4 +1,4 @@
-// Waypoints, on the grid and in a table.
+// Waypoints, on the ground and in a table.
 import { useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { ask } from "../api";
@@ -24,7 +24,7 @@ const columns: { name: Column; unit: string; factor: number }[] = [
   { name: "spd", unit: "m/s", factor: 100 }, { name: "yaw", unit: "°", factor: 1 }, { name: "fun", unit: "", factor: 1 },
 ];
 
-/** An input for a number: text that is not a number stays in the field, but does not change the value. */
+/** An input for a number. Text that is not a number stays in the field, but does not change the value. */
 function Cell({ label, value, disabled, onValue }: { label: string; value: number; disabled: boolean; onValue: (value: number) => void }) {
   const [typed, setTyped] = useState<string>();
   const bad = typed !== undefined && numberIn(typed) === undefined;
@@ -59,7 +59,7 @@ function WaypointTable({ all, disabled, onChange }: { all: Waypoint[]; disabled:
 
 export function Waypoints({ device }: { device: number }) {
   useLanguage();
-  const [stored, setStored] = useState<Waypoint[]>(); // in the device
+  const [stored, setStored] = useState<Waypoint[]>(); // as read from the device
   const draft = useStore(draftOf<Waypoint[]>("waypoints", device));
   const all = draft ?? stored;
   const setAll = (changed: Waypoint[]): void => setDraft("waypoints", device, JSON.stringify(changed) === JSON.stringify(stored) ? undefined : changed);
@@ -70,7 +70,7 @@ export function Waypoints({ device }: { device: number }) {
     action.run(
       async () => {
         const answer = await run<{ written: number }>({ method: "PUT", body }, path(device, "waypoints" + (form ? "?format=" + form : "")));
-        if (answer.ok && !form) setDraft("waypoints", device, undefined); // it was sent
+        if (answer.ok && !form) setDraft("waypoints", device, undefined); // everything was sent
         if (answer.ok) void read();
         return answer;
       },

@@ -11,10 +11,10 @@ import { DeviceText } from "./device_text";
 interface Outcome {
   words: string;
   good: boolean;
-  job?: number | undefined; // the one that uses the device
+  job?: number | undefined; // id of the job that uses the device
 }
 
-/** The details that the gateway gives about a failure. */
+/** Details of a failure from the gateway. */
 function evidenceText(evidence: Record<string, unknown> | undefined): string {
   const parts: string[] = [];
   const { sent, rtt_ms: trip, ...rest } = evidence ?? {};
@@ -31,7 +31,7 @@ export function refusalText(refusal: Refusal): string {
   return refusal.status === 504 ? t("no_answer_of_device", { why }) : refusal.what === "busy" ? t("busy", { why }) : t("refused", { why });
 }
 
-/** The job that a refusal names. */
+/** The id of the job named in a refusal. */
 function jobIn(refusal: Refusal): number | undefined {
   const job = (refusal.body as { job?: unknown } | undefined)?.job;
   return typeof job === "number" ? job : undefined;
@@ -42,7 +42,7 @@ const pageOfKind: Record<string, string> = {
   waypoints: "waypoints", put_waypoints: "waypoints", firmware: "firmware", calibration: "calibration",
 };
 
-/** Leads to the page on which the job that uses the device can be seen, continued and cancelled. */
+/** A link to the page where the job that uses the device can be watched, continued and cancelled. */
 function OpenJob({ id }: { id: number }) {
   const [job, setJob] = useState<Job>();
   useEffect(() => {
@@ -53,7 +53,7 @@ function OpenJob({ id }: { id: number }) {
   return <a class="open-job" href={hashOf({ page, device: Number(job.device) })}>{t(job.state === "waiting" ? "open_waiting_job" : "open_job", { page: t(page as Key) })}</a>;
 }
 
-/** Why a job failed, and the way to the one that was in its way. */
+/** The reason why a job failed, with a link to the job that prevented it. */
 export function JobFault({ refusal }: { refusal: Refusal }) {
   const job = jobIn(refusal);
   return <p class="bad" role="alert">✕ <DeviceText text={refusalText(refusal)} /> {job !== undefined && <OpenJob id={job} />}</p>;
@@ -62,12 +62,12 @@ export function JobFault({ refusal }: { refusal: Refusal }) {
 export interface Action {
   busy: boolean;
   outcome: Outcome | undefined;
-  /** Does nothing while an action runs, so that a double click does not do it twice. */
+  /** Has no effect while an action runs, so that a double click does not repeat it. */
   run<T>(work: () => Promise<Answer<T>>, words: (value: T) => string): void;
   say(outcome: Outcome | undefined): void;
 }
 
-/** `after`: called when an action has ended, however. */
+/** `after`: called when an action has ended, with or without success. */
 export function useAction(after?: () => void): Action {
   const running = useRef(false);
   const gone = useRef(false);

@@ -1,4 +1,4 @@
-// What the operator must know at once, on every page: the gateway or a device is not heard, a value is beyond its limit, a device logs an error.
+// Alerts on every page: no contact to the gateway, lost devices, values that exceed their limit, errors logged by devices.
 import type { ComponentChildren } from "preact";
 import { called } from "../addresses";
 import { fixed } from "../format";
@@ -11,7 +11,7 @@ import { ageOf, alarms, dismissAlarm, dismissLost, dismissRed, elsewhereOf, flag
 import { hashOf, pageOfDevice } from "../route";
 import { DeviceText, tx } from "./device_text";
 
-const shown = 3; // devices; more would hide the page
+const shown = 3; // devices; with more, the alerts would hide the page
 
 const stateWord = (flag: number | undefined): string => (flag === 0 ? t("flag_locked") : flag === 1 ? t("flag_unlocked") : flag === 2 ? t("flag_airborne") : "");
 
@@ -20,7 +20,7 @@ const known: Record<string, () => string> = {
   "return_home.r_d": () => t("home_distance"), "altitude.alt_fu": () => t("altitude"),
 };
 
-/** What a limit is about, and in which unit its numbers are. */
+/** The name of the value of a limit, and the unit, factor and digits of its numbers. */
 export function limitWords(limit: Pick<Limit, "field" | "cells">): { label: string; unit: string; factor: number; digits: number } {
   const field = table.get()?.rows.filter((row) => row.name === messageOf(limit)).flatMap((row) => row.fields).find((one) => one.name === fieldOf(limit));
   const [factor, unit] = inPeoplesUnits(1, field?.unit ?? "");
@@ -87,7 +87,7 @@ export function Alerts() {
   );
 }
 
-/** In front of the title of the document; empty: all is well. */
+/** The beginning of the document title; empty: no alerts. */
 export function alertTitle(): string {
   if (contact.get() === "lost") return `⚠ ${t("no_contact")} · `;
   const [lost] = lostNews.get();

@@ -12,7 +12,7 @@ export const rangeText = (type: string): string => {
   return range && !isWide(type) ? ` ${range[0]}…${range[1]}` : "";
 };
 
-/** The values for the types that the device declares; undefined: one is not a number, or out of range. Integers beyond 2^53 stay text. */
+/** The values in the types that the device declares; undefined: a value is not a number, or out of range. Integers beyond 2^53 stay text. */
 export function valuesOf(types: readonly string[], typed: readonly string[]): unknown[] | undefined {
   const values = types.map((type, i) => {
     const text = typed[i] ?? "";

@@ -1,9 +1,9 @@
-// A question before an action that moves something or can't be undone.
+// Asks for confirmation before an action that moves something or can't be undone.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { t } from "../i18n";
 
-// The second click of a double click must not confirm.
+// Clicks within this time are ignored, so that the second click of a double click does not confirm.
 const deafFor = 400; // milliseconds
 
 export function Confirm({ label, question, yes, no: leave, disabled, kind, onYes }: { label: string; question: ComponentChildren; yes: string; no?: string; disabled?: boolean; kind?: string; onYes: () => void }) {

@@ -1,4 +1,4 @@
-// Offers data of the browser as a file to download.
+// Offers data as a file to download.
 import { clockText, dayText } from "../format";
 
 export function download(name: string, blob: Blob): void {

@@ -1,6 +1,6 @@
 // Reads the header of a .bia file (protocol.md, 0xF0). Pure.
 export interface FirmwareFile {
-  bytes: number; // of the image
+  bytes: number; // of the image, without the header
   header?: { version: number; crc: number; hwType: number; hwMin: number; hwMax: number };
 }
 

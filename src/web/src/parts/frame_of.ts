@@ -1,4 +1,4 @@
-// Makes the JSON of a frame from the input in the form of a message. Pure.
+// Makes the JSON of a frame from the values typed in the form. Pure.
 import { isNumber, isNumeric, type FieldRow, type MessageRow } from "../protocol/table";
 import { isWide, numberIn } from "./numbers";
 
@@ -12,7 +12,7 @@ function valueOf(field: FieldRow, text: string): unknown {
   return isWide(field.type) && !Number.isSafeInteger(numbers[0]) ? text.trim() : numbers[0];
 }
 
-/** Empty fields are omitted, except for those that select this layout. */
+/** Empty fields are omitted, except those that select this layout. */
 export function frameOf(row: MessageRow, from: string, to: string, values: Record<string, string>): Typed {
   const source = numberIn(from), destination = numberIn(to);
   if (source === undefined) return { fault: "from" };

@@ -1,4 +1,4 @@
-// Draws the ground from above: a grid or a map, the flown track, the planned route.
+// Draws the ground from above: a grid or a map, the track, the planned route.
 import { onMap, type Datum, type Place } from "../map/datum";
 import { tilesUnder } from "../map/placing";
 import { mapTiles } from "../map/tiles";
@@ -15,23 +15,23 @@ export interface Scene {
   track: readonly Point[];
   marks: readonly Mark[];
   now: Point | undefined;
-  origin?: Place; // the position of { x: 0, y: 0 } on earth, if up is north
+  origin?: Place; // position on earth of { x: 0, y: 0 }, if up is north
 }
 
-/** A step of the grid that leaves lines at least 45 pixels apart: 1, 2 or 5 times a power of ten. */
+/** Spacing of the grid, with at least 45 pixels between lines: 1, 2 or 5 times a power of ten. */
 export function gridStep(metresPerPixel: number): number {
   const minStep = metresPerPixel * 45;
   const power = 10 ** Math.floor(Math.log10(minStep));
   return power * ([1, 2, 5, 10].find((n) => n * power >= minStep) ?? 10);
 }
 
-/** The middle of the marks and the start. */
+/** The centre of the marks and the start. */
 export function middleOf(marks: readonly Point[]): Point {
   const xs = [0, ...marks.map((mark) => mark.x)], ys = [0, ...marks.map((mark) => mark.y)];
   return { x: (Math.min(...xs) + Math.max(...xs)) / 2, y: (Math.min(...ys) + Math.max(...ys)) / 2 };
 }
 
-/** Metres per pixel at which all marks are visible. */
+/** The scale in metres per pixel at which all marks are visible. */
 export function scaleFor(marks: readonly Point[]): number {
   const middle = middleOf(marks);
   const farthest = Math.max(10, ...marks.map((mark) => Math.max(Math.abs(mark.x - middle.x), Math.abs(mark.y - middle.y))));
@@ -65,7 +65,7 @@ function sheetOn(canvas: HTMLCanvasElement, middle: Point, scale: number): Sheet
   return { pen, width, height, scale, middle, px, py, colour: (name) => style.getPropertyValue(name).trim() };
 }
 
-const maxZoomsUp = 4; // while a tile is missing, a part of a tile up to this many zooms above is shown
+const maxZoomsUp = 4; // while a tile is missing, a part of a tile up to this many zooms lower is shown
 
 function drawMap({ pen, width, height, scale, middle }: Sheet, origin: Place, datum: Datum): void {
   const zooms = mapTiles.zooms;
@@ -75,7 +75,7 @@ function drawMap({ pen, width, height, scale, middle }: Sheet, origin: Place, da
       const picture = mapTiles.picture(zoom - up, x >> up, y >> up, up === 0);
       if (!picture) continue;
       const part = picture.width / 2 ** up, mask = 2 ** up - 1;
-      pen.drawImage(picture, (x & mask) * part, (y & mask) * part, part, part, left, top, size + 0.5, size + 0.5); // 0.5: no gap between tiles
+      pen.drawImage(picture, (x & mask) * part, (y & mask) * part, part, part, left, top, size + 0.5, size + 0.5); // 0.5: avoids gaps between tiles
       break;
     }
 }
@@ -97,7 +97,7 @@ function drawGrid({ pen, width, height, scale, middle, px, py, colour }: Sheet):
   }
 }
 
-/** Text with an outline, readable on any background. */
+/** Text with an outline, to be readable on any background. */
 function write({ pen, colour }: Sheet, words: string, x: number, y: number, ink: string): void {
   pen.lineWidth = 3;
   pen.strokeStyle = colour("--card");
@@ -106,7 +106,7 @@ function write({ pen, colour }: Sheet, words: string, x: number, y: number, ink:
   pen.fillText(words, x, y);
 }
 
-/** The length of a step of the grid. */
+/** A scale bar with the spacing of the grid. */
 function drawScale(sheet: Sheet): void {
   const { pen, height, scale, colour } = sheet;
   const step = gridStep(scale);
@@ -149,14 +149,14 @@ function drawVehicle({ pen, px, py, colour }: Sheet, now: Point, yaw: number): v
   pen.rotate((-yaw * Math.PI) / 180);
   pen.fillStyle = colour("--bad");
   pen.beginPath(); pen.moveTo(0, -12); pen.lineTo(8, 10); pen.lineTo(0, 5); pen.lineTo(-8, 10); pen.closePath();
-  pen.lineWidth = 2; // outline, visible on any background
+  pen.lineWidth = 2; // outline, to be visible on any background
   pen.strokeStyle = colour("--card");
   pen.stroke();
   pen.fill();
   pen.restore();
 }
 
-/** `datum`: of the map that is drawn instead of the grid; `way`: connects the marks in their order. */
+/** `datum`: of the map, which is drawn instead of the grid; `way`: connects the marks in order. */
 export function drawGround(canvas: HTMLCanvasElement, scene: Scene, yaw: number, scale: number, way: boolean, datum: Datum | undefined): void {
   const sheet = sheetOn(canvas, scene.now ?? middleOf(scene.marks), scale);
   if (!sheet) return;

@@ -1,10 +1,10 @@
-// A button that acts only when it is held down, by finger, mouse or key, so that an accidental touch does nothing.
+// A button that must be held down by finger, mouse or key, so that an accidental touch has no effect.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { t } from "../i18n";
 
 export const holdFor = 800; // milliseconds
 
-/** Releases the pointer capture of a touch: otherwise the button would not notice that the finger slips off. */
+/** Releases the pointer capture of a touch: with it, the button gets no event when the finger slips off. */
 function letGo(event: PointerEvent): void {
   const at = event.currentTarget as Element;
   if (at.hasPointerCapture(event.pointerId)) at.releasePointerCapture(event.pointerId);

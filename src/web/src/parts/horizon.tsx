@@ -1,7 +1,7 @@
-// Attitude indicator. Angles in degrees, X forward, Y left, Z up: positive roll to the right, pitch nose down, yaw to the left.
+// Attitude indicator. Angles in degrees, X forward, Y left, Z up: positive roll is to the right, positive pitch nose down, positive yaw to the left.
 import { t } from "../i18n";
 
-const perDegree = 1.6; // units of the drawing
+const perDegree = 1.6; // drawing units per degree
 
 function Ladder() {
   const rungs = [-60, -50, -40, -30, -20, -10, 10, 20, 30, 40, 50, 60];

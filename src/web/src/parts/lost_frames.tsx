@@ -1,4 +1,4 @@
-// Tells that the stream of the present view left frames out.
+// A note that the stream of the current view has lost frames.
 import { t } from "../i18n";
 import { frameStream } from "../live/frames";
 

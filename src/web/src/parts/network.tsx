@@ -1,4 +1,4 @@
-// A diagram of the network: the gateway, its links, the devices behind each link, and the live traffic.
+// A diagram of the network: the gateway, its links, the devices on each link, and the current traffic.
 import { useState } from "preact/hooks";
 import { causeText, hintText, inWords, t } from "../i18n";
 import { drops, lost } from "../live/counters";
@@ -13,7 +13,7 @@ import { ageOf, lostDevices } from "../live/watch";
 import { DeviceText } from "./device_text";
 import { calmHints } from "../words_of_gateway";
 
-/** A wire with an animated flow, faster at a higher rate; no flow without frames. */
+/** A line with an animated flow, faster at a higher rate; no animation without frames. */
 function Wire({ rate, back }: { rate: number; back: boolean }) {
   const flows = rate > 0.05;
   const period = flows ? Math.max(0.35, 2.2 - 0.55 * Math.log10(1 + rate)) : 0;
@@ -43,11 +43,11 @@ function Who({ route }: { route: Route }) {
   );
 }
 
-/** The peers of a link that may have several. */
+/** The peers of a listening link. */
 function Peers({ link }: { link: Link }) {
   if (!link.kind.endsWith("-listen")) return null;
   const shown = link.channels.slice(0, 6);
-  if (shown.length === 0 && link.hint_id === "no_peer_yet") return null; // the hint says it already
+  if (shown.length === 0 && link.hint_id === "no_peer_yet") return null; // the hint already says so
   if (shown.length === 0) return <p class="muted">{t("no_peers")}</p>;
   return (
     <ul class="peers" aria-label={t("peers")}>
@@ -86,7 +86,7 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
   const rate = (name: string): number | undefined => rateOf([link], [name]);
   const losing = rateOf([link], lost(link).map(([name]) => name));
   const calm = calmHints.has(link.hint_id);
-  const troubled = link.error !== "" || (link.hint !== "" && !calm); // the list above names the trouble
+  const troubled = link.error !== "" || (link.hint !== "" && !calm); // the list above shows the error or hint
   const where = link.device ?? link.address ?? link.peer;
   return (
     <li class={`branch ${up ? "up" : "down"} ${troubled ? "troubled" : ""}`}>

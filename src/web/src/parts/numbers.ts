@@ -1,6 +1,6 @@
-// Numbers as people type them, and the types that devices declare. Pure.
+// Parses typed numbers; the types that devices declare. Pure.
 
-/** As in C: -1.5, 1e-7, 0xDC; undefined: not a number. */
+/** Parses C notation: -1.5, 1e-7, 0xDC. undefined: not a number. */
 export function numberIn(text: string): number | undefined {
   const plain = text.trim();
   if (plain === "") return undefined;
@@ -16,10 +16,10 @@ export function bigIn(value: string | number): bigint | undefined {
   }
 }
 
-/** Integers that a double can't hold: they are sent and kept as text. */
+/** Types whose integers may exceed a double: their values are sent and stored as text. */
 export const isWide = (type: string): boolean => type.endsWith("64") && type !== "f64";
 
-/** The least and the greatest value of an integer type; undefined: it is none. */
+/** The smallest and the largest value of an integer type; undefined: not an integer type. */
 export function wholeRangeOf(type: string): [bigint, bigint] | undefined {
   const [, sign, bits] = /^([ui])(8|16|32|64)$/.exec(type) ?? [];
   if (!sign) return undefined;

@@ -1,36 +1,36 @@
-// The parameters of a device, the input for them, and files of them. Pure.
+// The parameters of a device, typed values, and parameter files. Pure.
 import { jsonIn } from "../json";
 import { bigIn, isWide, numberIn, wholeRangeOf } from "./numbers";
 
 export interface Parameter {
   id: number;
-  key: string; // by which the gateway and files know it
+  key: string; // the name used by the gateway and in files
   name?: string;
   type?: string | null;
-  value?: number | string; // "nan", "inf", "-inf" for values that JSON does not have
+  value?: number | string; // "nan", "inf", "-inf" for values not possible in JSON
   text?: string;
   min?: number;
   max?: number;
-  mul?: number; // the device has the value times this, as an integer
+  mul?: number; // the device stores the value times this as an integer
   missing?: boolean;
-  unreadable?: string; // "4 bytes for u8": what came is no value of its type
+  unreadable?: string; // "4 bytes for u8": the received value does not have its type
 }
 
-/** With their keys, as in files of anoctl: the name; with the number, "GAIN#3", where several have that name, or none. */
+/** Adds the keys, as in files of anoctl: the name; or with the number, "GAIN#3", if the name is empty or not unique. */
 export function keyed(all: readonly Omit<Parameter, "key">[]): Parameter[] {
   const known = new Map<string, number>();
   for (const { name = "" } of all) known.set(name, (known.get(name) ?? 0) + 1);
   return all.map((one) => ({ ...one, key: one.name && known.get(one.name) === 1 ? one.name : `${one.name ?? ""}#${one.id}` }));
 }
 
-/** Calibration values, which are valid for one piece of hardware only. */
+/** Calibration values are valid only for one piece of hardware. */
 export const isCalibration = (name: string): boolean => name.startsWith("CAL_");
 
-/** Devices choose the names of their parameters, also "constructor". */
+/** Own properties only, because a device may name a parameter "constructor". */
 export const has = (all: object, name: string): boolean => Object.prototype.hasOwnProperty.call(all, name);
 export const named = <T>(all: Readonly<Record<string, T>> | undefined, name: string): T | undefined => (all && has(all, name) ? all[name] : undefined);
 
-/** Whether the values are equal, independent of notation: 5, 5.0, 0x05. */
+/** Whether the values are equal, regardless of notation: 5, 5.0, 0x05. */
 export function isSame(value: number | string | undefined, text: string, type: string | null | undefined): boolean {
   if (value === undefined) return false;
   if (type === "string" || type === "text") return String(value) === text;
@@ -47,7 +47,7 @@ export function isSame(value: number | string | undefined, text: string, type: s
 
 type ValueFault = { key: "not_a_number" | "not_whole" } | { key: "out_of_range"; min: number | string; max: number | string };
 
-/** Why the device can't have this value; undefined: it can, as far as its description says. */
+/** Why the value is not possible; undefined: it is possible according to the parameter's description. */
 export function faultOf(parameter: Omit<Parameter, "key">, text: string): ValueFault | undefined {
   const { type, min, max, mul } = parameter;
   if (!type || type === "string" || type === "text") return undefined;
@@ -65,7 +65,7 @@ export function faultOf(parameter: Omit<Parameter, "key">, text: string): ValueF
   return exact < least || exact > most ? { key: "out_of_range", min: String(least), max: String(most) } : undefined;
 }
 
-/** The values that differ from those of the device, by key. */
+/** The typed values that differ from those of the device, by key. */
 export function changesOf(parameters: readonly Parameter[], typed: Readonly<Record<string, string>>): Record<string, string> {
   return Object.fromEntries(parameters.flatMap((parameter): [string, string][] => {
     const text = named(typed, parameter.key);
@@ -73,13 +73,13 @@ export function changesOf(parameters: readonly Parameter[], typed: Readonly<Reco
   }));
 }
 
-/** In the same form as of anoctl: {device, name, sw, parameters: {NAME: value}}. */
+/** The same format as anoctl writes: {device, name, sw, parameters: {NAME: value}}. */
 export function fileOf(device: { address: string; name?: string; sw?: number }, parameters: readonly Parameter[]): string {
   const values = Object.fromEntries(parameters.filter((one) => one.value !== undefined).map((one) => [one.key, one.value]));
   return JSON.stringify({ device: device.address, name: device.name, sw: device.sw, parameters: values }, null, 2) + "\n";
 }
 
-/** Values by name; undefined: not such a file. Integers keep all their digits. Texts with U+FFFD, which older versions wrote in place of GBK, are left out. */
+/** Values by name; undefined: not a parameter file. Integers keep all digits. Texts with U+FFFD are omitted: older versions wrote it instead of GBK. */
 export function valuesIn(text: string): Record<string, string> | undefined {
   const json = jsonIn(text.replace(/(:\s*)(-?\d{16,})(?=\s*[,}\]])/g, '$1"$2"'));
   if (typeof json !== "object" || json === null) return undefined;
@@ -88,7 +88,7 @@ export function valuesIn(text: string): Record<string, string> | undefined {
   return Object.fromEntries(Object.entries(values).filter(([, value]) => typeof value === "number" || (typeof value === "string" && !value.includes("\ufffd"))).map(([name, value]) => [name, String(value)]));
 }
 
-/** The device that a file is of, if it is known and differs from `device`: compared by name, or without one by address. */
+/** The device of the file if it is known and differs from `device`, compared by name, or by address if there is no name. Otherwise undefined. */
 export function strangerIn(text: string, device: { address: string; name?: string | undefined }): string | undefined {
   const said = (jsonIn(text) ?? {}) as { device?: unknown; name?: unknown };
   if (typeof said.name === "string" && said.name && device.name) return said.name === device.name ? undefined : said.name;

@@ -1,4 +1,4 @@
-// The buttons for lock and land, on all pages of a vehicle that has these commands.
+// The buttons for lock and land, on all pages of a device that has these commands.
 import { useEffect } from "preact/hooks";
 import { t } from "../i18n";
 import { call, commandsOf, pinnedOf, readCommands, type Command } from "../live/device";

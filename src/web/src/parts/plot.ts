@@ -1,4 +1,4 @@
-// Draws the chart with uPlot, which gets only as many points as there are columns of pixels.
+// Draws the chart with uPlot, with only as many points as there are pixel columns.
 import uPlot from "uplot";
 import { clockText } from "../format";
 import type { Line } from "../live/chart_data";
@@ -10,8 +10,8 @@ const maxAxes = 4;
 const css = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const scaleOf = (unit: string): string => "y" + unit;
 
-/** One or two values for each column of pixels: vertical bars for adjacent columns, lines over the gaps. Bars cost a tenth of a line through
- * all values. Where an angle wraps around, its ends are not joined. */
+/** Draws one or two values per pixel column: vertical bars for adjacent columns, lines over gaps. Bars cost a tenth of a line through all values.
+ * Where an angle wraps around, its ends are not connected. */
 export function drawColumns(plot: uPlot, values: readonly (number | null)[], unit: string, colour: string): void {
   const { ctx, bbox } = plot;
   const range = plot.scales[scaleOf(unit)];
@@ -33,7 +33,7 @@ export function drawColumns(plot: uPlot, values: readonly (number | null)[], uni
     const first = values[i], second = values[i + 1];
     if (first == null) continue;
     if (second == null || Number.isNaN(first)) {
-      before = -4; // the values end here
+      before = -4; // the line ends here
       continue;
     }
     const at = bbox.left + (times[i]! - x.min!) * perSecond;
@@ -68,7 +68,7 @@ export class Plot {
   private from = 0;
   private to = 1;
 
-  /** `onLook`: the time under the pointer, or undefined; `onZoom`: a range that the user selected. */
+  /** `onLook` receives the time at the pointer, or undefined; `onZoom` receives a range selected by the user. */
   constructor(
     private readonly holder: HTMLElement,
     private readonly lines: readonly Line[],
@@ -111,13 +111,13 @@ export class Plot {
     this.columns = Math.max(16, Math.floor(this.plot.bbox.width / devicePixelRatio));
   }
 
-  /** Does nothing when no pixel would change. */
+  /** Does nothing if no pixel would change. */
   draw(from: number, to: number, changed: boolean): void {
     const pixel = (to - from) / Math.max(this.columns, 1);
     if (!changed && Math.abs(from - this.from) < pixel && Math.abs(to - this.to) < pixel) return;
     this.from = from;
     this.to = to;
-    // Columns are aligned to fixed times, so that a drawn peak does not change its height.
+    // Columns are aligned to fixed times, so that a peak does not change its height while the chart moves.
     const start = Math.floor(from / pixel) * pixel, end = start + (this.columns + 1) * pixel;
     columnTimes(start, end, this.columns + 1, this.data[0] as number[]);
     this.lines.forEach((line, i) => envelope(line.series, start, end, this.columns + 1, this.data[i + 1]!));

@@ -1,4 +1,4 @@
-// Sends a frame from a form made from the message table, and shows what became of it.
+// Sends a frame from a form based on the message table, and shows the links that sent, queued or dropped it.
 import { useState } from "preact/hooks";
 import { ask } from "../api";
 import { causeText, t, titleText } from "../i18n";

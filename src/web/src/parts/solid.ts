@@ -8,7 +8,7 @@ export const dot = (a: Vec, b: Vec): number => a[0] * b[0] + a[1] * b[1] + a[2] 
 
 const normals: Record<FaceName, Vec> = { "+x": [1, 0, 0], "-x": [-1, 0, 0], "+y": [0, 1, 0], "-y": [0, -1, 0], "+z": [0, 0, 1], "-z": [0, 0, -1] };
 
-/** Turns the box so that a face is up: by a quarter or half turn about a horizontal axis. */
+/** Rotates the box so that a face is up: by a quarter or half turn around a horizontal axis. */
 export function turnedUp(face: FaceName, [x, y, z]: Vec): Vec {
   switch (face) {
     case "+x": return [-z, y, x];
@@ -26,7 +26,7 @@ export interface View {
   towards: Vec; // direction to the viewer
 }
 
-/** The viewer is at `azimuth` around the vertical axis, at elevation `height`; in degrees. */
+/** The viewer is at `azimuth` around the vertical axis and elevation `height`, both in degrees. */
 export function viewFrom(azimuth: number, height: number): View {
   const a = (azimuth * Math.PI) / 180, h = (height * Math.PI) / 180;
   return {
@@ -74,7 +74,7 @@ export interface Cell {
   points: [number, number][];
 }
 
-/** The visible cells of a sphere with cells of equal area; cell = band * sectors + sector, bands from the bottom, sectors from the back. */
+/** The visible cells of a sphere with cells of equal area. cell = band * sectors + sector; bands from the bottom, sectors from the back. */
 export function sphereCells(bands: number, sectors: number, view: View): Cell[] {
   const at = (z: number, angle: number): Vec => {
     const r = Math.sqrt(Math.max(0, 1 - z * z));

@@ -1,4 +1,4 @@
-// Sound and vibration of alarms. Browsers allow both only after the user has touched the page.
+// Sound and vibration of alarms. Browsers allow both only after the first user interaction with the page.
 import { remember, remembered } from "../kept";
 import { Store } from "../live/store";
 
@@ -16,7 +16,7 @@ function unlock(): void {
     context ??= new AudioContext();
     void context.resume();
   } catch {
-    // this browser has no sound
+    // no sound in this browser
   }
 }
 

@@ -8,7 +8,7 @@ import { mapFault, mapNews, mapTiles } from "../map/tiles";
 import { drawGround, scaleFor, type Scene } from "./ground";
 import { clearTracks } from "./tracks";
 
-/** `onMap`: the same by satellite position, if known. `way`: connects the marks in their order. */
+/** `onMap`: the scene by satellite position, if known. `way`: connects the marks in order. */
 export function Track({ device, scene, onMap, yaw, way = false }: { device: number; scene: Scene; onMap: Scene | undefined; yaw: number; way?: boolean }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [chosen, setScale] = useState<number>(); // metres per pixel

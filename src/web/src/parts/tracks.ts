@@ -1,18 +1,18 @@
-// The tracks of devices, while the page is open. Pure.
+// The tracks of devices since the page was opened. Pure.
 import { entryOf } from "../entries";
 import type { Place } from "../map/datum";
 import type { Point } from "./ground";
 import { onGround } from "./waypoint_set";
 
 const maxPoints = 6000;
-const nearest = 0.05; // m: nearer points count as the same
-const maxDistance = 100_000; // m from the begin of a track: farther away, the earth is not flat enough
+const nearest = 0.05; // m; nearer points count as the same
+const maxDistance = 100_000; // m from the start of a track: beyond this, a flat earth is not accurate enough
 
-/** By the position that the device reports, relative to its take-off. */
+/** From the position reported by the device, relative to take-off. */
 const tracks = new Map<number, Point[]>();
 export const trackOf = (device: number): Point[] => entryOf(tracks, device, () => []);
 
-/** By satellite position. */
+/** From the satellite position. */
 export interface EarthTrack {
   origin: Place;
   points: Point[];
@@ -31,7 +31,7 @@ export function addPoint(track: Point[], point: Point): void {
   const last = track[track.length - 1];
   if (last && Math.hypot(last.x - point.x, last.y - point.y) < nearest) return;
   track.push(point);
-  // Removes every second point of the older half, which keeps the shape.
+  // Of the older half, removes every second point, which preserves the shape.
   if (track.length > maxPoints) {
     const half = track.splice(0, maxPoints / 2).filter((_, i) => i % 2 === 0);
     track.unshift(...half);

@@ -1,4 +1,4 @@
-// Waypoints in the gateway's form, and their positions on the ground. Pure.
+// Waypoints in the gateway's format, and their positions on the ground. Pure.
 import type { Place } from "../map/datum";
 import type { Point } from "./ground";
 
@@ -13,12 +13,12 @@ export interface Waypoint {
   cmd: number[];
 }
 
-/** False for 0, 0, which a device sends without a position. */
+/** False for 0, 0, which devices send if they have no position. */
 export const isPlace = (at: Place | undefined): at is Place => at !== undefined && (at.lng !== 0 || at.lat !== 0) && Math.abs(at.lat) <= 90 && Math.abs(at.lng) <= 180;
 
 const metresPerDegree = 111_320;
 
-/** Metres north and west of `home`: accurate for some kilometres. */
+/** Metres north and west of `home`; accurate for some kilometres. */
 export function onGround(home: Place, at: Place): Point {
   return { x: (at.lat - home.lat) * metresPerDegree, y: -(at.lng - home.lng) * metresPerDegree * Math.cos((home.lat * Math.PI) / 180) };
 }
@@ -31,7 +31,7 @@ export function onEarth(home: Place, at: Point): Place {
 
 const numbers = ["num", "lng", "lat", "alt", "spd", "yaw", "fun"] as const;
 
-/** The waypoints in a file of the gateway's own form; undefined: it has another form. */
+/** The waypoints of a file in the gateway's format; undefined: another format. */
 export function waypointsIn(json: unknown): Waypoint[] | undefined {
   const list = typeof json === "object" && json !== null ? (json as { waypoints?: unknown }).waypoints : undefined;
   if (!Array.isArray(list)) return undefined;
@@ -46,7 +46,7 @@ export function waypointsIn(json: unknown): Waypoint[] | undefined {
   return all.some((one) => !one) ? undefined : (all as Waypoint[]);
 }
 
-/** The forms of other programs, which the gateway reads itself. */
+/** Formats of other programs, which the gateway parses. */
 export function foreignForm(json: unknown): "geojson" | "qgc" | undefined {
   const given = typeof json === "object" && json !== null ? (json as Record<string, unknown>) : {};
   return given.type === "FeatureCollection" || given.type === "Feature" ? "geojson" : given.fileType === "Plan" ? "qgc" : undefined;

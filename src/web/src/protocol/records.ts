@@ -1,4 +1,4 @@
-// Frames in the form of GET /frames?format=binary: one WebSocket message has many records.
+// Parses GET /frames?format=binary: one WebSocket message contains several records.
 import { jsonIn } from "../json";
 
 export const directions = ["in", "out", "dropped"] as const;
@@ -6,7 +6,7 @@ export type Direction = (typeof directions)[number];
 
 export interface FrameRecord {
   time: number; // Unix seconds
-  boot: number; // seconds since the gateway's computer was started, including time asleep
+  boot: number; // seconds since boot of the gateway's computer, including sleep
   link: number;
   channel: number; // 255: no channel
   direction: Direction;
@@ -14,15 +14,15 @@ export interface FrameRecord {
   from: number;
   to: number;
   id: number;
-  data: Uint8Array; // refers to the memory of the message: copy it to keep it
+  data: Uint8Array; // refers to the memory of the message; copy it to keep it
 }
 
-const elsewhere = 0x80; // in the byte of the direction: the source is at home elsewhere; the page does not ask for such frames
+const elsewhere = 0x80; // flag in the byte of the direction: received on a link other than the route of its source; the page does not request these
 const headSize = 20;
 const frameHead = 6; // HEAD S_ADDR D_ADDR ID LEN
 const frameChecks = 2;
 
-/** Calls `take` for each record; false: the bytes end within a record, or are not records. */
+/** Calls `take` for each record. False: the message ends within a record, or contains no records. */
 export function takeRecords(message: ArrayBuffer, take: (record: FrameRecord) => void): boolean {
   const view = new DataView(message);
   let at = 0;
@@ -50,7 +50,7 @@ export function takeRecords(message: ArrayBuffer, take: (record: FrameRecord) =>
   return true;
 }
 
-/** The text messages between the binary ones. */
+/** Text messages between the binary ones. */
 export interface Tables {
   links: (string | null)[];
   channels: (string | null)[];

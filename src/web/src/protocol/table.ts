@@ -1,12 +1,12 @@
-// The message table of the gateway (GET /messages), and reading frames by it. No message is treated by its name here.
+// The message table of the gateway (GET /messages), and decoding of frames. No message has special treatment by its name here.
 import { entryOf } from "../entries";
 
 export interface FieldRow {
   name: string;
   type: string; // "u8" … "f64", "text", "bytes", "ip", "frames", "list"
   offset: number;
-  count?: number | null; // null: to the end
-  endian?: "big"; // high byte first
+  count?: number | null; // null: up to the end of DATA
+  endian?: "big"; // most significant byte first
   scale?: number;
   unit?: string;
   range?: [number, number];
@@ -28,19 +28,19 @@ export interface MessageRow {
   class: string;
   replaces: string;
   acknowledged: string;
-  source?: number; // a flexible layout of this sender only
+  source?: number; // flexible layout for only this sender
   fields: FieldRow[];
   element?: FieldRow[];
 }
 
-/** null: "no data": a sentinel, or NaN. Bytes are hex. */
+/** null: "no data", by a sentinel or NaN. Bytes are hex text. */
 export type Value = number | bigint | string | null | Value[] | { [name: string]: Value };
 
 export type Unreadable = "unknown_id" | "unknown_layout" | "too_short";
 
 const numberSizes: Record<string, number> = { u8: 1, i8: 1, u16: 2, i16: 2, u32: 4, i32: 4, u64: 8, i64: 8, f32: 4, f64: 8 };
 
-/** Addresses of hosts, which are no devices. */
+/** Addresses of hosts, which are not devices. */
 export const hosts: readonly number[] = [0xfe, 0xd2];
 export const isHost = (address: number): boolean => hosts.includes(address);
 
@@ -49,12 +49,12 @@ export const isNumeric = (type: string): boolean => type in numberSizes;
 /** Whether it is a single number. */
 export const isNumber = ({ type, count }: FieldRow): boolean => isNumeric(type) && (count ?? 1) === 1;
 
-/** Messages whose fields the devices choose. */
+/** Messages whose fields are defined by devices. */
 export const isFlexible = (id: number): boolean => id >= 0xf1 && id <= 0xfa;
 
 const isOpen = (field: FieldRow): boolean => field.count === null || field.type === "list";
 
-/** The size of a field in bytes; 0 if it extends to the end. */
+/** The size of a field in bytes; 0 if it extends to the end of DATA. */
 export function sizeOf(field: FieldRow): number {
   if (isOpen(field)) return 0;
   const one = field.type === "ip" ? 4 : (numberSizes[field.type] ?? 1);
@@ -88,7 +88,7 @@ function wireNumber(field: FieldRow, view: DataView, at: number): number | bigin
   }
 }
 
-/** 4567 hundredths are 45.67, not 45.67000000000001: divides if the scale is one over an integer. */
+/** 4567 hundredths are 45.67, not 45.67000000000001: divides if 1 / scale is an integer. */
 function scaled(wire: number, scale: number): number {
   if (scale === 1) return wire;
   const divisor = 1 / scale;
@@ -108,7 +108,7 @@ const utf8 = new TextDecoder("utf-8");
 const utf8Strict = new TextDecoder("utf-8", { fatal: true });
 let gbk: TextDecoder | undefined;
 
-/** Bytes of a last UTF-8 character that is cut off; 0: none is. */
+/** Number of bytes of an incomplete UTF-8 character at the end; 0: none. */
 function cutUtf8(bytes: Uint8Array): number {
   for (let n = 1; n <= 3 && n <= bytes.length; n++) {
     const byte = bytes[bytes.length - n] ?? 0;
@@ -118,7 +118,7 @@ function cutUtf8(bytes: Uint8Array): number {
   return 0;
 }
 
-/** Whether the last byte begins a GBK character that is cut off. */
+/** Whether the last byte begins an incomplete GBK character. */
 function isCutGbk(bytes: Uint8Array): boolean {
   let at = 0;
   while (at < bytes.length) at += (bytes[at] ?? 0) > 0x80 && bytes[at] !== 0xff ? 2 : 1;
@@ -148,11 +148,11 @@ const used = (bytes: Uint8Array): Uint8Array => {
   return end < 0 ? bytes : bytes.subarray(0, end);
 };
 
-/** Whether it is GBK and not UTF-8. */
+/** Whether the text is GBK and not UTF-8. */
 export const isGbk = (bytes: Uint8Array): boolean => !isUtf8(used(bytes)) && gbkOf(used(bytes)) !== undefined;
 
 /**
- * Up to the first zero byte, without a last character that is cut off; decoded as GBK when it is not UTF-8, or when the sender is known to
+ * The text up to the first zero byte, without an incomplete last character. Decoded as GBK if it is not UTF-8, or if the sender is known to
  * write GBK.
  */
 export function textOf(bytes: Uint8Array, writesGbk = false): string {
@@ -163,7 +163,7 @@ export function textOf(bytes: Uint8Array, writesGbk = false): string {
 
 const viewOf = (data: Uint8Array): DataView => new DataView(data.buffer, data.byteOffset, data.byteLength);
 
-/** A frame's DATA in one layout of the table. */
+/** DATA of a frame, decoded with a layout of the table. */
 export class Reading {
   constructor(
     readonly row: MessageRow,
@@ -209,7 +209,7 @@ export class Reading {
     return this.row.fields.map((field) => ({ field, value: this.value(field) }));
   }
 
-  /** Bytes after the layout: allowed, but their meaning is not known. */
+  /** Bytes after the layout: allowed, but with unknown meaning. */
   extra(): Uint8Array {
     const last = this.row.fields[this.row.fields.length - 1];
     if (last && last.type === "list") {
@@ -220,7 +220,7 @@ export class Reading {
   }
 }
 
-/** Text without control characters, and only zero bytes after the first one. */
+/** Whether this is text without control characters, followed only by zero bytes. */
 function isPaddedText(bytes: Uint8Array): boolean {
   const text = used(bytes);
   return text.every((byte) => byte >= 0x20 && byte !== 0x7f) && bytes.subarray(text.length).every((byte) => byte === 0);
@@ -246,7 +246,7 @@ function isPlausible(row: MessageRow, data: Uint8Array): boolean {
   return true;
 }
 
-/** In longer DATA of what a device sends again and again, others may stand before the fields. */
+/** In DATA longer than the layout, other fields may precede the known ones. Applies only to messages whose frames replace earlier ones. */
 function isPerhapsShifted(row: MessageRow, data: Uint8Array): boolean {
   const last = row.fields.at(-1);
   return row.replaces !== "nothing" && data.length > row.size && last !== undefined && !isOpen(last);
@@ -267,13 +267,13 @@ function fits(row: MessageRow, base: MessageRow, data: Uint8Array): boolean {
 
 export class MessageTable {
   private readonly byId = new Map<number, MessageRow[]>();
-  private readonly gbkSenders = new Set<number>(); // those of whom a text was GBK and not UTF-8
+  private readonly gbkSenders = new Set<number>(); // senders of at least one text that was GBK and not UTF-8
 
   constructor(readonly rows: MessageRow[]) {
     for (const row of rows) entryOf(this.byId, row.id, (): MessageRow[] => []).push(row);
   }
 
-  /** Every layout of an id, the base first. */
+  /** All layouts of an id, the base layout first. */
   layouts(id: number): readonly MessageRow[] {
     return this.byId.get(id) ?? [];
   }
@@ -290,7 +290,7 @@ export class MessageTable {
     return this.layouts(id)[0]?.title ?? "";
   }
 
-  /** The layout of DATA of `id` from `source`, or why there is none. */
+  /** The layout of DATA of `id` from `source`, or the reason why there is none. */
   layoutOf(id: number, source: number, data: Uint8Array): MessageRow | Unreadable {
     const all = this.layouts(id);
     const base = all[0];
