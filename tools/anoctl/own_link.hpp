@@ -38,7 +38,7 @@ public:
     /// Closes the link. Must not be called from within the FrameTaker.
     void stop();
     /// Sends a frame to every channel on which its destination was heard, or else to all channels. False: no channel accepted it,
-    /// for example because none is open.
+    /// for example because none is open or the port of the link is missing.
     bool send(ano::FrameView frame);
     /// Sends zero bytes (Outbox::flush_parser()) before `next`, the frame that will be passed to send().
     ano::Flush flush_parser(ano::FrameView next);

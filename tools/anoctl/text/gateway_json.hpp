@@ -65,12 +65,11 @@ std::optional<double> length_of_recording(const ano::Json& file);
 
 /// Whether frames of this link that no link accepts are no loss: it is a replay, or there is no host. anoctl and the page receive
 /// them in any case.
-/// them in any case.
 template <class Json>
 bool is_alone(const Json& link) {
     return link.is_object() && (link.contains("replayed") || (link.contains("hint_id") && link.at("hint_id") == "no_host_takes"));
 }
-/// The names of the counters of dropped frames. `is_alone`: as returned for the link by the function above.
+/// The names of the counters of dropped frames. `is_alone`: whether is_alone() is true for the link.
 const std::vector<std::string>& drop_causes(bool is_alone);
 /// The names of counters that only some kinds of links have.
 const std::vector<std::string>& counts_of_kinds();
