@@ -31,7 +31,7 @@ void append_cell(std::string_view text, std::string& out) {
     out += '"';
 }
 
-// Empty for what JSON lacks.
+// Appends nothing for a value that JSON can't represent, such as NaN.
 void append_value(const ano::Field& f, const ano::Value& value, std::string& out) {
     if (const auto* const real = std::get_if<double>(&value)) {
         if (!std::isfinite(*real)) return;
@@ -55,13 +55,13 @@ CsvWriter::CsvWriter(std::uint8_t id, const ano::JsonOptions& options) : options
         if (layout.id() == id) add_columns(layout.fields());
 }
 
-// Addresses of layouts may be those of others now.
+// Forgets the cells, which are keyed by address: a new layout may have the address of an old one.
 void CsvWriter::use(const ano::FlexibleLayouts& flexible) {
     options_.flexible = &flexible;
     cells_.clear();
 }
 
-// Layouts share the columns of fields with the same name and unit.
+// Fields with the same name and unit share a column across layouts.
 void CsvWriter::add_columns(std::span<const ano::Field> fields) {
     for (const ano::Field& f : fields) {
         for (int i = is_array(f) ? 0 : -1; i < (is_array(f) ? int{f.count} : 0); ++i) {

@@ -23,7 +23,7 @@ public:
     /// For message `id`, which need not be in the table of messages. What `options` refers to must outlive the writer.
     CsvWriter(std::uint8_t id, const ano::JsonOptions& options);
 
-    /// Of the frames that follow. The columns stay: where one is missing, the line has all of DATA.
+    /// Layouts of the frames that follow. The columns stay: a line whose layout has a field without a column has all of DATA.
     void use(const ano::FlexibleLayouts& flexible);
 
     /// Appends the names of the columns.
@@ -39,7 +39,7 @@ private:
 
         bool is_of(const ano::Field& f) const { return field == f.name && unit == f.unit; }
     };
-    /// Which columns the fields of a layout fill.
+    /// The fields of a layout, by the column that each fills.
     struct Cells {
         std::vector<const ano::Field*> fields;    // by column; nullptr: the layout lacks it
         bool are_all = true;                      // every field has a column

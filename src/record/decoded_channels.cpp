@@ -29,7 +29,7 @@ struct DecodedDevice {
 
     std::string topic;    // "/fc/device_5/"
     StandardMessages standard;
-    std::array<ChannelNumber, 256> channels{};    // by the id of the message; not of flexible ones
+    std::array<ChannelNumber, 256> channels{};    // by the id of the message; not for flexible messages
     std::map<const ano::FlexibleLayout*, ChannelNumber> flexible_channels;
     std::array<ChannelNumber, standard_topics> standard_channels{};
 };
@@ -137,7 +137,7 @@ std::string_view DecodedChannels::State::encode_standard(const RosMessage& type,
     return text;
 }
 
-// nullptr: a new one would be beyond the limit.
+// nullptr if a further device would exceed the limit.
 DecodedDevice* DecodedChannels::State::device_of(const RecordedFrame& frame) {
     auto link = links.find(frame.link);
     if (link == links.end()) {
@@ -172,7 +172,7 @@ const KnownMessage& DecodedChannels::State::message_of(std::uint8_t id, const an
     return *known[id];
 }
 
-// Layouts are known by their address, which another one may have once they are gone.
+// Forgets the known flexible layouts: they are keyed by address, and a new layout may have the address of an old one.
 void DecodedChannels::State::use(DecodingPtr now) {
     if (!now) now = std::make_shared<const Decoding>();
     if (decoding && *decoding == *now) return;

@@ -2,7 +2,7 @@
 //
 // Flow:    DecodedChannels decoded{DecodedEncoding::cdr};
 //          for (const DecodedMessage& message : decoded.decode(frame)) {
-//              const DecodedChannel& channel = decoded.channels()[message.channel];     // new ones are announced first, with their schema
+//              const DecodedChannel& channel = decoded.channels()[message.channel];     // announce a new one first, with its schema
 //              const DecodedSchema& schema = decoded.schemas()[channel.schema];
 //          }
 //
@@ -56,11 +56,12 @@ public:
     DecodedChannels(const DecodedChannels&) = delete;
     DecodedChannels& operator=(const DecodedChannels&) = delete;
 
-    /// The frames that follow are decoded with this. A flexible message whose layout may have changed gets a new channel of the same topic.
+    /// Sets the decoding of the frames that follow. A flexible message whose layout may have changed gets a new channel with the
+    /// same topic.
     void use(DecodingPtr decoding);
 
-    /// No message for a frame that is not in the table of messages; several if standard ROS messages fit besides our own. Valid until
-    /// the next call.
+    /// Returns no message for a frame that is not in the table of messages, and several if standard ROS messages match besides
+    /// our own. Valid until the next call.
     std::span<const DecodedMessage> decode(const RecordedFrame& frame);
 
     const std::deque<DecodedSchema>& schemas() const noexcept;

@@ -1,5 +1,5 @@
-// What has to be known beside the frames in order to decode them: the layouts of flexible messages, the links whose devices send
-// Euler angles with other signs, and those with a stated encoding of texts. Every recording carries it.
+// What is needed besides the frames to decode them: the layouts of flexible messages, the links whose devices send Euler angles
+// with other signs, and the links with a configured encoding of texts. Every recording contains it.
 #pragma once
 #include <ano/attitude.hpp>
 #include <ano/flexible.hpp>
@@ -18,14 +18,14 @@ namespace anogate {
 
 struct Settings;
 
-/// In which encoding the devices of a link write their texts, where it is not found out from these alone.
+/// The encoding of the texts that the devices of a link send, if it is not detected from the texts alone.
 enum class LinkTexts : std::uint8_t {
     utf8,
     gbk,
-    expect_gbk,    // found out, but GBK is usual: profile=vendor
+    expect_gbk,    // detected, but GBK is likely: profile=vendor
 };
 
-/// Never changes once it is made, and may be shared by threads.
+/// Immutable, so threads may share it.
 class Decoding {
 public:
     Decoding() = default;
@@ -40,13 +40,13 @@ public:
     ano::EulerSigns attitude(std::string_view link) const {
         return lx_.contains(link) ? ano::EulerSigns::lx : ano::EulerSigns::document;
     }
-    /// Nothing differs from the message table and the protocol text.
-    /// std::nullopt: found out from them.
+    /// The configured encoding of the texts of `link`; std::nullopt: it is detected from the texts.
     std::optional<LinkTexts> texts(std::string_view link) const {
         const auto found = texts_.find(link);
         return found == texts_.end() ? std::nullopt : std::optional{found->second};
     }
     const std::map<std::string, LinkTexts, std::less<>>& texts() const noexcept { return texts_; }
+    /// Nothing differs from the message table and the protocol text.
     bool is_usual() const noexcept { return flexible_.empty() && lx_.empty() && texts_.empty(); }
 
     /// As JSON, in one line: {"flexible": [...], "attitude": {"fc": "lx"}, "encoding": {"fc": "gbk"}}
@@ -69,7 +69,7 @@ private:
 using DecodingPtr = std::shared_ptr<const Decoding>;
 bool decode_alike(const DecodingPtr& a, const DecodingPtr& b);
 
-/// That of a configuration. `flexible`: the layouts in place of those in `settings`.
+/// The decoding of a configuration. `flexible`: the layouts to use instead of those in `settings`.
 DecodingPtr decoding_of(const Settings& settings, std::vector<ano::FlexibleSpec> flexible);
 
 }    // namespace anogate

@@ -15,7 +15,7 @@ bool is_far_ahead(std::chrono::seconds changed, std::chrono::seconds since_1970)
     return changed > std::max(since_1970, clock_was_set) + far_ahead;
 }
 
-// Sorts the oldest first. Among the files of one recording that changed in the same second, "flight.pcapng" is first, and
+// Sort key: oldest first. Among the files of one recording that changed in the same second, "flight.pcapng" is first, and
 // "flight-10.pcapng" comes after "flight-9.pcapng".
 auto order_of(const KeptRecording& recording) {
     return std::tuple{-recording.age, !recording.is_far_ahead, recording.changed, recording.name.size(),
@@ -31,12 +31,12 @@ std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings)
     return order;
 }
 
-// Which recordings are kept unless they are too old.
+// The recordings that are kept unless they are too old, by their index.
 struct Staying {
     std::vector<bool> for_bytes, for_free;
 };
 
-// While one is being written, the newest of the others may be deleted for free bytes, but not for `bytes`.
+// While a recording is being written, the newest of the others may be deleted for free bytes, but not for `bytes`.
 Staying which_stay(std::span<const KeptRecording> recordings, const std::vector<std::size_t>& order) {
     Staying stay{std::vector<bool>(recordings.size()), std::vector<bool>(recordings.size())};
     for (std::size_t i = 0; i < recordings.size(); ++i)
@@ -47,8 +47,8 @@ Staying which_stay(std::span<const KeptRecording> recordings, const std::vector<
     return stay;
 }
 
-// For each time of a change: how much older than the newest it is, without the longest pause in between. Ignores the file being written,
-// whose time is the clock's, files ahead of a clock that is set, and files far ahead.
+// For each time of a change: how much older than the newest file it is, without the longest pause in between. Ignores the file
+// being written, because its time is that of the clock; files ahead of the clock if the clock is set; and files far ahead.
 std::map<std::chrono::seconds, std::chrono::seconds> ages_by_time(std::span<const KeptRecording> recordings,
                                                                   std::chrono::seconds since_1970) {
     const bool is_set = since_1970 >= clock_was_set;

@@ -1,14 +1,14 @@
 // The constants of pcapng (draft-ietf-opsawg-pcapng), and how a recording is stored in it.
 //
 //   link                      an interface: if_name, if_description; timestamps in ns
-//   direction                 epb_flags; for a dropped frame the direction it had
+//   direction                 epb_flags; for a dropped frame the direction in which it passed before
 //   cause of a drop           the comment "dropped: CAUSE": Wireshark lists comments as such and filters by frame.comment
 //   channel                   epb_queue, which Wireshark shows as the interface's queue; the comment "channel N: PEER" of the first
-//                             frame of a channel tells its peer
+//                             frame of a channel names its peer
 //   loss                      epb_dropcount of the next frame, and its comment "lost: NAMES"; after the last frame in the statistics
 //                             of an interface
-//   what decodes the frames   the comment "decoding: JSON" of the first frame, and of a frame before which it has changed; a long one
-//                             in several comments, which are put together
+//   decoding                  the comment "decoding: JSON" of the first frame, and of a frame before which it has changed; a long one
+//                             is split into several comments, to be concatenated
 //   time since the start      an option for local use: no tool shows it, and programs that save the file again drop it
 //   program, both clocks      shb_userappl and the comment of the section
 //   the end                   the statistics of every interface: a file without them was not ended properly
@@ -53,7 +53,7 @@ inline constexpr std::size_t max_decoding_part = 60'000;       // bytes; an opti
 inline constexpr std::string_view unix_mark = "unix time ";    // "unix time 1763898044.123456789 s, boot time 1234.567890123 s"
 inline constexpr std::string_view boot_mark = " s, boot time ";
 
-/// The name of the interface that a recording without frames gets, so that it can have an end.
+/// The name of the interface in a recording without frames: the end mark needs an interface.
 inline constexpr std::string_view no_link = "-";
 
 }    // namespace anogate::pcapng

@@ -34,14 +34,14 @@ std::uint64_t units_per_second(std::uint8_t resolution) {
 std::uint64_t nanoseconds_of(std::uint64_t units, std::uint64_t per_second) {
     if (per_second == 0) return 0;
     const std::uint64_t rest = units % per_second;
-    const bool exact = per_second <= 10 * second_ns;    // the product fits
+    const bool exact = per_second <= 10 * second_ns;    // the product fits into 64 bits
     const std::uint64_t below = exact ? rest * second_ns / per_second
                                       : static_cast<std::uint64_t>(static_cast<double>(rest) / static_cast<double>(per_second) *
                                                                    static_cast<double>(second_ns));
     return units / per_second * second_ns + below;
 }
 
-// Removes "1763898044.123456789" from the front; the result in ns.
+// Parses "1763898044.123456789" at the front and removes it; the result in ns.
 std::optional<std::uint64_t> take_seconds(std::string_view& text) {
     std::uint64_t seconds = 0, below = 0;
     const char* const end = text.data() + text.size();
@@ -76,7 +76,7 @@ std::uint64_t PcapngReader::u64(Bytes bytes, std::size_t at) const noexcept {
     return swapped_ ? __builtin_bswap64(number) : number;
 }
 
-// The list also ends with the block, and at an invalid option.
+// The list also ends at the end of the block, and at an invalid option.
 std::optional<PcapngReader::Option> PcapngReader::take_option(Bytes& options) const noexcept {
     if (options.size() < 4) return std::nullopt;
     const std::uint16_t code = u16(options, 0);

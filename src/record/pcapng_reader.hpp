@@ -1,6 +1,6 @@
-// Reads the frames of a pcapng file, whichever program wrote it, in either byte order. No I/O.
+// Reads the frames of a pcapng file, no matter which program wrote it, in either byte order. No I/O.
 //
-// No file can make it use more memory than its largest block, max_block, and the names of its links.
+// Memory is bounded by the largest block, max_block, and the names of the links in the file.
 #pragma once
 #include <record/recording_reader.hpp>
 
@@ -26,7 +26,7 @@ public:
     RecordingFormat format() const noexcept override { return RecordingFormat::pcapng; }
     const char* fault() const noexcept override { return fault_; }
     SkippedParts skipped() const override { return skipped_; }
-    /// The end of the last block that is not damaged.
+    /// The end of the last intact block.
     std::uint64_t good_end() const noexcept { return good_end_; }
     std::uint64_t position() const noexcept override { return position_; }
     std::size_t unfinished() const noexcept override { return buffer_.size() - at_; }

@@ -18,7 +18,7 @@ void put_number(std::string& out, T number) {
 
 void pad(std::string& out) { out.append((4 - out.size() % 4) % 4, '\0'); }
 
-// Adds its own padding, so `out` may have any size.
+// Pads by its own size, so `out` may have any size.
 class Block {
 public:
     explicit Block(std::uint32_t type) {

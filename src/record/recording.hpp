@@ -13,7 +13,7 @@
 
 namespace anogate {
 
-/// A frame that passed a gateway. Texts are UTF-8; they and the frame refer to memory of the caller.
+/// A frame that passed a gateway. Texts are UTF-8; the texts and the frame refer to memory of the caller.
 struct RecordedFrame {
     std::uint64_t time_ns = 0;                 // since 1970
     std::uint64_t boottime_ns = 0;             // since the computer was started; 0: not known
@@ -26,7 +26,7 @@ struct RecordedFrame {
     ano::FrameView frame;
 };
 
-/// Frames that were not recorded, between the frame before and the next one.
+/// Frames that were not recorded, after the previous frame and before the next one.
 struct RecordedLoss {
     std::uint64_t count = 0;
     std::string_view names = {};    // "euler 120, inertial 120"
@@ -39,7 +39,7 @@ struct RecordingHead {
     std::string program;    // "anoctl 0.1.0"
     std::uint64_t time_ns = 0;
     std::uint64_t boottime_ns = 0;
-    DecodingPtr decoding{};    // of the frames; a reader has that of its last frame here
+    DecodingPtr decoding{};    // of the frames; in a reader: that of its last frame
 };
 
 /// Texts of a recording are cut after this many bytes, and before a NUL.

@@ -13,7 +13,7 @@ namespace {
 
 using CountsJson = nlohmann::ordered_json;
 
-constexpr double clock_step = 0.1;    // seconds; from this difference between the clocks on, one was set
+constexpr double clock_step = 0.1;    // seconds; a larger difference between the clocks means that one was set
 
 double seconds_between(std::uint64_t from, std::uint64_t to) {
     return to >= from ? static_cast<double>(to - from) / 1e9 : -static_cast<double>(from - to) / 1e9;
@@ -76,7 +76,7 @@ void RecordingCounts::add(const RecordedFrame& frame) {
     message.from.set(frame.frame.source());
 }
 
-// "euler 120, inertial 120"
+// `names` of the loss is a text such as "euler 120, inertial 120".
 void RecordingCounts::add(const RecordedLoss& loss) {
     lost += loss.count;
     std::string_view rest = loss.names;

@@ -32,14 +32,14 @@ struct RecordingCounts {
     void add(const RecordedLoss& loss);
     void add(const Recorded& item);
 
-    /// The length of the recording in seconds; by the boot-time clock if the recording has it, as that is never set.
+    /// The length of the recording in seconds; by the boot-time clock if the recording has it, because that clock is never set.
     double seconds() const;
     /// By how many seconds the system clock was set during the recording; 0: it was not.
     double clock_was_set() const;
     /// `number` per second.
     double rate(std::uint64_t number) const { return seconds() > 0 ? static_cast<double>(number) / seconds() : 0; }
 
-    /// As JSON, without any loss.
+    /// As JSON, complete: of_json() restores all of it.
     std::string json() const;
     /// std::nullopt: `text` is not a result of json().
     static std::optional<RecordingCounts> of_json(std::string_view text);

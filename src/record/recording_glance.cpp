@@ -39,7 +39,7 @@ std::uint64_t time_of(std::string_view block) {
     return std::uint64_t{loaded_at<std::uint32_t>(block, before_times)} << 32 | loaded_at<std::uint32_t>(block, before_times + 4);
 }
 
-/// The value of the option `wanted`; the options of the block begin at `at`. 0: there is none.
+/// The value of the option `wanted`; the options of the block begin at `at`. 0: not found.
 std::uint64_t number_among_options(std::string_view block, std::size_t at, std::uint16_t wanted) {
     if (at + 4 > block.size()) return 0;
     std::string_view options = block.substr(at, block.size() - at - 4);
@@ -61,7 +61,7 @@ std::uint64_t boottime_of(std::string_view block) {
     return bytes > block.size() ? 0 : number_among_options(block, at_bytes + (bytes + 3) / 4 * 4, opt_boottime);
 }
 
-/// When a frame passed: ns since 1970, and ns since the computer was started; 0: not known.
+/// The time of a frame: ns since 1970, and ns since the computer was started; 0: not known.
 struct Passed {
     std::uint64_t time = 0, boottime = 0;
 };
@@ -72,7 +72,7 @@ std::optional<double> seconds_between(const Passed& first, const Passed& last) {
     return static_cast<double>(last.time - first.time) / 1e9;
 }
 
-// Little endian only, as the gateway writes.
+// Little-endian files only, as the gateway writes them.
 RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) {
     RecordingGlance glance;
     PcapngReader reader;
@@ -98,7 +98,7 @@ RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) 
     return glance;
 }
 
-// The program is in the Metadata after the Header, where another program that saved the file may have removed it.
+// The program is in the Metadata after the Header. Another program that saved the file may have removed it.
 RecordingHead head_of_mcap(std::string_view file) {
     if (!file.starts_with(mcap::magic)) return {};
     file.remove_prefix(mcap::magic.size());

@@ -1,4 +1,4 @@
-// What the beginning and the end of a recording tell, without reading the rest. No I/O.
+// Facts from the beginning and the end of a recording, without reading the rest. No I/O.
 #pragma once
 #include <record/recording_writer.hpp>
 
@@ -12,8 +12,9 @@ namespace anogate {
 struct RecordingGlance {
     RecordingHead head;    // an empty program: not a recording of anogate
     bool is_ended = false;
-    std::optional<std::uint64_t> frames;    // if the end tells it; for MCAP use read_mcap_index()
-    /// From the first frame to the last, if the ends tell it; by the boot-time clock if the recording has it. For MCAP as for `frames`.
+    std::optional<std::uint64_t> frames;    // if the end contains it; for MCAP use read_mcap_index()
+    /// From the first frame to the last, if both times are known; by the boot-time clock if the recording has it. MCAP: as for
+    /// `frames`.
     std::optional<double> seconds;
 };
 

@@ -4,7 +4,7 @@
 //          for (each piece of the file) { reader->give(piece); while (const auto item = reader->next()) ...; }
 //          if (reader->is_damaged()) ...
 //
-// Of a file that was cut, everything complete before the cut is returned. A damaged part is skipped and listed in skipped() if the
+// From a truncated file, everything complete before its end is returned. A damaged part is skipped and listed in skipped() if the
 // beginning of the next part is known.
 #pragma once
 #include <record/recording_writer.hpp>
@@ -31,8 +31,8 @@ struct SkippedParts {
     static constexpr std::size_t max_told = 16;
 
     std::uint64_t count = 0, bytes = 0;
-    std::uint64_t frames = 0;            // known to be in skipped parts
-    std::vector<SkippedPart> first{};    // of these parts, at most max_told
+    std::uint64_t frames = 0;            // known to be in the skipped parts
+    std::vector<SkippedPart> first{};    // the first skipped parts, at most max_told
 
     void add(const SkippedPart& part) {
         ++count;
@@ -59,22 +59,22 @@ public:
     virtual std::uint64_t position() const noexcept = 0;
     /// The skipped parts before position().
     virtual SkippedParts skipped() const = 0;
-    /// Checksums over parts of the file that do not match although nothing was skipped there, as clauses; valid as long as the program
-    /// runs. The returned frames are correct if their own checksums are.
+    /// Checksums over parts of the file that do not match although nothing was skipped there, as clauses; valid as long as the
+    /// program runs. The returned frames are correct if their own checksums are.
     virtual std::vector<std::string_view> mismatches() const { return {}; }
     /// Bytes after position(): the beginning of an incomplete part.
     virtual std::size_t unfinished() const noexcept = 0;
 
     virtual const RecordingHead& head() const noexcept = 0;
-    /// Whether the end mark of the recording came after the last frame.
+    /// Whether the end mark of the recording was read after the last frame.
     virtual bool has_end() const noexcept = 0;
     /// Number of packets that are not complete frames: of another program, or damaged.
     virtual std::uint64_t foreign() const noexcept = 0;
-    /// Whether the file has the right format but nothing of anogate: another program wrote it.
+    /// Whether the file has the right format but no data of anogate: another program wrote it.
     virtual bool is_strange() const noexcept = 0;
 };
 
-/// `begin`: the first bytes of the file, which tell the format.
+/// `begin`: the first bytes of the file, which identify the format.
 std::unique_ptr<RecordingReader> make_recording_reader(std::string_view begin);
 
 }    // namespace anogate

@@ -8,7 +8,7 @@
 namespace anogate {
 namespace {
 
-// The end has the number of frames of each link: made by a writer that gets the same frames.
+// The end mark contains the number of frames of each link, so a writer that gets the same frames produces it.
 class PcapngReading final : public RecordingRepair::Reading {
 public:
     void give(std::string_view bytes) override {
@@ -47,7 +47,7 @@ private:
     std::unique_ptr<PcapngWriter> writer_;
     std::string written_;
     std::uint64_t frames_ = 0;
-    std::string ending_;    // for a file of ending_of_ bytes
+    std::string ending_;    // the end of a file of ending_of_ bytes
     std::uint64_t ending_of_ = 0;
 };
 

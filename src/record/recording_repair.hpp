@@ -1,4 +1,4 @@
-// Repairs a recording that was cut by a power failure or a kill. No I/O.
+// Repairs a recording that was truncated by a power failure or a kill. No I/O.
 //
 // Flow:    RecordingRepair repair{format};
 //          for (each piece of the file) repair.give(piece);

@@ -19,9 +19,9 @@ namespace anogate {
 
 enum class RecordingFormat : std::uint8_t { pcapng, mcap };
 
-/// "pcapng", "mcap": also the extension of a file name, without the dot.
+/// "pcapng", "mcap"; also the file name extension, without the dot.
 std::string_view text(RecordingFormat format) noexcept;
-/// By the extension of a file name, in lower or upper case; std::nullopt: another one.
+/// By the extension of a file name, in lower or upper case; std::nullopt: unknown extension.
 std::optional<RecordingFormat> recording_format_of(std::string_view file);
 
 class RecordingWriter {
@@ -33,7 +33,7 @@ public:
     virtual void write(const RecordedLoss& loss) = 0;
     /// The frames that follow are decoded with this.
     virtual void use(const DecodingPtr& decoding, std::string& out) = 0;
-    /// Appends everything held back, so that a file that ends here contains all that was written.
+    /// Appends everything that is buffered, so that a file that ends here contains all that was written.
     virtual void flush(std::string& out) = 0;
     /// Appends the end mark of the recording. Nothing may be written afterwards.
     virtual void end(std::string& out) = 0;

@@ -10,7 +10,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::uint64_t max_ns = 1'000'000'000ull * 3600 * 24 * 365;    // a year; longer times of a file are not distinguished
+constexpr std::uint64_t max_ns = 1'000'000'000ull * 3600 * 24 * 365;    // a year; longer times of a file are cut to it
 
 constexpr std::size_t max_seen = 16;    // names of links
 

@@ -20,8 +20,8 @@ enum class Risk : std::uint8_t {
 Risk risk_of(ano::FrameView frame) noexcept;
 inline bool may_command(ano::FrameView frame) noexcept { return risk_of(frame) != Risk::none; }
 
-/// When each frame is due. Uses the boot-time clock if the recording has it. The system clock may have been set: then a frame that is
-/// earlier than the one before is due at the same time as that.
+/// The time at which each frame is due. Uses the boot-time clock if the recording has it. Otherwise the system clock may have
+/// been set: a frame that is earlier than the one before is due at the same time as that one.
 class ReplayClock {
 public:
     /// `rate`: speed relative to the recording; 0: all frames at once.
@@ -50,14 +50,15 @@ public:
         std::vector<std::string> links = {};    // by name; empty: all
         bool commands = false;                  // frames with a Risk as well
     };
-    /// Number of otherwise chosen frames that are left out, by their Risk.
+    /// Number of frames that match the options but are left out, by their Risk.
     struct KeptBack {
         std::uint64_t of_hosts = 0, commands = 0, tunnels = 0;
     };
 
     explicit ReplayPlan(Options options) : options_{std::move(options)}, clock_{options_.rate} {}
 
-    /// When the frame is due, since `from`; std::nullopt: it is left out. To be called for every frame of the recording, in order.
+    /// When the frame is due, since `from`; std::nullopt: it is left out. To be called for every frame of the recording, in
+    /// order.
     std::optional<ano::Duration> due(const RecordedFrame& frame);
     /// Whether all further frames are after `to`.
     bool is_over() const noexcept { return is_over_; }
@@ -74,7 +75,7 @@ private:
     KeptBack kept_back_;
     bool is_over_ = false;
 
-    bool says_some_ = false;    // from then on the members below are not updated
+    bool says_some_ = false;    // a frame was chosen; from then on the members below are not updated
     bool has_frames_ = false;
     ano::Duration length_{};           // of the recording so far
     std::vector<std::string> seen_;    // names of links, at most 16

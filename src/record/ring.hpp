@@ -1,7 +1,7 @@
-// Remembers items of the last while, within a limit of memory. No I/O.
+// Keeps recent items, within limits of age and memory. No I/O.
 //
-// Flow:    ring.push(batch, cost, now);            // as it comes
-//          ring.forget_until(now); ring.items()    // the items of the last while, oldest first
+// Flow:    ring.push(batch, cost, now);            // whenever there is a new item
+//          ring.forget_until(now); ring.items()    // the recent items, oldest first
 #pragma once
 #include <ano/time.hpp>
 
@@ -11,7 +11,7 @@
 
 namespace anogate {
 
-/// Items are dropped when they are older than `span`, and the oldest when all together cost more than `max_cost`.
+/// Items are dropped when they are older than `span`; the oldest ones also while all together cost more than `max_cost`.
 template <class Item>
 class Ring {
 public:
@@ -33,7 +33,7 @@ public:
     void forget_until(ano::TimePoint now) {
         while (!kept_.empty() && now - kept_.front().at > span_) drop_oldest();
     }
-    /// A shorter span is kept to from the next call on.
+    /// A shorter span takes effect at the next call of push() or forget_until().
     void set_span(ano::Duration span) noexcept { span_ = span; }
     void clear() {
         kept_.clear();
@@ -42,7 +42,7 @@ public:
     const std::deque<Kept>& items() const noexcept { return kept_; }
     std::size_t cost() const noexcept { return cost_; }
     ano::Duration span() const noexcept { return span_; }
-    /// How far back it remembers at `now`.
+    /// The age of the oldest item at `now`; 0: empty.
     ano::Duration reach(ano::TimePoint now) const noexcept { return kept_.empty() ? ano::Duration{} : now - kept_.front().at; }
 
 private:

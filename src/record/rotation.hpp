@@ -21,7 +21,7 @@ struct FileSoFar {
     ano::Duration age{};    // by the steady clock
 };
 
-/// False for a file without frames: otherwise a gateway that receives nothing would fill its folder with empty files.
+/// False for a file without frames: otherwise a gateway that receives no frames would fill its folder with empty files.
 constexpr bool is_time_for_the_next(const RotationLimits& limits, const FileSoFar& file) noexcept {
     if (file.frames == 0) return false;
     return (limits.bytes > 0 && file.bytes >= limits.bytes) || (limits.time > ano::Duration::zero() && file.age >= limits.time);

@@ -1,4 +1,4 @@
-// In which encoding the senders of a gateway write their texts.
+// The encoding of the texts of each sender of a gateway.
 #pragma once
 #include <ano_json/encoding_of_sender.hpp>
 #include <record/decoding.hpp>
@@ -9,11 +9,12 @@
 
 namespace anogate {
 
-/// What is stated for the link by which a sender was received, otherwise by its texts; of a frame for a device, what is stated for the link to
-/// it.
+/// The encoding configured for the link on which a sender was received; otherwise it is detected from the texts of the sender.
+/// For a frame sent to a device by a sender without either, the encoding configured for the link to the device.
 class SenderEncodings {
 public:
-    /// That of the texts in `frame`, which passed `link`. Every frame must be given, in order. nullptr: nothing is stated.
+    /// The encoding of the texts in `frame`, which passed `link`. Must be called for every frame, in order. `decoding` nullptr:
+    /// no encoding is configured.
     ano::Encoding of(ano::FrameView frame, std::string_view link, bool is_received, const Decoding* decoding);
 
 private:

@@ -8,7 +8,7 @@
 namespace anogate {
 namespace {
 
-constexpr int pack_level = 1;     // at least 400 MB/s, because a recording must keep up
+constexpr int pack_level = 1;     // at least 400 MB/s, so that a recording keeps up
 constexpr int max_window = 26;    // 2^26 bytes; chunks are not larger
 constexpr std::size_t unpack_step = 1024 * 1024;
 

@@ -1,4 +1,4 @@
-// Compression by zstd. Only its source includes the library.
+// Compression by zstd. Only zstd.cpp includes the library.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -29,8 +29,8 @@ public:
     ZstdUnpacker(const ZstdUnpacker&) = delete;
     ZstdUnpacker& operator=(const ZstdUnpacker&) = delete;
 
-    /// Sets `out` to the decompressed bytes. False: the data are incomplete, or not `size` bytes long. Allocates for real data only, not
-    /// for a claimed size.
+    /// Sets `out` to the decompressed bytes. False: the data are incomplete, or not `size` bytes long. Memory is allocated only
+    /// for data that are there, not for a claimed size.
     bool unpack(std::string_view packed, std::size_t size, std::string& out);
 
 private:

@@ -13,7 +13,7 @@ void MessageIndexes::add(std::uint16_t channel, std::uint64_t log_time, std::uin
         if (is_first) first_time_ = last_time_ = log_time;
     }
     entries_[channel].push_back({log_time, offset});
-    first_time_ = std::min(first_time_, log_time);    // the clock may have been set back
+    first_time_ = std::min(first_time_, log_time);    // not the first message if the clock was set back
     last_time_ = std::max(last_time_, log_time);
 }
 

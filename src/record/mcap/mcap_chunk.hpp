@@ -12,7 +12,7 @@
 
 namespace anogate::mcap {
 
-/// The messages of a chunk, with their offsets.
+/// Collects the offsets of the messages of a chunk.
 class MessageIndexes {
 public:
     /// `offset`: of the record in the uncompressed chunk.
@@ -53,7 +53,7 @@ private:
     ZstdPacker packer_;
 };
 
-/// A chunk that was read. Its texts refer to the record.
+/// A parsed chunk. Its texts refer to the record.
 struct ChunkRecord {
     std::uint64_t first_time = 0, last_time = 0;
     std::uint64_t unpacked_size = 0;
@@ -62,10 +62,10 @@ struct ChunkRecord {
 };
 std::optional<ChunkRecord> chunk_of(std::string_view body) noexcept;
 
-/// What is wrong with a chunk.
+/// Why a chunk can't be read.
 struct ChunkFault {
     const char* why = nullptr;    // a clause; nullptr: no fault
-    bool is_damage = true;        // false: this sort of chunk is not supported
+    bool is_damage = true;        // false: the chunk is intact, but its kind is not supported
 };
 
 /// Decompresses and checks chunks.

@@ -5,7 +5,7 @@
 //   a loss                    a message of the channel /anogate/losses before the next frame, with the time of that frame
 //   decoded messages          a channel for each link, device and message; after their frame, with its time
 //   program, both clocks      the Metadata "anogate.recording" after the Header
-//   what decodes the frames   the Metadata "anogate.decoding" after that, and again before the first frame for which it has changed
+//   decoding                  the Metadata "anogate.decoding" after that, and again before the first frame for which it has changed
 //   totals                    the Metadata "anogate.summary" before DataEnd: links, messages, rates and losses, for programs that read
 //                             only the end of the file
 //   the end                   Footer and magic: a file without them was not ended properly
@@ -139,7 +139,7 @@ struct ChannelRecord {
     std::string_view topic, encoding;
 };
 std::optional<ChannelRecord> channel_of(std::string_view body) noexcept;
-/// Appends it as the profile ros2 requires, without qualities of service.
+/// Appends the record as the profile ros2 requires, without qualities of service.
 void put_channel(std::string& out, const ChannelRecord& channel);
 
 struct Pair {

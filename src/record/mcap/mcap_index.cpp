@@ -25,7 +25,7 @@ public:
     std::optional<McapIndex> index() {
         if (!read_footer() || !read_summary()) return std::nullopt;
         for (const Span& place : metadata_) read_metadata(place);
-        // Two independent numbers, which must agree.
+        // The frames are counted in two places, which must agree.
         if (!has_head_ || !counts_ || counts_->frames != frames_) return std::nullopt;
         return McapIndex{std::move(head_), std::move(*counts_)};
     }
@@ -53,7 +53,7 @@ private:
         return summary_at_ > mcap::magic.size() && summary_at_ < footer_at_;
     }
 
-    // In pieces, because the summary of a recording of many days is long.
+    // In parts, because the summary of a recording of many days is long.
     bool read_summary() {
         Crc32 crc;
         std::string waiting;

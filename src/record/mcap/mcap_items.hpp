@@ -36,14 +36,14 @@ inline constexpr std::string_view loss_schema_text =
 void encode(const RecordedFrame& frame, std::string& out);
 void encode(const RecordedLoss& loss, std::string& out);
 
-/// Finds frames and losses among the messages of a file, whichever program wrote it.
+/// Finds frames and losses among the messages of a file, no matter which program wrote it.
 class Items {
 public:
     void add_channel(std::string_view body);
     /// Refers to the memory of the message. std::nullopt: the message is of another channel, or damaged.
     std::optional<Recorded> item_of(const Message& message);
-    /// Some Channel records may be in a part that can't be read: from now on an unknown channel counts as one of frames if one of its
-    /// messages is a frame.
+    /// Call this if Channel records may be in an unreadable part: from then on an unknown channel counts as a channel of frames
+    /// if one of its messages is a frame.
     void miss_channels() noexcept { misses_channels_ = true; }
     bool has_frames(std::uint16_t channel) const noexcept;
 

@@ -40,7 +40,8 @@ void McapReader::take(const mcap::Record& record) {
     if (const auto message = mcap::message_of(record.body)) item_ = items_.item_of(*message);
 }
 
-// The data are everything before DataEnd, including the first magic. The summary ends with the fields of Footer before its CRC.
+// The CRC of the data covers everything before DataEnd, including the first magic. The CRC of the summary ends with the fields of
+// Footer before the CRC itself.
 void McapReader::check(const mcap::Record& record) {
     using mcap::Opcode;
     if (records_.position() == mcap::magic.size() + record.whole.size()) crc_.add(mcap::magic);
@@ -62,7 +63,7 @@ void McapReader::check(const mcap::Record& record) {
 
 void McapReader::take_outer(const mcap::Record& record) {
     check(record);
-    if (is_data_over_) {    // the summary repeats known records, and those of skipped chunks
+    if (is_data_over_) {    // the summary repeats records of the data, also of skipped chunks
         if (skipped_.count > 0 && record.opcode == mcap::Opcode::channel) items_.add_channel(record.body);
         return;
     }
@@ -103,7 +104,7 @@ void McapReader::take_index_of_skipped(const mcap::Record& record) {
     const auto channel = fields.number<std::uint16_t>();
     const std::uint64_t count = fields.text().size() / entry_size;
     skipped_by_channel_[channel] += count;
-    if (skipped_.count > skipped_.first.size()) return;    // it is not among `first`
+    if (skipped_.count > skipped_.first.size()) return;    // it is not in `first`
     auto& messages = skipped_.first.back().messages;
     messages = messages.value_or(0) + count;
 }

@@ -1,6 +1,6 @@
-// Reads the frames of an MCAP file, whichever program wrote it. No I/O.
+// Reads the frames of an MCAP file, no matter which program wrote it. No I/O.
 //
-// Frames are returned in the order of the file; indexes are ignored. No file can make it use more memory than its largest record and the
+// Frames are returned in the order of the file; indexes are ignored. Memory is bounded by the largest record of the file and the
 // largest chunk, mcap::max_chunk.
 #pragma once
 #include <record/crc32.hpp>
@@ -31,7 +31,7 @@ public:
     RecordingFormat format() const noexcept override { return RecordingFormat::mcap; }
     const char* fault() const noexcept override { return records_.fault(); }
     SkippedParts skipped() const override;
-    /// The CRCs of DataEnd and Footer. A CRC of 0 is not checked.
+    /// CRCs of DataEnd and Footer that do not match. A CRC of 0 is not checked.
     std::vector<std::string_view> mismatches() const override { return mismatches_; }
     std::uint64_t position() const noexcept override { return records_.position(); }
     std::size_t unfinished() const noexcept override { return records_.unfinished(); }

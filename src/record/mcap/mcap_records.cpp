@@ -10,7 +10,7 @@ void Records::give(std::string_view bytes) {
     if (fault_ == nullptr) buffer_ += bytes;
 }
 
-// True: it is complete and correct.
+// Returns true if the magic is complete and correct.
 bool Records::take_magic() {
     constexpr std::size_t version_at = 5;
     const std::string_view rest = std::string_view{buffer_}.substr(at_);

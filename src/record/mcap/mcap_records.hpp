@@ -1,4 +1,4 @@
-// Splits an MCAP file, given in pieces, into its records. No I/O.
+// Splits an MCAP file, passed in parts, into its records. No I/O.
 #pragma once
 #include <record/mcap/mcap_format.hpp>
 
@@ -10,7 +10,7 @@
 
 namespace anogate::mcap {
 
-/// No file can make it use more memory than its largest record, max_record.
+/// Memory is bounded by the largest record, max_record.
 class Records {
 public:
     /// The next bytes of the file.
@@ -20,12 +20,12 @@ public:
 
     /// What is damaged, in a clause; nullptr: nothing.
     const char* fault() const noexcept { return fault_; }
-    /// Bytes of the file that were taken: the magics and complete records.
+    /// Bytes of the file that were consumed: the magics and complete records.
     std::uint64_t position() const noexcept { return position_; }
     std::size_t unfinished() const noexcept { return buffer_.size() - at_; }
     /// Whether Footer and magic were read.
     bool is_ended() const noexcept { return place_ == Place::behind; }
-    /// Puts the last record of next() back, because it is damaged.
+    /// Undoes the last next(), because its record is damaged.
     void refuse(const char* why, const Record& record) noexcept;
 
 private:
@@ -33,7 +33,7 @@ private:
     bool take_magic();
 
     std::string buffer_;
-    std::size_t at_ = 0;    // end of the taken part of buffer_
+    std::size_t at_ = 0;    // end of the consumed part of buffer_
     std::uint64_t position_ = 0;
     const char* fault_ = nullptr;
     Place place_ = Place::before;

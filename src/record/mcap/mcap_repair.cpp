@@ -60,7 +60,7 @@ void McapRepair::take_chunk(const mcap::Record& record) {
     keep();
 }
 
-// Keeps everything before it, with indexes. Keeps the damaged chunk itself only if a good one follows.
+// Keeps everything before the damaged chunk, with indexes. Keeps the chunk itself only if an intact one follows.
 void McapRepair::take_damaged(const mcap::Record& record, const mcap::ChunkFault& fault) {
     if (!fault.is_damage) return records_.refuse(fault.why, record);
     items_.miss_channels();
@@ -70,7 +70,7 @@ void McapRepair::take_damaged(const mcap::Record& record, const mcap::ChunkFault
     kept_crc_ = before_crc_;
 }
 
-// Also called for a record outside any chunk: it is counted, but has no index.
+// Also called for a record outside any chunk: it is counted, but is not indexed.
 void McapRepair::take_inner(const mcap::Record& record, std::uint64_t offset) {
     constexpr std::size_t id_size = 2;
     if (record.body.size() < id_size) return;
@@ -105,7 +105,7 @@ void McapRepair::add_last_chunk() {
 std::string McapRepair::ending() const {
     std::string ending;
     mcap::Summary summary = summary_;
-    if (last_) {    // its indexes may be cut
+    if (last_) {    // its indexes may be incomplete
         mcap::MessageIndexes indexes = last_->indexes;
         mcap::ChunkPlace place = last_->place;
         place.compression = last_->compression;

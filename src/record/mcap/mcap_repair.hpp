@@ -1,7 +1,8 @@
-// Repairs an MCAP file that was cut. No I/O.
+// Repairs an MCAP file that was truncated. No I/O.
 //
-// Keeps the file up to the end of the last good chunk; the indexes of that chunk and everything after it are written again. A complete
-// recording that was cut later gets the same bytes again. A damaged chunk stays if a good one follows; no index refers to it.
+// Keeps the file up to the end of the last intact chunk; the indexes of that chunk and everything after it are written again. A
+// complete recording that was truncated later gets the same bytes again. A damaged chunk stays if an intact one follows; no index
+// refers to it.
 #pragma once
 #include <record/crc32.hpp>
 #include <record/mcap/mcap_chunk.hpp>
@@ -53,9 +54,9 @@ private:
     std::string chunk_;
     std::optional<mcap::KeptChunk> last_;
     std::uint64_t keep_ = 0;
-    std::string ending_;    // for a file of ending_of_ bytes
+    std::string ending_;    // the end of a file of ending_of_ bytes
     std::uint64_t ending_of_ = 0;
-    Crc32 before_crc_, read_crc_, kept_crc_;    // up to the last record, including it, and of the kept part
+    Crc32 before_crc_, read_crc_, kept_crc_;    // up to before the last record, including it, and of the kept part
     bool is_ours_ = false, is_data_over_ = false;
 };
 

@@ -1,4 +1,4 @@
-// The summary after the data of an MCAP file, with which programs find everything without reading all of it. No I/O.
+// The summary after the data of an MCAP file: programs find everything by it without reading the whole file. No I/O.
 #pragma once
 #include <record/mcap/mcap_format.hpp>
 
@@ -23,7 +23,7 @@ struct ChunkPlace {
 /// Uses about 100 bytes of memory for each chunk, and 10 for each channel of it.
 class Summary {
 public:
-    /// Complete records. The first one of each id counts.
+    /// Complete records. For each id only the first one is used.
     void add_schema(std::string_view record);
     void add_channel(std::string_view record);
     void add_message(std::uint16_t channel, std::uint64_t log_time);

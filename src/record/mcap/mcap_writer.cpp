@@ -37,7 +37,7 @@ void McapWriter::put_decoding(const Decoding& decoding, std::string& out) {
     append(out, record_);
 }
 
-// Ends the chunk: the frames in it were decoded as before.
+// Ends the chunk, because its frames were decoded with the previous decoding.
 void McapWriter::use(const DecodingPtr& decoding, std::string& out) {
     flush(out);
     static const Decoding usual;
@@ -116,7 +116,7 @@ void McapWriter::put_loss(std::uint64_t time_ns) {
     lost_names_.clear();
 }
 
-// A loss that no frame has followed yet gets the time of the last frame, lest it be missing in a file that ends here.
+// A loss without a following frame gets the time of the last frame, so that a file that ends here contains it.
 void McapWriter::flush(std::string& out) {
     if (lost_ > 0) put_loss(last_ns_);
     const std::size_t before = out.size();

@@ -1,7 +1,7 @@
 // Writes a recording as MCAP for Foxglove, PlotJuggler and ROS 2: the frames, and their decoded messages. No I/O.
 //
-// Frames are collected in a chunk; flush() ends it. Chunks of a second or more compress well. Until end() the summary uses about 100 bytes
-// of memory for each chunk, and 10 for each channel of it.
+// Frames are collected in a chunk; flush() ends it. Chunks of a second or more compress well. Until end() the summary uses about
+// 100 bytes of memory for each chunk, and 10 for each channel of it.
 #pragma once
 #include <record/crc32.hpp>
 #include <record/decoded_channels.hpp>
@@ -18,7 +18,7 @@ namespace anogate {
 
 class McapWriter final : public RecordingWriter {
 public:
-    /// A chunk is ended when it has this many bytes; it may exceed it by one frame with its decoded messages.
+    /// A chunk is ended when it has this many bytes; it may exceed this by one frame with its decoded messages.
     static constexpr std::size_t enough = 1024 * 1024;
 
     /// Appends the head of the file to `out`.
