@@ -5,11 +5,11 @@
 namespace anogate {
 
 ano::Duration DiskPace::silence_that_is_told() const noexcept {
-    const bool is_told_of = has_lost_ || longest_ > ano::Duration::zero();    // not if only behind: a hang begins so
+    const bool is_told_of = has_lost_ || longest_ > ano::Duration::zero();    // not if only behind: a silence may follow
     return is_troubled_ && is_told_of ? std::max(hang_told, 2 * longest_) : silence_told;
 }
 
-// The first look() after a reported silence does not show slowness: what waited during the silence is still being written.
+// The first look() after a reported silence does not report slowness: the frames that waited during it are still being written.
 DiskPace::State DiskPace::look(ano::TimePoint now, const Signs& signs) noexcept {
     const bool is_quiet = signs.silence >= silence_told, was_silent = state_ == State::silent;
     if (signs.fails || (is_troubled_ && now >= troubled_until_)) {

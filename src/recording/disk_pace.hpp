@@ -1,4 +1,4 @@
-// Whether a disk keeps up with a recording, as a state that does not change with every write.
+// Whether a disk keeps up with a recording: a state that does not change with every write.
 #pragma once
 #include <ano/time.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace anogate {
 
-/// A disk that takes a second for each write is silent again and again, and behind in between: this counts as one trouble and is
+/// A disk that needs a second for each write is silent again and again, and behind in between. This counts as one trouble and is
 /// reported once. look() is called about every 150 ms while a recording runs.
 class DiskPace {
 public:
@@ -21,10 +21,10 @@ public:
         silent    // it writes nothing for silence_told; after an earlier silence or a loss: for hang_told and twice the longest silence
     };
     struct Signs {
-        ano::Duration silence{};    // since the last answer of the disk, while a request is pending; 0: none is
+        ano::Duration silence{};    // since the last answer of the disk, while a request is pending; 0: no request is pending
         bool is_behind = false;     // by a second or more, or frames were lost
         bool loses = false;
-        bool fails = false;    // an error is reported, which explains the rest
+        bool fails = false;    // an error is already reported, which explains the other signs
     };
 
     State look(ano::TimePoint now, const Signs& signs) noexcept;

@@ -26,7 +26,7 @@ bool is_of_the_file(int error) noexcept {
 
 std::uint64_t RecorderItem::frames() const noexcept { return batch ? count_of_records(*batch) : 0; }
 
-// The item is kept first: its bytes can be made again.
+// The item is stored first: its bytes can be encoded again.
 void DiskWriter::take(RecorderItem item) {
     try {
         unsafe_.push_back(std::move(item));
@@ -55,7 +55,7 @@ void DiskWriter::encode(const RecorderItem& item) {
 void DiskWriter::turn(ano::TimePoint now) {
     if (!error_.empty() && now < try_again_at_) return;
     error_ = work(now);
-    if (!error_.empty() && !file_) error_ = work(now);    // that file was given up: the next one may work
+    if (!error_.empty() && !file_) error_ = work(now);    // the file was given up: the next one may work
     if (!error_.empty()) try_again_at_ = now + try_again_after;
     report();
 }
@@ -133,7 +133,7 @@ std::string DiskWriter::begin(ano::TimePoint now) {
 
 static_assert(room_needed(1) > DiskWriter::room_between_looks + 4 * DiskWriter::much);
 
-// Checked every few MiB.
+// The free space is checked every few MiB.
 std::string DiskWriter::look_for_room(ano::TimePoint now) {
     const std::uint64_t size = file_ ? file_->size() + waiting_.size() : 0;
     if (now < look_for_room_at_ && size < look_for_room_behind_) return {};
@@ -201,7 +201,8 @@ void DiskWriter::leave_file() noexcept {
     waiting_frames_ = written_frames_ = 0;
 }
 
-// The unsynced items of a file that was given up are written again, but were counted already. At the end they may be given up.
+// After a file was given up, its unsynced items are written again but are counted already, so progress_.frames does not decrease.
+// At the end it may decrease, because these items may be given up.
 void DiskWriter::report() {
     const std::uint64_t frames = safe_frames_ + written_frames_;
     if (is_finishing_ || frames > progress_.frames) progress_.frames = frames;

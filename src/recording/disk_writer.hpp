@@ -1,4 +1,4 @@
-// The work of a recorder's thread: encodes frames and writes them to files. Every call may block on the disk.
+// Encodes frames and writes them to files, in the thread of a recorder. Every call may block on the disk.
 //
 // Flow:    while (disk.takes_more()) disk.take(item);    // in their order
 //          disk.turn(now);                               // often: at least every 250 ms while there are frames
@@ -33,7 +33,7 @@ struct RecorderItem {
 struct DiskProgress {
     std::atomic<std::uint64_t> frames{0}, bytes{0}, files{0};    // written
     std::atomic<std::uint64_t> file_frames{0}, file_bytes{0};    // of these, in the present file
-    std::atomic<std::uint64_t> not_written{0};                   // frames that were taken, but given up at the end
+    std::atomic<std::uint64_t> not_written{0};                   // frames that were accepted, but given up at the end
     std::atomic<std::size_t> in_flight{0};      // bytes of the items not yet synced to the disk; the other thread adds to it
     std::atomic<std::int64_t> busy_since{0};    // time of the last answer of the disk (Clock, ns); 0: no request is pending
 
@@ -41,9 +41,9 @@ struct DiskProgress {
     void is_idle() noexcept { busy_since = 0; }
 };
 
-/// Keeps what was taken until it is synced to the disk (fdatasync). When a write fails, it is repeated every second; meanwhile
-/// takes_more() is false, and the caller counts the losses. A file that was removed or can't be synced is given up: it is cut to the
-/// part that was synced, and everything after that goes into the next file.
+/// Keeps every item until it is synced to the disk (fdatasync). A failed write is repeated every second; meanwhile takes_more()
+/// is false, and the caller counts the losses. A file that was removed or can't be synced is given up: it is cut to the part that
+/// was synced, and everything after that is written to the next file.
 class DiskWriter {
 public:
     static constexpr ano::Duration try_again_after = std::chrono::seconds{1};
@@ -52,21 +52,21 @@ public:
     static constexpr std::size_t much = 256 * 1024;                         // bytes of a write
     static constexpr std::uint64_t room_between_looks = 4 * 1024 * 1024;    // bytes
 
-    /// `settings` and `progress` outlive it.
+    /// `settings` and `progress` must outlive it.
     DiskWriter(const RecorderSettings& settings, DiskProgress& progress) : settings_{settings}, progress_{progress} {}
 
     bool takes_more() const noexcept { return writer_ && error_.empty(); }
     void take(RecorderItem item);
-    /// Enough was taken to call turn() now.
+    /// Enough bytes are waiting to call turn() now.
     bool has_much() const noexcept { return waiting_.size() >= much; }
     void turn(ano::TimePoint now);
     /// Makes the next turn() repeat a failed write at once.
     void hurry() noexcept { try_again_at_ = {}; }
-    /// Writes what was taken and ends the file. It tries once: what can't be written is given up.
+    /// Writes the waiting items and ends the file. It tries once: items that can't be written are given up.
     void finish(ano::TimePoint now);
     /// To be called when one of the calls above threw std::bad_alloc: its work is repeated a second later, or given up if it was finish().
     void lacks_memory(ano::TimePoint now) noexcept;
-    /// turn() has to be called soon, even if nothing more is taken.
+    /// turn() must be called soon, even if there are no more items.
     bool has_work() const noexcept { return !error_.empty() || (file_ && file_->size() != safe_size_); }
 
     const std::string& file() const noexcept { return path_; }      // empty: no file yet
@@ -94,7 +94,7 @@ private:
     std::uint64_t files_ = 0;
     std::uint64_t bytes_before_ = 0;    // in files that were ended
     ano::TimePoint began_{}, safe_at_{}, try_again_at_{}, look_for_file_at_{}, look_for_room_at_{};
-    std::uint64_t look_for_room_behind_ = 0;    // at this size of file_
+    std::uint64_t look_for_room_behind_ = 0;    // free space is checked at this size of file_
     std::string error_;
     bool is_ending_ = false;    // waiting_ contains the end of file_
     bool is_finishing_ = false;
@@ -102,7 +102,7 @@ private:
     std::string waiting_;                // bytes for file_ that are not written yet
     std::deque<RecorderItem> unsafe_;    // the items in file_ after safe_size_, and those in waiting_
     std::shared_ptr<const RecordedNames> names_ = std::make_shared<const RecordedNames>();    // valid for the next record
-    std::shared_ptr<const RecordedNames> safe_names_ = names_;                                // valid before unsafe_
+    std::shared_ptr<const RecordedNames> safe_names_ = names_;                                // valid before the items of unsafe_
     std::uint64_t safe_size_ = 0;                                                // bytes of file_ that are synced to the disk
     std::uint64_t safe_frames_ = 0, written_frames_ = 0, waiting_frames_ = 0;    // synced, only written, waiting; of all files
     std::uint64_t frames_before_ = 0;                                            // of these, in the files before file_

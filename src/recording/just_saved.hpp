@@ -1,4 +1,6 @@
-// The recordings that were saved a short while ago, and stay whatever "keep" says. Threads share it: one saves, another deletes.
+// The recordings that were saved a short while ago and are not deleted, even if `keep` requires it. Thread-safe: one thread
+// saves,
+// another one deletes.
 #pragma once
 #include <ano/time.hpp>
 
@@ -12,7 +14,8 @@ namespace anogate {
 /// Any thread may call it.
 class JustSaved {
 public:
-    /// A name that is there already keeps the later time. To be called while the file is still locked, so that whoever finds it unlocked also finds it here.
+    /// If the name exists, the later time counts. To be called while the file is still locked, so that a thread that finds it
+    /// unlocked also finds it here.
     void add(const std::string& name, ano::TimePoint until) {
         const std::lock_guard lock{mutex_};
         ano::TimePoint& its = until_[name];

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t cost_of_part = 256;    // bytes besides the records: twice the size of their containers
 constexpr std::size_t bytes_at_once = 16 * 1024;
-constexpr int records_at_once = 100;    // thousands make no byte yet, where they are packed together
+constexpr int records_at_once = 100;    // thousands produce no byte yet if they are compressed together
 
 }    // namespace
 
@@ -43,7 +43,7 @@ bool KeptFramesWriting::next(std::string& into) {
             writer_->write(as_recorded(*record, *part.names), into);
             if (++records == records_at_once || into.size() - begin >= bytes_at_once) return true;
         }
-        part = {};    // free what is written
+        part = {};    // free the memory of the written part
         in_part_ = false;
         ++part_;
     }

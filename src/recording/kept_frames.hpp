@@ -1,4 +1,4 @@
-// Keeps the latest frames in memory (keep_last), and makes a recording of them.
+// Keeps the latest frames in memory (keep_last), and writes a recording of them.
 #pragma once
 #include <record/recording_writer.hpp>
 #include <record/ring.hpp>
@@ -14,7 +14,7 @@
 
 namespace anogate {
 
-/// Records as a watcher of the gateway got them, with the names for their numbers. It is not changed any more: a thread may read it.
+/// Records as a watcher of the gateway received them, with the names for their numbers. Immutable, so a thread may read it.
 struct FramesPart {
     WatchQueue::Batch batch;
     std::shared_ptr<const RecordedNames> names;
@@ -30,12 +30,12 @@ struct KeptFrames {
     std::uint64_t frames() const noexcept;
 };
 
-/// Makes a recording of them piece by piece.
+/// Encodes a recording of them in parts.
 class KeptFramesWriting {
 public:
     KeptFramesWriting(KeptFrames frames, RecordingFormat format, RecordingOptions options = {});
 
-    /// Appends the next piece to `into`. False: there is no more.
+    /// Appends the next part to `into`. False: that was the last one.
     bool next(std::string& into);
 
 private:
@@ -43,7 +43,7 @@ private:
     RecordingFormat format_;
     RecordingOptions options_;
     std::unique_ptr<RecordingWriter> writer_;    // nullptr: not begun
-    DecodingPtr decoding_;                       // as it was told last
+    DecodingPtr decoding_;                       // as passed to writer_ last
     std::size_t part_ = 0;
     std::string_view rest_;    // the unread part of the batch
     bool in_part_ = false;
@@ -59,11 +59,11 @@ public:
     FrameMemory(const FrameMemory&) = delete;
     FrameMemory& operator=(const FrameMemory&) = delete;
 
-    /// Changes what is kept from now on; what is there stays, as far as it is of the last `span`.
+    /// Sets what is kept from now on. Frames already in memory stay, as far as they are within the last `span`.
     void change(const FrameFilterSettings& filter, ano::Duration span);
-    /// Takes the frames that passed until now, so that a change does not apply to them.
+    /// Takes in the frames that passed until now, so that a change does not apply to them.
     void catch_up();
-    /// The frames of the last `span`, up to the last that passed.
+    /// The frames of the last `span`, up to the last one that passed.
     KeptFrames frames();
     struct Figures {
         ano::Duration span{}, reach{};
@@ -84,8 +84,8 @@ private:
     LostFrames lost_;                  // since the last part
 };
 
-/// Calls `call` when a device logs a fault: a received frame 0xA0 with the colour red. It counts only from a device that is at home there,
-/// by a serial port, CAN, or another link that is no network; or by the link that its address is pinned to.
+/// Calls `call` when a device logs a fault: a received frame 0xA0 with the colour red. Only devices whose address is local count:
+/// those on a serial port, CAN or another link that is not a network, and those whose address is pinned to the link.
 class FaultEar final : private Watcher {
 public:
     FaultEar(Gateway& gateway, FrameWatch& watch, std::function<void()> call);
@@ -93,7 +93,7 @@ public:
     FaultEar(const FaultEar&) = delete;
     FaultEar& operator=(const FaultEar&) = delete;
 
-    /// Looks at once at what passed until now.
+    /// Processes the frames that passed until now at once.
     void catch_up();
 
 private:

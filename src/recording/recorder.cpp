@@ -60,16 +60,16 @@ private:
     Descriptor said_;
     Alarm beat_;
     RecorderThread::News news_;
-    WatchQueue::Tables tables_;               // as given last; nullptr: not yet
+    WatchQueue::Tables tables_;               // as passed on last; nullptr: not yet
     std::uint64_t lost_ = 0;                  // frames, whether recorded in the file or not
     std::uint64_t lost_before_ = 0;           // not_written() when the disk was last well
-    std::uint64_t given_ = 0, marked_ = 0;    // bytes given to the thread; the same at marked_at_
+    std::uint64_t given_ = 0, marked_ = 0;    // bytes passed to the thread; the same at marked_at_
     TimePoint marked_at_{};
     bool watches_ = false;
     bool is_ended_ = false;
     DiskPace pace_;
     DiskPace::State disk_ = DiskPace::State::well;                    // as reported last
-    TimePoint ends_at_{};                                             // the latest end, once end() was called
+    TimePoint ends_at_{};                                             // the latest time at which it ends, once end() was called
     std::shared_ptr<bool> is_told_ = std::make_shared<bool>(true);    // false: a call of on_change is pending
 };
 
@@ -93,7 +93,7 @@ Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings setti
     watch_.add(*this, settings_.filter);
 }
 
-// Does not wait for a disk that is known to hang, or when the time since end() is over.
+// Does not wait for a disk that is known to hang, or if the time since end() is over.
 Recorder::Impl::~Impl() {
     end();
     if (is_ended_) return;
@@ -104,7 +104,7 @@ Recorder::Impl::~Impl() {
     thread_->abandon();
 }
 
-// As long as there is room: the rest waits in the queue of the watcher, which counts what it loses.
+// Moves items while there is room. The rest waits in the queue of the watcher, which counts its losses.
 void Recorder::Impl::give() {
     while (thread_->has_room() && give_next()) {}
     if (!beat_.is_set()) beat_.set(Clock::now() + beat_time);
@@ -123,7 +123,7 @@ bool Recorder::Impl::give_next() {
         tables_ = std::move(std::get<WatchQueue::Tables>(*next));
         item.names = std::make_shared<const RecordedNames>(recorded_names(*tables_, gateway_));
     }
-    const std::uint64_t frames = watches_ ? 0 : item.frames();    // counted as lost if the queue of the thread has no place
+    const std::uint64_t frames = watches_ ? 0 : item.frames();    // counted as lost if the queue of the thread is full
     const std::size_t bytes = item.bytes();
     if (thread_->give(std::move(item))) given_ += bytes;
     else lost_ += frames;
@@ -151,12 +151,12 @@ void Recorder::Impl::refuse() {
     end();
 }
 
-// Takes the news of the thread.
+// Reads the news of the thread.
 void Recorder::Impl::look() {
     eventfd_t count = 0;
     ::eventfd_read(said_.fd(), &count);
     bool is_new = false;
-    const bool has_ended = thread_->wait_for_end(std::chrono::milliseconds::zero());    // after the end there is no more news
+    const bool has_ended = thread_->wait_for_end(std::chrono::milliseconds::zero());    // no news follows the end
     while (auto news = thread_->next_news()) {
         news_ = std::move(*news);
         is_new = true;
@@ -172,8 +172,8 @@ void Recorder::Impl::look() {
     if (is_new) tell();
 }
 
-// Between half and all of the age of the oldest unsynced byte. Starts from zero after a silence or a fault: what waited meanwhile is
-// still being written.
+// The result is between half and all of the age of the oldest unsynced byte. Starts from zero after a silence or a fault, because
+// the frames that waited during it are still being written.
 ano::Duration Recorder::Impl::behind(TimePoint now) {
     if (is_silent() || !news_.error.empty() || given_ - thread_->progress().in_flight >= marked_) {
         marked_ = given_;
@@ -182,7 +182,7 @@ ano::Duration Recorder::Impl::behind(TimePoint now) {
     return now - marked_at_;
 }
 
-// Called periodically while something is under way.
+// Called periodically while items are pending.
 void Recorder::Impl::beat() {
     const TimePoint now = Clock::now();
     const ano::Duration silence = thread_->silence(now);

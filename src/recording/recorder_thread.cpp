@@ -19,9 +19,9 @@
 namespace anogate {
 namespace {
 
-constexpr int collecting = 200;                    // ms: what is queued meanwhile is written together
-constexpr int deep_sleep = 1000;                   // ms: interval of the checks of the disk while nothing is queued
-constexpr std::size_t much_queued = 512 * 1024;    // bytes that are written without waiting
+constexpr int collecting = 200;                    // ms: items that are queued in this time are written together
+constexpr int deep_sleep = 1000;                   // ms: interval of the checks of the disk while no items are queued
+constexpr std::size_t much_queued = 512 * 1024;    // bytes; from this size on they are written without waiting
 constexpr int nice_of_thread = 5;
 
 UniqueFd recorder_event() { return UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}; }
@@ -101,7 +101,7 @@ void RecorderThread::wake() const noexcept { ::eventfd_write(wake_.get(), 1); }
 void RecorderThread::run(DiskWriter& disk) {
     while (!is_over_) {
         progress_.is_busy();
-        is_over_ = is_ending_;    // everything given before is in the queue now
+        is_over_ = is_ending_;    // everything passed to give() before is in the queue now
         try {
             work(disk);
         } catch (const std::bad_alloc&) {
@@ -125,7 +125,7 @@ void RecorderThread::work(DiskWriter& disk) {
     else disk.turn(ano::Clock::now());
 }
 
-// A turn() for every item, and one to begin with.
+// Calls turn() once at first, and then whenever DiskWriter::has_much().
 void RecorderThread::take_all(DiskWriter& disk) {
     disk.turn(ano::Clock::now());
     while (disk.takes_more() && !is_abandoned_) {
@@ -140,7 +140,7 @@ void RecorderThread::take_all(DiskWriter& disk) {
 void RecorderThread::sleep(const DiskWriter& disk) {
     if (!disk.has_work()) {
         sleeps_deep_ = true;
-        if (!items_.empty()) sleeps_deep_ = false;    // an item came meanwhile, perhaps without waking this thread
+        if (!items_.empty()) sleeps_deep_ = false;    // an item was queued meanwhile, perhaps without waking this thread
         else wait_for_event(wake_.get(), deep_sleep);
         sleeps_deep_ = false;
     } else {
@@ -160,7 +160,7 @@ void RecorderThread::tell(const DiskWriter& disk) {
                 told_ = std::move(news);
                 has_said = true;
             }
-        } catch (const std::bad_alloc&) {    // told the next time
+        } catch (const std::bad_alloc&) {    // retried at the next call
         }
     }
     if (has_said) ::eventfd_write(said_.get(), 1);

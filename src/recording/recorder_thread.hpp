@@ -1,4 +1,4 @@
-// The thread of a recorder, and what it shares with the loop.
+// The thread of a recorder, and the state that it shares with the loop.
 #pragma once
 #include <recording/disk_writer.hpp>
 #include <recording/recorder.hpp>
@@ -17,7 +17,7 @@ namespace anogate {
 /// Lowers the priority of the calling thread below that of the loop.
 void stand_behind_the_loop() noexcept;
 
-/// Shared with its thread, which may be left behind on a disk that hangs; the last owner destroys it. Neither side waits for the other.
+/// Shared with its thread, which stays behind if the disk hangs; the last owner destroys it. Neither side waits for the other.
 class RecorderThread {
 public:
     static constexpr std::size_t max_in_flight = 16 * 1024 * 1024;    // bytes
@@ -31,28 +31,30 @@ public:
     RecorderThread(const RecorderThread&) = delete;
     RecorderThread& operator=(const RecorderThread&) = delete;
 
-    /// Returns empty when the thread runs, or a clause: why there is none.
+    /// Returns empty if the thread runs; otherwise a clause with the reason.
     static std::string start(const std::shared_ptr<RecorderThread>& self);
 
     // To be called by the loop only.
 
-    /// A duplicated eventfd for the loop: readable when there is news, when there is room again after has_room() was false, and at the end.
+    /// A duplicated eventfd for the loop: readable when there is news, when there is room again after has_room() was false, and
+    /// at the
+    /// end.
     UniqueFd said() const noexcept;
     /// To be called before give().
     bool has_room() noexcept;
-    /// False: the queue has no place for another item, whatever its size.
+    /// False: the queue has no place for another item, even for a small one.
     bool give(RecorderItem item);
     std::optional<News> next_news() { return news_.pop(); }
-    /// Nothing more will be given.
+    /// No calls of give() follow.
     void end();
-    /// Begins no file if there is none yet. To be called before end().
+    /// Creates no file if there is none yet. To be called before end().
     void begin_nothing() noexcept { begins_nothing_ = true; }
-    /// Writes no more of what waits; the file is ended as soon as the disk accepts that.
+    /// Drops the waiting items; the file is ended as soon as the disk accepts that.
     void abandon();
-    /// Waits until nothing more will be written, at most `max_wait`. False: something may still be written.
+    /// Waits at most `max_wait` until nothing more will be written. False: something may still be written.
     bool wait_for_end(std::chrono::milliseconds max_wait) const;
     const DiskProgress& progress() const noexcept { return progress_; }
-    /// How long the disk has not answered.
+    /// Time since the last answer of the disk while a request is pending.
     ano::Duration silence(ano::TimePoint now) const noexcept;
 
 private:
@@ -69,7 +71,7 @@ private:
     DiskProgress progress_;
     std::atomic<std::size_t> queued_{0};    // bytes in items_
     std::atomic<bool> is_ending_{false}, is_abandoned_{false}, begins_nothing_{false};
-    bool is_over_ = false;                    // used by the thread only: nothing more will be written
+    bool is_over_ = false;                    // used by the thread only: no more writes follow
     std::atomic<bool> sleeps_deep_{false};    // the thread waits long, and must be woken for the first item
     std::atomic<bool> wants_room_{false};
     UniqueFd wake_, said_, ended_;    // eventfds

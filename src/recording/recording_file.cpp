@@ -14,7 +14,7 @@
 namespace anogate {
 namespace {
 
-constexpr unsigned max_names = 100'000;    // to be tried
+constexpr unsigned max_names = 100'000;    // to try
 constexpr mode_t folder_mode = 0750, file_mode = 0640;
 
 // Returns 0, or the errno.
@@ -74,7 +74,7 @@ int RecordingFile::sync() {
 }
 
 void RecordingFile::cut(std::uint64_t size) {
-    if (::ftruncate(fd_.get(), static_cast<off_t>(size)) != 0) return;    // readers cope with the bytes behind it
+    if (::ftruncate(fd_.get(), static_cast<off_t>(size)) != 0) return;    // readers skip the bytes after it
     size_ = size;
 }
 

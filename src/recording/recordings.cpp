@@ -15,7 +15,7 @@ namespace anogate {
 namespace {
 
 constexpr ano::Duration tick = std::chrono::milliseconds{500};
-constexpr ano::Duration patience_at_the_begin = std::chrono::seconds{2};    // of the client, when the disk does not answer
+constexpr ano::Duration patience_at_the_begin = std::chrono::seconds{2};    // of the client, if the disk does not answer
 constexpr unsigned ticks_between_looks = 20;
 
 FrameFilterSettings::Bytes bytes_of(const std::vector<ByteRange>& ranges) {
@@ -26,7 +26,7 @@ FrameFilterSettings::Bytes bytes_of(const std::vector<ByteRange>& ranges) {
     return bytes;
 }
 
-// For comparing errors: the number of free bytes in them changes all the time.
+// Errors are compared without numbers, because the number of free bytes in them changes all the time.
 std::string without_numbers(std::string text) {
     std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
     return text;
@@ -92,7 +92,7 @@ void Recordings::start() {
 // A running recording is ended only if its settings have changed.
 void Recordings::configure() {
     if (!is_started_ || is_stopped_) return;
-    if (ear_) ear_->catch_up();    // what happened before is saved as it was configured then
+    if (ear_) ear_->catch_up();    // earlier faults are saved with the earlier settings
     const auto& record = gateway_.settings().record;
     const RecordSettings before = std::exchange(settings_, record.value_or(RecordSettings{}));
     const bool was_configured = std::exchange(is_configured_, record.has_value());
@@ -152,7 +152,7 @@ void Recordings::stop(std::function<void()> ended) {
     check_end();
 }
 
-// A disk that hangs does not keep the program running.
+// Limits the wait at the end, so that a disk that hangs does not keep the program running.
 void Recordings::check_end() {
     if (!end_by_ || ((!running_.empty() || is_saving_) && Clock::now() < *end_by_)) return;
     end_by_.reset();
@@ -237,7 +237,7 @@ std::size_t Recordings::count_of_asked() const {
 }
 
 void Recordings::changed(Running& running) {
-    if (!running.recorder) return;    // it is still being made
+    if (!running.recorder) return;    // it is being constructed
     const RecorderReport report = running.recorder->report();
     tell_news(running, report);
     const bool has_begun = report.files > 0 && report.error.empty();
@@ -268,7 +268,7 @@ void Recordings::tell_news(Running& running, const RecorderReport& report) {
     look_soon();
 }
 
-// Posted, since a recorder must not be destroyed in one of its own calls.
+// Posted, because a recorder must not be destroyed during one of its own calls.
 void Recordings::reap_soon() {
     asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_}] {
         if (!alive.expired()) reap();

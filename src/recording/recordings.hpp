@@ -1,4 +1,4 @@
-// The recordings of a gateway: the one of its configuration, those that clients ask for, and the latest frames (keep_last).
+// The recordings of a gateway: that of its configuration, those that clients start, and the latest frames (keep_last).
 #pragma once
 #include <http/disk_works.hpp>
 #include <recording/just_saved.hpp>
@@ -22,13 +22,13 @@
 
 namespace anogate {
 
-/// The form of a file that a client asks for; std::nullopt: as configured.
+/// The format that a client requests; std::nullopt: as configured.
 struct WantedForm {
     std::optional<RecordingFormat> format{};
     std::optional<DecodedEncoding> encoding{};
 };
 
-/// A recording that a client asks for.
+/// A recording that a client requests.
 struct AskedRecording {
     std::string name;    // without the file extension
     RecordingFormat format = RecordingFormat::pcapng;
@@ -37,31 +37,31 @@ struct AskedRecording {
     std::optional<ano::Duration> time{};    // its duration; std::nullopt: until it is ended
 };
 
-/// All calls are from the loop; operations that may block on the disk are done in threads.
+/// All calls must be from the loop; operations that may block on the disk are done in threads.
 class Recordings final : public RecordingService {
 public:
-    static constexpr std::size_t max_asked = 4;      // running at once
+    static constexpr std::size_t max_asked = 4;      // recorded at once
     static constexpr std::size_t max_reading = 2;    // downloads of the latest frames at once: each keeps its frames in memory
-    static constexpr std::size_t max_ending = 2;     // recordings of the configuration that can't end since the disk hangs
+    static constexpr std::size_t max_ending = 2;     // recordings of the configuration that can't end because the disk hangs
     static constexpr ano::Duration between_saves = std::chrono::minutes{1};    // between automatic saves of keep_last
     static constexpr ano::Duration after_a_failed_save = std::chrono::seconds{5};
-    static constexpr ano::Duration saved_stays = std::chrono::minutes{1};    // a saved file, even if `keep` has no room for it
+    static constexpr ano::Duration saved_stays = std::chrono::minutes{1};    // how long a saved file is not deleted for `keep`
     static constexpr ano::Duration patience_at_the_end = std::chrono::seconds{1};
 
-    /// `usual_folder`: the folder when the configuration names none; empty: there is none. The gateway outlives this object.
+    /// `usual_folder`: used if the configuration names no folder; empty: there is none. The gateway must outlive this object.
     Recordings(Gateway& gateway, std::string usual_folder);
     ~Recordings();
     Recordings(const Recordings&) = delete;
     Recordings& operator=(const Recordings&) = delete;
 
-    /// Repairs the unfinished files of an earlier run, and begins the recording of the configuration.
+    /// Repairs the incomplete files of an earlier run, and begins the recording of the configuration.
     void start();
-    /// Adopts the present settings of the gateway. Recordings with unchanged settings continue without a gap.
+    /// Applies the present settings of the gateway. Recordings with unchanged settings continue without a gap.
     void configure();
-    /// Takes the frames that passed until now, so that a change does not apply to them.
+    /// Takes in the frames that passed until now, so that a change does not apply to them.
     void catch_up();
-    /// Ends all recordings. They keep the loop alive until everything is written, at most patience_at_the_end; then `ended` is called: no
-    /// client is answered any more.
+    /// Ends all recordings. They keep the loop alive until everything is written, at most patience_at_the_end; then `ended` is
+    /// called. After that, clients get no responses.
     void stop(std::function<void()> ended = [] {});
 
     // The responses to clients.
@@ -70,12 +70,12 @@ public:
     http::Response end(const std::string& name);
     http::Response remove(std::string name);
     http::Response file(const http::Request& request, std::string name);
-    /// An empty `name`: it is made from the time.
+    /// An empty `name` is replaced by one made from the time.
     http::Response save_last(std::string name, const WantedForm& wanted);
     http::Response last(const WantedForm& wanted);
 
     const Gateway& gateway() const noexcept { return gateway_; }
-    /// Parts that `wanted` leaves open are as configured.
+    /// Options that `wanted` leaves open are as configured.
     RecordingFormat format_for(const WantedForm& wanted) const;
     RecordingOptions options_for(const WantedForm& wanted) const;
     struct Running;
@@ -107,14 +107,14 @@ private:
     void looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault);
     void repair();
     void remember();
-    /// A save of the latest frames, with the frames and the settings of the moment in which it was asked for.
+    /// A save of the latest frames, with the frames and the settings of the moment of the request.
     struct Save {
         std::string name, folder;
         KeptFrames frames;
         RecordingFormat format;
         RecordingOptions options;
         std::uint64_t free = 0;
-        Say say{};    // empty: nobody asked, something happened
+        Say say{};    // empty: automatic, no client waits
     };
     Save save_of(std::string name, const WantedForm& wanted, Say say);
     void save_for(std::string_view why);
@@ -142,7 +142,7 @@ private:
         std::chrono::system_clock::now().time_since_epoch());    // the start of this program, by both clocks
     const TimePoint began_at_ = Clock::now();
     bool has_looked_ = false;
-    std::string told_to_stay_;    // file that stays although `keep` has no room for it, as logged
+    std::string told_to_stay_;    // file that is kept although it exceeds `keep`, as logged last
     std::optional<Save> due_;     // an automatic save that waits until another is done
     std::shared_ptr<bool> reading_ = std::make_shared<bool>(true);    // also held by every response of last()
     std::optional<std::uint64_t> free_;
@@ -151,17 +151,17 @@ private:
     unsigned ticks_ = 0;
     bool is_looking_ = false, look_again_ = false;
     bool is_saving_ = false;      // frames of keep_last are being saved, for a client or automatically
-    bool begins_late_ = false;    // the recording of the configuration begins when one that hangs has ended
+    bool begins_late_ = false;    // the recording of the configuration begins when a hanging one has ended
     bool is_started_ = false, is_stopped_ = false;
     std::optional<TimePoint> end_by_;
     std::function<void()> ended_;
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 
-/// The frames that the section `record` selects.
+/// Selects the frames to record by the section `record`.
 FrameFilterSettings frames_of(const RecordSettings& settings);
-/// The limits for delete_old(). The free space includes the room that writing needs: otherwise, with exactly keep.free bytes free, nothing
-/// would be deleted and nothing could be written.
+/// The limits for delete_old(). The free space includes the room that writing needs: otherwise, with exactly keep.free bytes
+/// free, no file would be deleted and none could be written.
 KeepLimits limits_of(const RecordSettings& settings);
 /// "20261123-154735Z"
 std::string name_by_time(std::chrono::seconds since_1970);

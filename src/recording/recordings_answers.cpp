@@ -29,10 +29,10 @@ Json json_of(const FoundRecording& file) {
     return json;
 }
 
-// The recording of keep_last as a response, made piece by piece while it is sent.
+// The recording of keep_last as a response, encoded in parts while it is sent.
 class KeptFramesParts final : public http::Producer {
 public:
-    /// `place` is held until the last piece is made.
+    /// `place` is held until the last part is encoded.
     KeptFramesParts(KeptFrames frames, RecordingFormat format, RecordingOptions options, std::shared_ptr<void> place)
         : writing_{std::move(frames), format, options}, place_{std::move(place)} {}
     Next next(std::string& into) override {
@@ -162,7 +162,7 @@ http::Response Recordings::begin(AskedRecording asked) {
         DiskWorks::Ticket ticket = disk_.run(
             [refusal, folder = folder_, name = asked.name] { *refusal = check_new_name(folder, name); },
             [this, refusal, asked, say](const std::string& fault) { named(asked, fault, *refusal, say); });
-        // When the client disconnects before the name is checked, no recording is begun.
+        // If the client has disconnected before the name is checked, no recording is begun.
         if (const auto still = weak.lock())
             *still = std::shared_ptr<void>(ticket.get(),
                                            [this, ticket, name = asked.name, alive = std::weak_ptr<bool>{is_alive_}](void*) {
@@ -266,7 +266,7 @@ Recordings::Save Recordings::save_of(std::string name, const WantedForm& wanted,
     return {std::move(name), folder_, memory_->frames(), format_for(wanted), options_for(wanted), settings_.free, std::move(say)};
 }
 
-// Of repeated events, only the first is saved.
+// If the event repeats, only the first one is saved.
 void Recordings::save_for(std::string_view why) {
     if (!memory_ || is_stopped_ || folder_.empty()) return;
     const TimePoint now = Clock::now();
@@ -285,7 +285,7 @@ void Recordings::save_due() {
     save(*std::exchange(due_, std::nullopt));
 }
 
-// One save at a time (is_saving_): on a disk that hangs each of them holds its frames in memory.
+// One save at a time (is_saving_): on a disk that hangs each save keeps its frames in memory.
 void Recordings::save(Save what) {
     const std::uint64_t count = what.frames.frames();
     const Say say = std::move(what.say);
@@ -326,7 +326,7 @@ void Recordings::saving_ended() {
     if (is_stopped_) check_end();
 }
 
-// One look at a time; all requests meanwhile lead to one more.
+// One look at a time; all requests meanwhile cause one more.
 void Recordings::look_soon() {
     if (is_stopped_ || folder_.empty()) return;
     if (std::exchange(is_looking_, true)) look_again_ = true;
@@ -345,8 +345,9 @@ void Recordings::look() {
          began = began_, began_at = began_at_] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
             const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
-            // Files that were saved shortly before this start, perhaps because of its cause, also stay for saved_stays: whenever a
-            // folder or limits are added in that time. At the first look, all that is there is of before.
+            // Files that were saved within saved_stays before this start, perhaps because of its cause, are also kept for
+            // saved_stays after it, even if a folder or limits are configured later in that time. At the first look, all existing
+            // files are from before the start.
             if (has_limits && (is_first || Clock::now() - began_at < saved_stays))
                 for (const std::string& name :
                      changed_since(folder, began - stays, is_first ? std::chrono::seconds::max() : began))

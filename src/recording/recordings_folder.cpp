@@ -26,8 +26,8 @@ namespace {
 constexpr std::size_t max_recording_name = 100;
 constexpr std::size_t max_file_name = max_recording_name + 20;    // with its number and extension
 constexpr std::size_t bytes_at_a_time = 1024 * 1024;
-constexpr std::size_t max_index = 4 * 1024 * 1024;       // bytes to be read of one file for a list
-constexpr std::uint64_t max_cut = 2 * 1024 * 1024;       // bytes that a repair may cut off
+constexpr std::size_t max_index = 4 * 1024 * 1024;       // bytes read of one file for a list
+constexpr std::uint64_t max_cut = 2 * 1024 * 1024;       // bytes that a repair may remove
 constexpr std::string_view our_program = "anogated ";    // followed by the version
 constexpr std::string_view left_alone = " was not written by the gateway and is left alone";
 
@@ -62,15 +62,16 @@ RecordingGlance glance_at_file(int fd, RecordingFormat format, std::uint64_t siz
 
 bool is_ours(const RecordingGlance& glance) { return glance.head.program.starts_with(our_program); }
 
-/// The writer of a recording keeps it locked (flock). The check takes a shared lock for a moment, so that several can check at once.
+/// The writer of a recording keeps it locked (flock). The check holds a shared lock for a moment, so that several can check at
+/// once.
 bool is_locked(int fd) {
     if (::flock(fd, LOCK_SH | LOCK_NB) != 0) return errno == EWOULDBLOCK;
     ::flock(fd, LOCK_UN);
     return false;
 }
 
-/// Locks a recording against other repairs as long as `fd` is open: the file counts as not being written, and may be deleted meanwhile.
-/// This kind of lock and that of is_locked() do not affect each other.
+/// Locks a recording against other repairs as long as `fd` is open. The lock is of another kind than that of is_locked() and does
+/// not affect it: the file counts as not being written, and may be deleted meanwhile.
 bool lock_to_repair(int fd) {
     struct flock all {};
     all.l_type = F_WRLCK;
@@ -90,7 +91,8 @@ struct OpenRecording {
     RecordingGlance glance;
 };
 
-/// Opens a recording that the gateway wrote; std::nullopt: it is none (errno 0), or can't be opened (errno says why).
+/// Opens a recording that the gateway wrote; std::nullopt: another program wrote it (errno 0), or it can't be opened (errno is
+/// set).
 std::optional<OpenRecording> open_ours(int folder, const std::string& name, bool writable = false) {
     errno = 0;
     const auto format = recording_format_of(name);
@@ -108,7 +110,7 @@ struct CloseFolder {
     void operator()(DIR* folder) const noexcept { ::closedir(folder); }
 };
 
-/// The names of everything except folders and hidden files: our names never begin with a dot.
+/// The names of everything except folders and hidden files: names of recordings never begin with a dot.
 std::vector<std::string> names_in(int folder) {
     std::vector<std::string> names;
     UniqueFd again{::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
@@ -142,7 +144,7 @@ FoundRecording found(const std::string& name, const OpenRecording& file) {
     return recording;
 }
 
-// Skipped when the index is too large: reading it would take too long for a list.
+// Skipped if the index is large: reading it would take too long for a list.
 void add_counts_of_mcap(int folder, FoundRecording& recording) {
     const UniqueFd fd = open_regular(folder, recording.name, false);
     if (!fd) return;
@@ -157,7 +159,7 @@ void add_counts_of_mcap(int folder, FoundRecording& recording) {
     if (index->counts.frames > 0) recording.seconds = index->counts.seconds();
 }
 
-/// Without the number of frames and the length of MCAP files, since these need more reading.
+/// Without the number of frames and the length of MCAP files, because these need more reading.
 FolderView quick_view_of(const std::string& folder) {
     FolderView view;
     const UniqueFd at = opened_folder(folder);
@@ -174,7 +176,7 @@ FolderView quick_view_of(const std::string& folder) {
     return view;
 }
 
-/// " (did you mean 'flight.mcap'?)", or empty. A name without an extension is compared with names without theirs.
+/// " (did you mean 'flight.mcap'?)", or empty. A name without an extension is compared with names without extensions.
 std::string file_meant_by(const std::string& name, std::vector<std::string> files) {
     std::sort(files.begin(), files.end());
     const bool has_end = recording_format_of(name).has_value();
@@ -212,7 +214,7 @@ Refusal refusal_of_folder(const std::string& folder, int error) {
     return {503, error_text(folder, error)};
 }
 
-/// Removes the file that was checked, but not another one that got its name meanwhile.
+/// Removes the file that was checked, but not another one that was given its name meanwhile.
 std::optional<Refusal> unlink_same(int folder, const std::string& name, const struct stat& was) {
     struct stat is {};
     if (::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0) return Refusal{404, "there is no recording " + name};
@@ -232,8 +234,8 @@ bool append_all(int fd, std::uint64_t at, std::string_view bytes) {
     return true;
 }
 
-/// Keeps the modification time, which is that of its last frame. Writes the new end before it cuts off the rest, so that a failure loses
-/// nothing.
+/// Keeps the modification time, which is that of the last frame. Writes the new end before it removes the rest, so that a failure
+/// loses no data.
 std::string make_whole(const OpenRecording& file, const RecordingRepair::Result& result) {
     const int fd = file.fd.get();
     const std::uint64_t end = result.keep + result.append.size();
@@ -245,7 +247,7 @@ std::string make_whole(const OpenRecording& file, const RecordingRepair::Result&
     return done ? std::string{} : error_text(error);
 }
 
-// An incomplete part at the end is no loss. This many bytes are no such part, and may still be readable.
+// A repair discards an incomplete part at the end. This many bytes are more than one part and may still be readable.
 std::string damage_text(std::uint64_t behind, std::uint64_t bytes) {
     return "it is damaged after byte " + std::to_string(behind) + ", and the " + std::to_string(bytes) +
            " bytes after it are not discarded";
@@ -255,7 +257,7 @@ std::optional<RepairedFile> repair(int folder, const std::string& name) {
     const auto file = open_ours(folder, name, true);
     if (!file || file->glance.is_ended || is_locked(file->fd.get()) || !lock_to_repair(file->fd.get())) return std::nullopt;
     RecordingRepair repair{file->format};
-    std::uint64_t at = 0, written = 0;    // after a loss of power, zeros may follow the written bytes
+    std::uint64_t at = 0, written = 0;    // after a power failure, zeros may follow the written bytes
     for (std::string piece = read_at(file->fd.get(), 0, bytes_at_a_time); !piece.empty();
          piece = read_at(file->fd.get(), at, bytes_at_a_time)) {
         if (is_deleted(file->fd.get())) return std::nullopt;    // it was deleted: closing it frees its space
@@ -380,7 +382,7 @@ DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits
 
 namespace {
 
-// Empty, or why not all is on the disk.
+// Returns empty, or the reason why not all is on the disk.
 std::string write_frames(KeptFramesWriting writing, const std::string& folder, std::uint64_t free, RecordingFile& file) {
     for (bool more = true; more;) {
         std::string bytes;

@@ -1,4 +1,4 @@
-// A running recording, as Recordings keeps it.
+// A running recording, as Recordings stores it.
 #pragma once
 #include <recording/recordings.hpp>
 
@@ -13,13 +13,13 @@ struct Recordings::Running {
     TimePoint began_at{};
     std::unique_ptr<Recorder> recorder{};
     std::uint64_t told_files = 0;
-    TimePoint file_began_at{};    // the present file
+    TimePoint file_began_at{};    // the current file
     std::string told_error{};     // the last error that was logged, without its numbers
     bool is_ending = false;
-    std::vector<std::function<void(http::Response)>> begun{}, ended{};    // who waits for the begin, for the end
+    std::vector<std::function<void(http::Response)>> begun{}, ended{};    // called at its begin, at its end
 };
 
-/// The name of the present file; empty: there is none yet.
+/// The name of the current file; empty: there is none yet.
 std::string file_name_of(const Recordings::Running& running);
 
 std::chrono::seconds since_1970();
