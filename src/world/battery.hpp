@@ -1,4 +1,4 @@
-// A battery of three cells whose voltage sinks while they are used.
+// A battery of three cells whose voltage falls with the charge used.
 #pragma once
 #include <algorithm>
 
@@ -9,7 +9,7 @@ public:
     static constexpr double full = 12.6, empty = 10.8;    // V, without load
     static constexpr double hover = 14;                   // A
 
-    /// `load` is a multiple of the load of a hover, with which the battery is empty after `flight_time` seconds.
+    /// `load`: as a multiple of the load in hover, which empties the battery in `flight_time` seconds.
     void step(double dt, double load, double flight_time) noexcept {
         current_ = 0.4 + hover * load;
         charge_ = std::max(charge_ - dt * load / flight_time, 0.0);

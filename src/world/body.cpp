@@ -31,7 +31,7 @@ void Body::step(double dt, const Motors& wanted, Vector wind) noexcept {
     if (on_ground_) touch_ground(stood ? before : position_);
 }
 
-// The vehicle lands upright, and stays there.
+// The vehicle lands upright and then does not move.
 void Body::touch_ground(Vector where) noexcept {
     position_ = {where.x, where.y, 0};
     velocity_ = rates_ = {};

@@ -6,7 +6,7 @@
 
 namespace ano::world {
 
-/// The thrust that each motor is to give, 0 to 1: front right, front left, rear left, rear right.
+/// The requested thrust of each motor, 0 to 1: front right, front left, rear left, rear right.
 using Motors = std::array<double, 4>;
 
 class Body {
@@ -15,14 +15,14 @@ public:
     static constexpr Vector inertia{0.012, 0.012, 0.022};               // kg·m²
     static constexpr double lever = 0.16;                               // m, of each motor from both axes
     static constexpr double max_thrust = 6.5;                           // N, of one motor
-    static constexpr double hover = mass * gravity / max_thrust / 4;    // share of the maximum thrust that carries the vehicle
+    static constexpr double hover = mass * gravity / max_thrust / 4;    // share of the maximum thrust that balances the weight
     static constexpr double yaw_torque = 0.02;                          // N·m for each N
     static constexpr double motor_lag = 0.04;                           // s
     static constexpr double max_rate = 50;                              // rad/s: drag of the air limits it
     static constexpr double drag = 0.3;                                 // N for each m/s
 
     void step(double dt, const Motors& wanted, Vector wind) noexcept;
-    /// A hand holds the vehicle in this attitude.
+    /// Sets the attitude directly, as of a vehicle held by a hand.
     void hold(Attitude attitude, double dt) noexcept;
 
     bool on_ground() const noexcept { return on_ground_; }
@@ -32,7 +32,7 @@ public:
     Angles angles() const noexcept { return attitude_.angles(); }
     Vector rates() const noexcept { return rates_; }
     const Motors& motors() const noexcept { return motors_; }
-    /// What an accelerometer measures, m/s²: at rest, gravity upwards.
+    /// The measurement of an ideal accelerometer, m/s²: at rest, gravity upwards.
     Vector felt() const noexcept { return felt_; }
 
 private:

@@ -82,7 +82,7 @@ void Car::health() {
     say(power);
 }
 
-// 0x40: the pitch stick is speed, roll turns. 0x41: forward speed and turning.
+// 0x40: the pitch stick sets the speed, the roll stick the turn. 0x41: forward speed and turn.
 void Car::heard(FrameView frame) {
     if (const auto sticks = as<"remote_control">(frame)) {
         const bool is_linked = sticks->get<"pit">() != 0 && sticks->get<"rol">() != 0;
@@ -95,7 +95,7 @@ void Car::heard(FrameView frame) {
     }
 }
 
-// Sticks and 0x41 have priority, then the target of a command; otherwise it stops.
+// Sticks and 0x41 have priority, then the target of a command. Without any of them the car stops.
 Car::Aim Car::aim() noexcept {
     if (is_locked_ || battery_.charge() <= 0) return {};
     if (steered_age_ < input_lasts) {

@@ -1,4 +1,4 @@
-// sim:car. A car that is steered by 0x40, 0x41 and its commands.
+// sim:car. A car that 0x40, 0x41 and its commands steer.
 #pragma once
 #include "battery.hpp"
 #include "inertial_unit.hpp"
@@ -11,7 +11,7 @@ namespace ano::world {
 class Car final : public SimulatedDevice {
 public:
     static constexpr std::uint8_t usual_id = 40;
-    static constexpr double input_lasts = 1;    // s, that an input of the sticks is used
+    static constexpr double input_lasts = 1;    // s, validity of an input of the sticks
 
     Car(const Settings& settings, TimePoint start);
 
@@ -50,7 +50,7 @@ private:
     double speed_ = 0, yaw_ = 0, yaw_rate_ = 0, gain_ = 0;
     Aim steered_;
     double steered_age_ = input_lasts;
-    std::optional<Vector> there_;    // where a command told it to go
+    std::optional<Vector> there_;    // the target of a command
 };
 
 }    // namespace ano::world

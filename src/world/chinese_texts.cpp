@@ -79,7 +79,7 @@ struct Code {
     std::uint16_t gbk;
 };
 
-// The characters in them, in order.
+// The Chinese characters of the translations, sorted.
 constexpr Code codes[]{
     {U'、', 0xA1A2}, {U'上', 0xC9CF}, {U'不', 0xB2BB}, {U'个', 0xB8F6}, {U'为', 0xCEAA}, {U'之', 0xD6AE}, {U'也', 0xD2B2},
     {U'从', 0xB4D3}, {U'仪', 0xD2C7}, {U'仰', 0xD1F6}, {U'件', 0xBCFE}, {U'任', 0xC8CE}, {U'会', 0xBBE1}, {U'位', 0xCEBB},
@@ -110,7 +110,7 @@ constexpr Code codes[]{
 };
 // clang-format on
 
-// The character that `text` begins with, which is removed.
+// Removes the first character of `text` and returns it.
 char32_t take_character(std::string_view& text) {
     const auto first = static_cast<std::uint8_t>(text[0]);
     const std::size_t size = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;

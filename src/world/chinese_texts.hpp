@@ -1,4 +1,4 @@
-// Chinese names and texts for simulated devices. Some are cut inside a character by the size of their field, as in devices in the field.
+// Chinese names and texts for simulated devices. Some are cut inside a character by the size of their field, as on real devices.
 #pragma once
 #include "device_forms.hpp"
 
@@ -13,8 +13,8 @@ class ChineseTexts {
 public:
     explicit ChineseTexts(TextForm form) noexcept : form_{form} {}
 
-    /// `frame`, or the same with translated texts, which is valid until the next call. Hosts name parameters and commands by number, so
-    /// frames to the device need no translation.
+    /// `frame`, or the same with translated texts; valid until the next call. Hosts refer to parameters and commands by number,
+    /// so frames to the device need no translation.
     FrameView of(FrameView frame);
 
 private:

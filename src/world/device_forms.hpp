@@ -1,13 +1,13 @@
-// Generations of devices that a simulated device can be of.
+// Variants of the protocol that simulated devices can imitate.
 #pragma once
 #include <cstdint>
 
 namespace ano::world {
 
-/// How it describes its parameters (0xE2).
+/// The form of its parameter descriptions (0xE2).
 enum class ParameterForm : std::uint8_t { typed, minmax, scaled };
 
-/// In which language and encoding it has its names and texts: English, or Chinese in UTF-8 or GBK.
+/// Language and encoding of its names and texts: English, or Chinese in UTF-8 or GBK.
 enum class TextForm : std::uint8_t { en, utf8, gbk };
 
 }    // namespace ano::world

@@ -15,7 +15,7 @@ void FaultyLine::take(Bytes bytes, TimePoint now, const Send& send) {
     run(now, send);
 }
 
-// Frames are handled in the order of time, however late run() is called.
+// Frames are handled in the order of their times, even if run() is called late.
 void FaultyLine::run(TimePoint now, const Send& send) {
     device_->notice_pause(now);
     for (;;) {
@@ -37,7 +37,7 @@ TimePoint FaultyLine::due() const noexcept {
     return passing_.empty() ? said : std::min(said, passing_.begin()->first);
 }
 
-// For each frame the same number of random numbers is drawn, so that faults of one frame do not change those of the next.
+// Every frame draws the same number of random numbers, so that faults of one frame do not change those of the next.
 void FaultyLine::put(Bytes frame, Way way, TimePoint at, Noise& chance) {
     const auto happens = [&](unsigned percent) { return chance.share() * 100 < percent; };
     const bool is_lost = happens(faults_.loss), is_double = happens(faults_.duplicate), is_damaged = happens(faults_.corrupt);
@@ -82,7 +82,7 @@ bool FaultyLine::is_restarting(TimePoint at) const noexcept {
            at - start_ < *faults_.restart_after + time_to_restart;
 }
 
-// At the first frame, in either direction, after the time.
+// Restarts at the first frame, in either direction, after restart_after.
 void FaultyLine::restart_if_due(TimePoint at) {
     if (has_restarted_ || !faults_.restart_after || at - start_ < *faults_.restart_after) return;
     has_restarted_ = true;
@@ -94,7 +94,7 @@ void FaultyLine::say(FrameView frame, TimePoint at) {
     if (!is_restarting(at)) put(frame.bytes(), Way::to_host, at, back_);
 }
 
-// Without the vendor's parser the device gets no damaged frames, and is not disturbed by them.
+// Without the vendor's parser, damaged frames are dropped and do not affect the device.
 void FaultyLine::hear(Bytes bytes, TimePoint at) {
     restart_if_due(at);
     const bool is_deaf = is_restarting(at) || (faults_.deaf_after && at - start_ >= *faults_.deaf_after);

@@ -1,5 +1,5 @@
-// Simulates faults: frames that are lost, late, doubled or damaged between a simulated device and its peers, and a device that is slow
-// or deaf. The same seed gives the same faults.
+// Simulates faults: frames that are lost, delayed, duplicated or corrupted between a simulated device and its peers, and a device
+// that is slow or stops receiving. The same seed gives the same faults.
 #pragma once
 #include "noise.hpp"
 #include "simulated_device.hpp"
@@ -18,18 +18,19 @@
 
 namespace ano::world {
 
-/// For each frame in both directions; those from `deaf_after` on apply only to frames to the device.
+/// The faults up to `jitter` apply to each frame in both directions, the others only to frames to the device. A restart affects
+/// both.
 struct Faults {
     unsigned loss = 0;         // %
     unsigned duplicate = 0;    // %
     unsigned corrupt = 0;      // %, with one wrong bit
     Duration delay{};
-    Duration jitter{};                          // maximum of a random additional delay, so that frames may overtake each other
-    std::optional<Duration> deaf_after{};       // since the start: from then on it receives nothing
+    Duration jitter{};                          // maximum of a random additional delay; it may reorder frames
+    std::optional<Duration> deaf_after{};       // since the start: from then on the device receives nothing
     std::optional<Duration> restart_after{};    // since the start: then it restarts once, silent for FaultyLine::time_to_restart
-    Duration slow{};                            // time that it needs for each frame; up to 20 further ones wait
-    bool one_at_a_time = false;    // none waits: frames that come while it is busy are lost, as if it blocked while it sends
-    bool vendor_parser = false;    // it has the vendor's parser, which a damaged LEN makes deaf
+    Duration slow{};                            // processing time of each frame; up to 20 further frames wait
+    bool one_at_a_time = false;    // no frame waits: frames that arrive while it is busy are lost, as if sending blocked it
+    bool vendor_parser = false;    // it has the vendor's parser, which a damaged LEN blocks
 
     bool is_none() const noexcept {
         return !(loss || duplicate || corrupt || delay.count() || jitter.count() || deaf_after || restart_after || slow.count() ||
@@ -39,22 +40,22 @@ struct Faults {
 
 struct FaultCounters {
     std::uint64_t lost = 0, doubled = 0, damaged = 0;
-    std::uint64_t unheard = 0;    // lost because of `deaf_after`, or because too many waited for a slow device
+    std::uint64_t unheard = 0;    // lost because of `deaf_after` or a restart, or because too many waited for a slow device
 };
 
-/// A simulated device behind such a line. Like the device, it sends the same bytes however often run() is called.
+/// A simulated device behind such a line. Like the device itself, it sends the same bytes, no matter how often run() is called.
 class FaultyLine {
 public:
-    /// Gets bytes that arrive, and the time. They are a frame, unless they are damaged.
+    /// Called with bytes that arrive, and the time. They are one frame, unless they are corrupted.
     using Send = std::function<void(Bytes, TimePoint)>;
-    static constexpr std::size_t max_waiting = 20;    // as devices in the field queue
+    static constexpr std::size_t max_waiting = 20;    // as many as real devices queue
     static constexpr std::chrono::seconds time_to_restart{1};
     static constexpr std::size_t max_passing = 20'000;    // frames under way; further ones are lost
 
     FaultyLine(std::unique_ptr<SimulatedDevice> device, const Faults& faults, std::uint64_t seed, TimePoint start);
 
     void take(FrameView frame, TimePoint now, const Send& send) { take(frame.bytes(), now, send); }
-    /// The same for bytes that are no frame.
+    /// The same for bytes that are not a frame.
     void take(Bytes bytes, TimePoint now, const Send& send);
     void run(TimePoint now, const Send& send);
     TimePoint due() const noexcept;

@@ -1,4 +1,4 @@
-// Fills in the fields of messages of simulated devices, limited to what the wire can carry.
+// Sets the fields of messages of simulated devices, limited to the range of the field.
 #pragma once
 #include <ano/typed.hpp>
 #include <ano/wire.hpp>
@@ -17,7 +17,7 @@ consteval const Field& field_of() {
     return Draft::message().fields().front();
 }
 
-/// The nearest number that the field can carry; 0 for NaN.
+/// The nearest number that the field can represent; 0 for NaN.
 template <Name F, class Draft>
 void fill(Draft& draft, double value) noexcept {
     constexpr const Field& field = field_of<Draft, F>();

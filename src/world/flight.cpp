@@ -92,7 +92,7 @@ bool Flight::fly(std::vector<RoutePoint> route) {
     return true;
 }
 
-// Moving the sticks takes over control.
+// Moving the sticks takes over manual control.
 void Flight::hear(const Sticks& sticks) noexcept {
     sticks_ = sticks;
     sticks_age_ = 0;
@@ -172,8 +172,8 @@ Motors Flight::by_task(double dt) {
     return pilot_.go(body_, place_, speed, settings_.gains, dt);
 }
 
-// Whether the vehicle faces in the wanted direction. Close to the point, the direction to it is not defined: there the vehicle keeps
-// its own.
+// Turns towards the wanted direction; true if the vehicle faces it. Near the point, the direction to it is undefined: there the
+// vehicle keeps its own.
 bool Flight::faces(const RoutePoint& point, double dt) noexcept {
     constexpr double beside = 1;    // m
     const Vector way = place_ - body_.position();

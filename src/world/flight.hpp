@@ -1,4 +1,4 @@
-// How the simulated flight controller flies: its tasks, and how it carries them out. Metres, seconds, radians.
+// The flight of the simulated flight controller: its tasks, and how they are carried out. Metres, seconds, radians.
 #pragma once
 #include "battery.hpp"
 #include "body.hpp"
@@ -15,10 +15,10 @@
 
 namespace ano::world {
 
-/// What hosts can set. See the `info` of the parameters.
+/// Settings from parameters that hosts can change. See the `info` of the parameters.
 struct FlightSettings {
     std::uint8_t mode = 2;
-    std::int8_t turn = 0;          // °/s, while it hovers
+    std::int8_t turn = 0;          // °/s, in hover
     std::uint16_t height = 120;    // cm
     std::uint16_t speed = 300;     // cm/s
     std::uint32_t flight_time = 900;
@@ -46,7 +46,7 @@ struct RoutePoint {
     Vector there;                   // from home
     double speed = 0;               // m/s; 0: FlightSettings::speed
     std::optional<double> yaw{};    // to the left of north; std::nullopt: towards the point
-    double stay = 0;                // s, after it has arrived
+    double stay = 0;                // s, at the point
 };
 
 class Flight {
@@ -56,13 +56,13 @@ public:
     enum class Safety : std::uint8_t { locked, unlocked, airborne };
     static constexpr double min_height = 0.2, max_height = 100, max_distance = 1000;    // m
     static constexpr double low_battery = 0.2, last_battery = 0.1;
-    static constexpr double input_lasts = 1;    // s, that an input of the sticks is used
+    static constexpr double input_lasts = 1;    // s, validity of an input of the sticks
 
-    /// `tell` sends a line to the log of the hosts; `is_bad`: a warning.
+    /// `tell` sends a log line to the hosts; `is_bad`: a warning.
     explicit Flight(const FlightSettings& settings, std::function<void(std::string_view, bool is_bad)> tell)
         : settings_{settings}, tell_{std::move(tell)} {}
 
-    // Each returns false when it can't be done now.
+    // Each returns false if the task is not possible now.
     bool unlock();
     bool lock();
     bool take_off(double height);
@@ -72,7 +72,7 @@ public:
     bool yaw(double yaw);
     bool return_home();
     bool fly(std::vector<RoutePoint> route);
-    /// Whether it may be turned by hand for a calibration: on the ground and locked.
+    /// Whether it may be turned by hand for a calibration: it is on the ground and locked.
     bool may_be_turned() const noexcept { return safety() == Safety::locked; }
 
     void hear(const Sticks& sticks) noexcept;
@@ -89,7 +89,7 @@ public:
     const Battery& battery() const noexcept { return battery_; }
     Vector wind() const noexcept { return weather_.wind(); }
     Hand& hand() noexcept { return hand_; }
-    /// The position relative to the last place of take-off.
+    /// The position relative to the last take-off.
     Vector offset() const noexcept { return body_.position() - from_; }
 
 private:

@@ -141,7 +141,8 @@ void FlightController::surroundings() {
     say(down);
 }
 
-// {"id": "0xF9", "fields": [{"name": "charge", "type": "u8", "unit": "%"}, {"name": "wind", "type": "f32", "unit": "m/s"}]}
+// As a layout: {"id": "0xF9", "fields": [{"name": "charge", "type": "u8", "unit": "%"}, {"name": "wind", "type": "f32", "unit":
+// "m/s"}]}
 void FlightController::flexible() {
     std::array<std::uint8_t, 5> data{static_cast<std::uint8_t>(std::lround(100 * flight_.battery().charge()))};
     store(data.data() + 1, static_cast<float>(flight_.wind().length()));

@@ -1,4 +1,4 @@
-// sim:fc. A flight controller that flies by its commands, its waypoints, 0x40 and 0x41.
+// sim:fc. A flight controller; commands, waypoints, 0x40 and 0x41 control it.
 #pragma once
 #include "flight.hpp"
 #include "inertial_unit.hpp"
@@ -12,7 +12,7 @@
 
 namespace ano::world {
 
-/// The command (0xC0) that begins the task; 0x06 reports it while the task is carried out.
+/// The command (0xC0) that starts the task; 0x06 reports it while the task runs.
 constexpr device::CommandId command_of(Flight::Task task) noexcept {
     constexpr std::array<std::uint8_t, 7> numbers{4, 1, 2, 8, 9, 10, 12};
     return {0x10, 0, numbers[static_cast<std::size_t>(task)]};
@@ -27,7 +27,7 @@ public:
     const Flight& flight() const noexcept { return flight_; }
 
 private:
-    struct Other {    // parameters that are only stored
+    struct Other {    // parameters without effect
         std::uint64_t serial = 0xA0'0000'0001;
         std::int64_t born = 0;
         std::string note = "simulated";
@@ -67,7 +67,7 @@ private:
     TestPicture picture_;
     std::int16_t barometer_offset_ = 15;
     std::int32_t range_offset_ = 0;
-    std::uint8_t pictures_ = 1;    // a second
+    std::uint8_t pictures_ = 1;    // per second
     Place home_{116.3, 39.9};
     Other other_;
 };

@@ -62,7 +62,7 @@ void FlightController::add_own_parameters() {
     parameters.add(charge);
 }
 
-// Fills the list up to `parameter_count`, so that hosts have many parameters to read; of every type in turn.
+// Adds parameters up to `parameter_count`, of every type in turn, so that hosts have long lists to read.
 void FlightController::add_user_parameters() {
     auto& parameters = device().parameters();
     other_.user.reserve(parameter_count);
@@ -96,7 +96,7 @@ void FlightController::add_commands() {
     });
 }
 
-// Commands that take a while are reported in 0x06 until they are done.
+// 0x06 reports a command that takes a while until it is done.
 void FlightController::add_flights() {
     auto& commands = device().commands();
     commands.add(command_of(Flight::Task::take_off), "TAKE_OFF", "height in cm; 0: SIM_HEIGHT",
@@ -130,7 +130,8 @@ Vector FlightController::place_of(const device::Waypoint& w) const noexcept {
     return from_home({w.lng, w.lat}, home_) + Vector{0, 0, w.alt / 100.0};
 }
 
-// The protocol text (section 4) leaves the meaning of `fun` to the device: here 1 stays for cmd1 seconds, any other passes by.
+// The protocol text (section 4) leaves the meaning of `fun` to the device. Here the vehicle stays for cmd1 seconds if `fun` is 1,
+// and does not stay otherwise.
 RoutePoint FlightController::route_point(const device::Waypoint& w) const noexcept {
     constexpr std::uint16_t to_the_target = 400;
     constexpr std::uint8_t stay = 1;

@@ -32,7 +32,7 @@ void FlowSensor::advance() {
 double FlowSensor::quality() const noexcept { return std::clamp(255 - std::max(height_ - 400, 0) / 3.0, 0.0, 255.0); }
 
 void FlowSensor::flow() {
-    constexpr double pixels = 400;    // for each radian in 20 ms
+    constexpr double pixels = 400;    // per radian and 20 ms
     const Vector seen = velocity_ + Vector{2 * chance().normal(), 2 * chance().normal(), 0};
     const double is_valid = quality() > 100 ? 1 : 0;
     Draft<"optical_flow"> raw;

@@ -1,4 +1,4 @@
-// sim:flow. An optical flow sensor that is carried in a circle, looking down.
+// sim:flow. An optical flow sensor that looks down and moves in a circle.
 #pragma once
 #include "simulated_device.hpp"
 #include "vector.hpp"

@@ -55,7 +55,7 @@ void Hand::finish() noexcept {
         until_ = at_ + duration();
         return;
     }
-    at_ -= in_round - looks_at;    // it stays there as if that had just begun
+    at_ -= in_round - looks_at;    // continue as at the beginning of the long rest on the last face
     until_ = at_ + look + duration();
 }
 
@@ -78,7 +78,7 @@ Attitude Hand::next(double dt) noexcept {
     return does_ == Does::faces ? on_faces() : all_round();
 }
 
-// The turn from each face to the next is less than half a circle, or about one axis.
+// Each turn to the next face is less than half a circle, or about one axis.
 Attitude Hand::on_faces() const noexcept {
     constexpr std::array<std::size_t, faces> order{4, 0, 2, 5, 1, 3};
     const double one = time_to_turn + rest_;
@@ -88,7 +88,7 @@ Attitude Hand::on_faces() const noexcept {
     return between(face_up(order[(turn + faces - 1) % faces]), face_up(order[turn % faces]), moved);
 }
 
-// A needle on the device follows a spiral from pole to pole. The attitude is the shortest turn that brings it from there to the
+// A needle fixed to the device follows a spiral from pole to pole. The attitude is the shortest turn from the needle to the
 // field.
 Attitude Hand::all_round() const noexcept {
     constexpr double turns = 18;

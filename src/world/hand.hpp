@@ -1,4 +1,4 @@
-// A hand that turns a device for a calibration: onto its six faces, or in all directions.
+// Turns a device as a person does for a calibration: onto its six faces, or in all directions.
 #pragma once
 #include "vector.hpp"
 
@@ -10,21 +10,21 @@ class Hand {
 public:
     static constexpr std::size_t faces = 6;
     static constexpr double time_to_turn = 1;    // s, from one face to the next
-    static constexpr unsigned rounds = 3;        // then it gives up
-    static constexpr double time_to_look = 8;    // s, on the last face of a round: is it enough?
+    static constexpr unsigned rounds = 3;        // then it stops
+    static constexpr double time_to_look = 8;    // s, on the last face of a round, for the person to check the result
     static constexpr double time_to_begin =
-        3;    // s, on the last face before the first round: the host measures so late behind a clear
+        3;    // s, on the last face before the first round: the host starts to measure this long after a clear
 
-    /// Lays it on one face after the other, for `rest` seconds each, on the last one for longer.
+    /// Turns it to one face after the other and rests for `rest` seconds on each, on the last one longer.
     void turn_to_faces(double rest) noexcept;
     /// Turns it so that `field`, as seen from the device, points in all directions within `duration` seconds.
     void turn_all_round(Vector field, double duration) noexcept;
-    /// Lays it on this face and leaves it there: x up, x down, y up, y down, z up, z down.
+    /// Turns it to this face and leaves it there: x up, x down, y up, y down, z up, z down.
     void lay(std::size_t face) noexcept;
-    /// Goes on for a while, then puts it back upright: on the last face of a round `rest` and time_to_look, and
-    /// always one more round; in all directions a quarter of a round.
+    /// Continues for a while, then turns it upright. On the faces: for one more round, preceded by `rest` and time_to_look on the
+    /// last face of a round. In all directions: for at most a quarter of a round.
     void finish() noexcept;
-    /// Puts it back upright.
+    /// Turns it upright.
     void let_go() noexcept { does_ = Does::nothing; }
 
     bool holds() const noexcept { return does_ != Does::nothing; }

@@ -18,12 +18,12 @@ public:
         std::function<bool()> may_be_turned;    // by hand, now
         std::function<bool()> store;            // SimulatedDevice::store_values()
     };
-    /// Adds the 21 parameters. When a host asks for raw values and the device may be turned, `hand` turns it as that calibration
-    /// needs it: long enough on each side for frames that are sent `hz` times a second, those of the compass half as often; and for
-    /// some seconds more when the host has stored it, so that it can be verified.
+    /// Adds the 21 parameters. If a host clears a calibration, to get raw values, and the device may be turned, `hand` turns it
+    /// as that calibration needs: long enough on each face for frames that are sent `hz` times per second, and half as often for
+    /// the compass. After the host has stored the calibration, `hand` continues for some seconds, so that it can be verified.
     void add_calibrations(device::Parameters& parameters, Hand& hand, unsigned hz, const Owner& owner);
 
-    /// The message of a device with this acceleration (m/s²) and rotation (rad/s).
+    /// The message with this acceleration (m/s²) and rotation (rad/s).
     Draft<"inertial"> inertial(Vector felt, Vector rates, Noise& chance) const noexcept;
     Draft<"compass"> compass(const Attitude& attitude, Noise& chance) const noexcept;
 

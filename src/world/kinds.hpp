@@ -9,7 +9,7 @@ namespace ano::world {
 
 inline constexpr std::string_view kinds = "fc|imu|flow|radio|car";
 
-/// `name` is one of the kinds; any other name makes an fc.
+/// `name` is one of the kinds; any other name returns an fc.
 std::unique_ptr<SimulatedDevice> make_device(std::string_view name, const Settings& settings, TimePoint start);
 
 }    // namespace ano::world

@@ -1,4 +1,4 @@
-// Pseudo-random numbers: a seed gives the same numbers on every machine and with every standard library.
+// Pseudo-random numbers: a seed gives the same numbers on every computer and with every standard library.
 #pragma once
 #include <cstdint>
 
@@ -19,7 +19,7 @@ public:
     double share() noexcept { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     /// From -max to max.
     double within(double max) noexcept { return (2 * share() - 1) * max; }
-    /// About normal, of variance 1: the sum of four numbers of 16 bits.
+    /// Approximately normal, variance 1: the sum of four numbers of 16 bits.
     double normal() noexcept {
         constexpr double half = 2 * 65535.0, deviation = 37837.2;
         const std::uint64_t b = bits();

@@ -28,7 +28,7 @@ Motors Pilot::lean(const Body& body, Angles lean, double throttle, const Gains& 
             throttle - roll + pitch - yaw};
 }
 
-// The share of full thrust that accelerates by `upwards`, m/s², in the vertical direction.
+// The share of full thrust for the vertical acceleration `upwards`, m/s².
 double Pilot::thrust_for(const Body& body, double upwards) const noexcept {
     const Angles is = body.angles();
     const double part = std::max(std::cos(is.roll) * std::cos(is.pitch), 0.5);

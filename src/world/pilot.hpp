@@ -1,4 +1,4 @@
-// Computes the motors from the target, in nested loops: position, velocity, attitude, rates.
+// Computes the motors from the target, by nested control loops: position, velocity, attitude, rates.
 #pragma once
 #include "body.hpp"
 
@@ -16,7 +16,7 @@ public:
     static constexpr double max_yaw_rate = 90 * degree;     // rad/s
     static constexpr double max_acceleration = 5;           // m/s²
 
-    /// Forgets earlier targets and begins at the state of `body`.
+    /// Resets the targets to the state of `body`.
     void reset(const Body& body) noexcept;
 
     /// Leans by `lean`, with `throttle` as a share of full thrust.

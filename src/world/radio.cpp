@@ -26,12 +26,13 @@ Radio::Radio(const Settings& settings, TimePoint start)
     });
 }
 
-// 2.4 GHz in free space, with slow fading.
+// Path loss at 2.4 GHz in free space, with slow fading.
 void Radio::advance() {
     fading_ += dt * (-fading_ + 20 * chance().normal());
     strength_ = power_ - 40.0 - 20 * std::log10(distance_) + fading_;
 }
 
+// As a layout:
 // {"id": "0xFA", "fields": [{"name": "strength", "type": "i8", "unit": "dBm"}, {"name": "noise", "type": "i8", "unit": "dBm"},
 //  {"name": "lost", "type": "u8", "unit": "%"}]}
 void Radio::figures() {

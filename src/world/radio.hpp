@@ -1,4 +1,4 @@
-// sim:radio. A data radio, and what it measures of its link.
+// sim:radio. A data radio, with measurements of its radio link.
 #pragma once
 #include "simulated_device.hpp"
 
@@ -17,7 +17,7 @@ private:
 
     std::uint8_t power_ = 20;    // dBm
     std::uint8_t channel_ = 6;
-    std::uint32_t distance_ = 200;    // m, to the other side
+    std::uint32_t distance_ = 200;    // m, to the other radio
     std::uint16_t port_ = 12333;
     double strength_ = -60, fading_ = 0;
     bool was_poor_ = false;

@@ -1,4 +1,4 @@
-// The walls around the origin of the world, which range finders see.
+// The walls around the origin of the world, for range finders.
 #pragma once
 #include "vector.hpp"
 
@@ -8,9 +8,9 @@
 
 namespace ano::world {
 
-inline constexpr double wall_ahead = 30, wall_aside = 20;    // m, from the middle, to both sides
+inline constexpr double wall_ahead = 30, wall_aside = 20;    // m, from the origin, in both directions
 
-/// The distance to the wall, m, in `direction`: radians from the x axis to the left. 0 outside the walls.
+/// The distance to the wall in metres, in `direction`: radians from the x axis to the left. 0 outside the walls.
 inline double to_the_wall(Vector from, double direction) noexcept {
     if (std::abs(from.x) >= wall_ahead || std::abs(from.y) >= wall_aside) return 0;
     const double cos = std::cos(direction), sin = std::sin(direction);
@@ -19,7 +19,7 @@ inline double to_the_wall(Vector from, double direction) noexcept {
     return std::min(along, aside);
 }
 
-/// A ranging scan: angle (hundredths of a degree, clockwise from the nose) and distance (cm), every 10°.
+/// A scan: angle (hundredths of a degree, clockwise from the nose) and distance (cm), every 10°.
 using Scan = std::array<std::uint8_t, 36 * 4>;
 Scan scan_from(Vector position, double yaw) noexcept;
 

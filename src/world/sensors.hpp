@@ -1,5 +1,5 @@
-// Uncalibrated sensors: with noise, an offset, a scale error and axes that are not quite at right angles. A calibration finds all of
-// this.
+// Uncalibrated sensors: with noise, an offset, a scale error and axes that are not quite perpendicular. A calibration finds all
+// of these.
 #pragma once
 #include "noise.hpp"
 #include "vector.hpp"
@@ -25,8 +25,8 @@ private:
     std::array<Vector, 3> rows_;
 };
 
-/// Measures in a unit of its own, of which the field of the earth is 500. corrected = diag(S) · (raw − O), with the parameters
-/// CAL_MOFF_X to CAL_MSEN_Z.
+/// In a unit in which the magnetic field of the Earth is 500. corrected = diag(S) · (raw − O), with the parameters CAL_MOFF_X to
+/// CAL_MSEN_Z.
 class Compass {
 public:
     static constexpr double noise = 2;

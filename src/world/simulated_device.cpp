@@ -28,7 +28,7 @@ SimulatedDevice::SimulatedDevice(device::Info info, const Settings& settings, Ti
     allow_images();
 }
 
-// An image is accepted and reported, but changes nothing.
+// An image is accepted and reported as installed, but has no effect.
 void SimulatedDevice::allow_images() {
     using namespace std::chrono_literals;
     device::Flash flash;
@@ -71,7 +71,7 @@ bool SimulatedDevice::is_ours(FrameView frame) const noexcept {
            from != address::unassigned && from != address::broadcast;
 }
 
-// Everything is done in the order in which it is due, however late run() is called.
+// Steps and answers are carried out in the order in which they are due, even if run() is called late.
 void SimulatedDevice::run(TimePoint now, const Send& send) {
     send_ = &send;
     notice_pause(now);

@@ -1,6 +1,6 @@
-// The base of all simulated devices: a device of the library, telemetry at its rates, and a world that is simulated in steps of equal
-// length. No I/O and no clock: frames and a time in, frames out. The same seed and the same frames at the same times give the same
-// bytes, however often run() is called.
+// The base of all simulated devices: a device of the library, telemetry at its rates, and a world that is simulated in steps of
+// equal length. No I/O and no clock: it receives frames and a time, and returns frames. The same seed and the same frames at the
+// same times give the same bytes, no matter how often run() is called.
 #pragma once
 #include "chinese_texts.hpp"
 #include "device_forms.hpp"
@@ -22,37 +22,37 @@
 namespace ano::world {
 
 struct Settings {
-    std::uint8_t id = 0;       // 0: the usual id of its kind
-    unsigned hz = 50;          // attitude and inertial frames a second, 1 to 100; slower telemetry is scaled with it
+    std::uint8_t id = 0;       // 0: the default id of its kind
+    unsigned hz = 50;          // attitude and inertial frames per second, 1 to 100; slower telemetry is scaled with it
     std::uint64_t seed = 1;    // for sensors, noise and weather
     ParameterForm parameters = ParameterForm::typed;
     TextForm texts = TextForm::en;
     ByteOrder firmware = ByteOrder::little;    // device::Profile::firmware_order
-    bool any_address = false;                  // acts on frames for every address, as the oldest devices do
+    bool any_address = false;                  // accepts frames to every address, as the oldest devices do
     EulerSigns euler{};                        // lx: sends pitch and yaw of 0x03 with the opposite sign
 };
 
 class SimulatedDevice {
 public:
-    /// Gets a frame and the time at which it was sent: in the past if run() is called late.
+    /// Called with a frame and the time at which it was sent: in the past if run() is called late.
     using Send = std::function<void(FrameView, TimePoint)>;
     static constexpr std::chrono::milliseconds step{5};
-    /// After a longer pause between calls of run(), the simulation continues from where it was, without catching up.
+    /// After a longer pause between calls of run(), the simulation continues from its last state without catching up.
     static constexpr std::chrono::seconds max_pause{5};
 
     virtual ~SimulatedDevice() = default;
     SimulatedDevice(const SimulatedDevice&) = delete;
     SimulatedDevice& operator=(const SimulatedDevice&) = delete;
 
-    /// Takes a good frame that came in, whatever its destination.
+    /// A valid frame that arrived, to any destination.
     void take(FrameView frame, TimePoint now, const Send& send);
     /// Sends all frames that are due at `now`.
     void run(TimePoint now, const Send& send);
     TimePoint due() const noexcept;
-    /// run() calls it first: if `now` is more than max_pause after the last call, the simulation continues from `now`.
+    /// Called by run() first: if `now` is more than max_pause after the last call, the simulation continues from `now`.
     void notice_pause(TimePoint now) noexcept;
 
-    /// Loses power for a moment: the parameters have the values again that were stored last.
+    /// As after a power failure: the parameters get the values that were stored last.
     void restart();
 
     device::Device& device() noexcept { return device_; }
@@ -69,9 +69,9 @@ protected:
 
     /// Calls `say` once in every `period`, first with the first step.
     void every(Duration period, std::function<void()> say) { streams_.push_back({period, Duration::zero(), std::move(say)}); }
-    /// The period of `hz` times a second, at least once a second.
+    /// The period of a rate of `hz` per second; 0 counts as 1.
     static Duration at_rate(unsigned hz) noexcept { return Duration{std::chrono::seconds{1}} / std::max(hz, 1u); }
-    /// Sends a message to the hosts; to be called in advance(), in heard() and in functions given to every().
+    /// Sends a message to the hosts; to be called in advance(), in heard() and in functions passed to every().
     template <Name M, Name Label>
     void say(const Draft<M, Label>& draft) {
         std::array<std::uint8_t, overhead + device::max_sent> frame;
@@ -81,11 +81,11 @@ protected:
     /// Sends a flexible message.
     void say_flexible(std::uint8_t id, std::span<const std::uint8_t> data);
 
-    /// Stores the values of all parameters as in flash; true.
+    /// Stores the values of all parameters, like a device in its flash; returns true.
     bool store_values();
     /// Simulates one step.
     virtual void advance() = 0;
-    /// Gets the frames that the library's device does not handle, such as the sticks.
+    /// Called with the frames that the library's device does not handle, such as the sticks.
     virtual void heard(FrameView) {}
     /// Whether it accepts a firmware image now.
     virtual bool may_be_upgraded() const { return true; }
@@ -110,7 +110,7 @@ private:
     std::uint64_t steps_ = 0;
     std::vector<Stream> streams_;
     std::vector<device::Value> stored_;    // empty: the defaults
-    const Send* send_ = nullptr;           // during a call
+    const Send* send_ = nullptr;           // set during a call
     TimePoint now_;
 };
 

@@ -17,7 +17,7 @@ std::uint8_t TestPicture::brightness(unsigned x, unsigned y) const noexcept {
     return static_cast<std::uint8_t>(x * 2 + y * 2);    // darker than the ball
 }
 
-// One bit for each pixel, the leftmost in the highest bit; only the ball is light.
+// One bit per pixel, the leftmost in the highest bit; only the ball is light.
 void TestPicture::draw() {
     pixels_.assign(row_size() * height, 0);
     for (unsigned y = 0; y < height; ++y)

@@ -1,4 +1,4 @@
-// A test picture: a ball that moves in a circle, in each colour of the protocol in turn, sent in frames of some rows.
+// A test picture: a ball that moves in a circle, in each colour of the protocol in turn. It is sent in frames of several rows.
 #pragma once
 #include <ano/typed.hpp>
 
@@ -11,7 +11,7 @@ namespace ano::world {
 class TestPicture {
 public:
     static constexpr unsigned width = 48, height = 32, colors = 7;
-    static constexpr std::size_t frames = 12;    // maximum for one picture
+    static constexpr std::size_t frames = 12;    // maximum per picture
 
     /// The next rows of the picture; after the last ones, the first rows of the next picture. Valid until the next call.
     Draft<"image"> next();

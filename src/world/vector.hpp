@@ -30,7 +30,7 @@ inline Vector no_longer(Vector v, double max_length) noexcept {
     return length > max_length ? (max_length / length) * v : v;
 }
 
-/// The same angle, from -180° to 180°.
+/// The same angle in the range -pi to pi.
 inline double wrapped(double angle) noexcept { return std::remainder(angle, 2 * std::numbers::pi); }
 
 /// Roll leans to the right, pitch lowers the nose, yaw turns to the left.
@@ -38,7 +38,7 @@ struct Angles {
     double roll = 0, pitch = 0, yaw = 0;
 };
 
-/// A unit quaternion: from the vehicle's directions to those of the ground.
+/// A unit quaternion: rotates from the axes of the vehicle to those of the ground.
 struct Attitude {
     double w = 1, x = 0, y = 0, z = 0;
 
@@ -58,7 +58,7 @@ struct Attitude {
         const Vector t = 2 * cross(q, v);
         return v + w * t + cross(q, t);
     }
-    /// The attitude after turning by `rate` (in the vehicle's axes) for `dt`.
+    /// The attitude after a rotation with `rate` (in the axes of the vehicle) for `dt`.
     Attitude turned(Vector rate, double dt) const noexcept {
         const Vector h = (dt / 2) * rate;
         Attitude q{w - x * h.x - y * h.y - z * h.z, x + w * h.x + y * h.z - z * h.y, y + w * h.y + z * h.x - x * h.z,

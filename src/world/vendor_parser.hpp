@@ -1,4 +1,4 @@
-// The parser of the vendor's device libraries, which other devices in the field copied.
+// The parser of the vendor's device libraries, which other devices use as well.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/limits.hpp>
@@ -10,14 +10,14 @@
 
 namespace ano::world {
 
-/// Waits for all bytes that a header promises, without a time limit, and does not search for a header among them. So after one flipped bit
-/// of LEN it is deaf until enough other bytes have come. Bytes before a header are skipped.
+/// Waits for as many bytes as a header announces, without a time limit, and does not search for a header among them. So after one
+/// flipped bit of LEN it receives no frames until enough other bytes have arrived. Bytes before a header are skipped.
 class VendorParser {
 public:
     /// A header whose LEN is above `max_data` is skipped.
     explicit VendorParser(std::size_t max_data = vendor_max_data) : max_data_{max_data} {}
 
-    /// Calls `take` with each good frame; it is valid during the call.
+    /// Calls `take` with each valid frame, which is valid during the call.
     template <class Take>
     void feed(Bytes bytes, const Take& take) {
         for (const std::uint8_t byte : bytes) {
@@ -26,7 +26,7 @@ public:
             frame_.clear();
         }
     }
-    /// It waits for the rest of what it took for a frame.
+    /// It waits for the rest of a supposed frame.
     bool is_inside() const noexcept { return !frame_.empty(); }
 
 private:

@@ -1,4 +1,4 @@
-// Wind: a mean, and gusts around it.
+// Wind: a mean velocity and gusts.
 #pragma once
 #include "noise.hpp"
 #include "vector.hpp"
