@@ -22,7 +22,7 @@ std::optional<std::uint32_t> number_in(const Json& json) {
     return static_cast<std::uint32_t>(number);
 }
 
-/// The list with this name; nullptr: there is none.
+/// The list with this name; nullptr: not found.
 const Json* list_in(const Json& object, const char* name) {
     const auto found = object.find(name);
     return found != object.end() && found->is_array() ? &*found : nullptr;
@@ -58,7 +58,7 @@ Said read_unsubscribe(const Json& json) {
     return said;
 }
 
-/// std::nullopt: it is not a list of texts. A missing list is empty.
+/// std::nullopt: not a list of texts. A missing list counts as empty.
 std::optional<std::vector<std::string>> names_in(const Json& json) {
     std::vector<std::string> names;
     if (!json.contains("parameterNames")) return names;
@@ -97,7 +97,7 @@ Said read_unwatch_parameters(const Json& json) {
     return WatchParameters{std::move(*names), true};
 }
 
-// Writing needs the control interface, whose programs identify themselves.
+// Writing is supported only by the control interface, where programs identify themselves.
 Said refuse_to_write(const Json& json) {
     return Wrong{ano::in_quotes(json["op"].get_ref<const std::string&>()) + " is not supported: this interface is read-only"};
 }
@@ -175,7 +175,7 @@ std::string parameter_values(std::span<const Parameter> parameters, const std::o
     Json list = Json::array();
     for (const Parameter& parameter : parameters) {
         Json one{{"name", parameter.name}, {"value", Json::parse(parameter.value, nullptr, false)}};
-        if (one["value"].is_number_float()) one["type"] = "float64";    // since other programs write 5.0 as 5
+        if (one["value"].is_number_float()) one["type"] = "float64";    // because other programs write 5.0 as 5
         list.push_back(std::move(one));
     }
     Json json{{"op", "parameterValues"}, {"parameters", std::move(list)}};

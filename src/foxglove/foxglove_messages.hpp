@@ -13,7 +13,7 @@
 
 namespace anogate::foxglove {
 
-/// The two names of its subprotocol; for the messages in this file there is no difference between them.
+/// The two names of the subprotocol, which does not differ between them for the messages in this file.
 inline constexpr std::array<std::string_view, 2> subprotocols{"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
 /// The severity of a status message.
@@ -31,7 +31,7 @@ struct Parameter {
     bool operator==(const Parameter&) const = default;
 };
 
-// Messages of a client.
+// Messages from a client.
 struct Subscribe {
     std::vector<Subscription> subscriptions;
 };
@@ -40,14 +40,14 @@ struct Unsubscribe {
 };
 struct GetParameters {
     std::vector<std::string> names;    // empty: all known parameters
-    std::optional<std::string> id;     // of the request, repeated in the answer
+    std::optional<std::string> id;     // of the request, repeated in the response
 };
 struct WatchParameters {
     std::vector<std::string> names;    // empty: all
     bool ends = false;                 // unsubscribe
 };
 struct Wrong {
-    std::string words;    // a clause: what is wrong with the message, or why it is refused
+    std::string words;    // a clause: the error in the message, or why it is refused
 };
 using Said = std::variant<Subscribe, Unsubscribe, GetParameters, WatchParameters, Wrong>;
 
@@ -68,7 +68,7 @@ std::string unadvertise(std::span<const std::uint32_t> channels);
 std::string status(Level level, std::string_view words);
 /// Each value is complete JSON.
 std::string parameter_values(std::span<const Parameter> parameters, const std::optional<std::string>& id);
-/// A binary message: the payload of a channel.
+/// A binary message with the payload of a channel.
 std::string message_data(std::uint32_t subscription, std::uint64_t time_ns, std::string_view payload);
 
 }    // namespace anogate::foxglove

@@ -10,7 +10,7 @@ namespace {
 
 using foxglove::Level;
 
-// The numbers of channels in the protocol: one with the whole frames, as in a recording in MCAP, then those with decoded messages.
+// Numbers of channels in the protocol: one for the whole frames, as in a recording in MCAP, then those of decoded messages.
 constexpr std::uint32_t raw_channel = 1, first_decoded = 2;
 
 constexpr std::string_view own_messages = "ano_msgs/";    // prefix of the names of their schemas
@@ -109,7 +109,8 @@ void FoxgloveSession::find_wanted() {
     wants_others_ = true;
 }
 
-// A standard message may contain values of earlier frames of its device: so all its frames with standard messages are wanted.
+// A standard message may contain values from earlier frames of its device, so all frames of the device with standard messages are
+// wanted.
 void FoxgloveSession::want(const Known& channel) {
     wanted_.insert(channel.kinds.begin(), channel.kinds.end());
     if (!channel.is_standard) return;
@@ -144,7 +145,7 @@ std::size_t FoxgloveSession::number_of(const DecodedChannel& channel, const Deco
     return known->second;
 }
 
-// std::nullopt: it was not learned.
+// std::nullopt: unknown channel.
 std::optional<std::size_t> FoxgloveSession::number_of(const DecodedMessage& message) {
     if (numbers_.size() <= message.channel) numbers_.resize(message.channel + 1);
     std::optional<std::size_t>& number = numbers_[message.channel];
@@ -155,7 +156,7 @@ std::optional<std::size_t> FoxgloveSession::number_of(const DecodedMessage& mess
 }
 
 void FoxgloveSession::learn(const FirstFrame& first) {
-    if (const auto frame = first.frame()) decoded_.decode(*frame);    // so that decoded_ names its link in the same way
+    if (const auto frame = first.frame()) decoded_.decode(*frame);    // so that decoded_ gives its link the same name
     for (const FoundChannel& found : first.found()) {
         const std::size_t number = number_of(*found.channel, *found.schema);
         Known& channel = channels_[number];
@@ -165,7 +166,7 @@ void FoxgloveSession::learn(const FirstFrame& first) {
     if (!by_channel_.empty()) find_wanted();
 }
 
-// The subscription of a removed channel stays until the client ends it: the client may not know of the removal yet.
+// The subscription of a removed channel stays until the client ends it: the client may not have received the removal yet.
 template <class IsGone>
 void FoxgloveSession::forget_where(IsGone is_gone) {
     for (std::size_t number = 0; number < channels_.size(); ++number) {
@@ -238,7 +239,7 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
     if (!messages_.empty()) {
         Message message = std::move(messages_.front());
         messages_.pop_front();
-        if (message.is_answer) --open_questions_;    // a client that reads no answers gets no more of them
+        if (message.is_answer) --open_questions_;    // only now: a client that reads no answers gets no more of them
         return message;
     }
     if (changed_.empty()) return std::nullopt;

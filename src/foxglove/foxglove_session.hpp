@@ -1,7 +1,7 @@
 // The session of one client of the Foxglove WebSocket protocol: its subscriptions, and the messages for it. No I/O.
 //
 // Flow:    FoxgloveSession session{server, encoding};
-//          session.learn(first_frame);                // which channels there are
+//          session.learn(first_frame);                // new channels
 //          session.hear(text);                        // a message of the client
 //          if (session.wants_other_frames()) watch(session.take_filter());
 //          session.show(frame);                       // a frame that passed the filter
@@ -28,7 +28,7 @@ namespace anogate {
 class FoxgloveSession {
 public:
     static constexpr std::size_t max_statuses = 32;         // waiting to be sent; of further ones only the number is sent
-    static constexpr std::size_t max_questions = 16;        // without an answer, or whose answer was not sent yet
+    static constexpr std::size_t max_questions = 16;        // not answered, or the answer is not sent yet
     static constexpr std::size_t max_watched = 16384;       // names of parameters
     static constexpr std::size_t max_watched_name = 256;    // bytes: no parameter has a longer name
     static constexpr std::size_t part_size = 32 * 1024;     // bytes of channels in a message, unless one alone needs more
@@ -43,23 +43,24 @@ public:
 
     /// A text message of the client.
     void hear(std::string_view text);
-    /// A binary message of the client: none is allowed.
+    /// A binary message of the client; always an error.
     void hear_bytes();
 
-    /// Announces these channels to the client; to be called in the order in which they were found. Their FoundChannels outlive the session.
+    /// Announces these channels to the client. Call it in the order in which they were found. Their FoundChannels must outlive
+    /// the session.
     void learn(const FirstFrame& first);
-    /// The link was removed: unadvertises its channels. A later learn() of the same topic makes a new channel.
+    /// Unadvertises the channels of a removed link. A later learn() of the same topic makes a new channel.
     void forget(std::string_view link);
-    /// The frames that follow are decoded with this: unadvertises the channels of flexible messages, as forget() does.
+    /// Sets the decoding of the frames that follow. Unadvertises the channels of flexible messages, as forget() does.
     void use(DecodingPtr decoding);
-    /// A frame that passed filter(): makes its messages for the subscribed channels.
+    /// A frame that passed filter(): its messages for the subscribed channels are queued.
     void show(const RecordedFrame& frame);
-    /// Frames that were not shown, since the client reads too slowly.
+    /// Frames that were lost because the client reads too slowly.
     void lose(const LostFrames& lost);
 
-    /// filter() has changed since the last take_filter().
+    /// Whether filter() has changed since the last take_filter().
     bool wants_other_frames() const noexcept { return wants_others_; }
-    /// The frames that may contain the subscribed channels; std::nullopt: nothing is subscribed.
+    /// Selects the frames that may contain the subscribed channels; std::nullopt: nothing is subscribed.
     std::optional<FrameFilterSettings> filter() const;
     std::optional<FrameFilterSettings> take_filter() {
         wants_others_ = false;
@@ -69,11 +70,11 @@ public:
     /// The next request for parameters. Each must be answered by answer(), in any order.
     std::optional<foxglove::GetParameters> next_question();
     void answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values);
-    /// These parameters were read or written: the client is sent those that it watches.
+    /// These parameters were read or written: queues those that the client watches.
     void changed(const std::vector<foxglove::Parameter>& values);
     void warn(std::string_view words) { say(foxglove::Level::warning, words); }
 
-    /// The next message to send; std::nullopt: none waits.
+    /// The next message to send; std::nullopt: none is queued.
     std::optional<Message> next();
 
 private:
@@ -100,7 +101,7 @@ private:
     void forget_where(IsGone is_gone);
     void send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload);
     void find_wanted();
-    /// nullptr: the channel is the one of whole frames, or was never advertised.
+    /// nullptr: the channel of whole frames, or a channel that was never advertised.
     const Known* known(std::uint32_t channel) const noexcept;
     std::optional<Message> next_channels();
 

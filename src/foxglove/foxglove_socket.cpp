@@ -10,8 +10,8 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t messages_a_turn = 16 * 1024;    // bytes of messages made in one turn of the loop
-constexpr int records_a_turn = 512;                   // records may lead to no message
+constexpr std::size_t messages_a_turn = 16 * 1024;    // bytes of messages encoded in one turn of the loop
+constexpr int records_a_turn = 512;                   // limits records that lead to no message
 
 }    // namespace
 
@@ -96,7 +96,7 @@ void FoxgloveSocket::work() {
     });
 }
 
-// Never called from more(), in which no watcher may be added or removed.
+// Must not be called from more(): no watcher may be added or removed there.
 void FoxgloveSocket::watch_what_is_wanted() {
     const auto filter = session_.take_filter();
     if (!filter) {
@@ -122,7 +122,7 @@ void FoxgloveSocket::give() {
     if (records > records_a_turn || session_.wants_other_frames()) work_.set_no_later(Clock::now());
 }
 
-// False: no frame waits.
+// False: no frame is waiting.
 bool FoxgloveSocket::take_next() {
     if (const auto record = take_record(rest_)) {
         session_.show(as_recorded(*record, *tables_));

@@ -14,10 +14,10 @@ namespace anogate {
 
 class FoxgloveStreams;
 
-/// Makes further messages only when the client has read the earlier ones, so that a slow client causes little work.
+/// Encodes further messages only after the client has read the earlier ones, so that a slow client causes little work.
 class FoxgloveSocket final : public http::WebSocketUser, private Watcher {
 public:
-    /// `streams` outlives it.
+    /// `streams` must outlive it.
     FoxgloveSocket(FoxgloveStreams& streams, unsigned number, std::string_view subprotocol, DecodedEncoding encoding,
                    const Requester& requester);
     ~FoxgloveSocket() override;

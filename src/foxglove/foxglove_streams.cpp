@@ -17,7 +17,7 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t old_results = 256 * 1024;    // bytes of earlier job results that are read for the first client
-constexpr std::size_t max_devices = 8;             // asked for one request
+constexpr std::size_t max_devices = 8;             // queried for one request
 
 foxglove::ServerInfo server_of(const Settings& settings) {
     const auto started = std::chrono::duration_cast<std::chrono::milliseconds>(read_clocks().real);
@@ -27,11 +27,11 @@ foxglove::ServerInfo server_of(const Settings& settings) {
 }    // namespace
 
 struct FoxgloveStreams::Question {
-    unsigned client;    // its number; the client may be gone
+    unsigned client;    // its number; it may be disconnected
     foxglove::GetParameters asked;
     std::size_t open = 0;    // devices without an answer yet
     Requester requester{};
-    std::shared_ptr<void> place{};    // the place among the clients that wait for jobs
+    std::shared_ptr<void> place{};    // held: one of the places for clients that wait for jobs
 };
 
 bool is_foxglove(const http::Request& request) noexcept {
@@ -94,7 +94,7 @@ FoxgloveSocket* FoxgloveStreams::client(unsigned number) const {
     return found == sockets_.end() ? nullptr : *found;
 }
 
-// Later samples show what a lost one would have: a loss here is not reported.
+// Lost frames are not reported: later samples of the same kind show the same channels.
 void FoxgloveStreams::more() try {
     if (decoding_ != gateway_.decoding()) renew_decoding();
     while (auto item = queue.next(Clock::now())) {
@@ -145,7 +145,7 @@ std::string FoxgloveStreams::prefix_of(std::uint8_t address) {
     return parameter_prefix(one == all.end() ? std::string_view{} : std::string_view{one->link}, address);
 }
 
-// The newest results take precedence, so they are learned last.
+// The newest results are learned last, because they take precedence.
 void FoxgloveStreams::read_old_jobs() {
     const auto& jobs = devices_.jobs();
     std::size_t size = 0;

@@ -18,14 +18,14 @@ class DeviceService;
 class FoxgloveSocket;
 class Gateway;
 
-/// Whether the request asks for a WebSocket of this protocol.
+/// Whether the request opens a WebSocket of this protocol.
 bool is_foxglove(const http::Request& request) noexcept;
 
-/// Without clients it does nothing. With clients, it copies about two frames a second of each kind, to find the channels, and beyond that
-/// the frames that the clients subscribed.
+/// Does nothing without clients. With clients, it copies about two frames per second of each kind, to find the channels, and the
+/// frames to which the clients subscribed.
 class FoxgloveStreams final : private Watcher {
 public:
-    /// The arguments outlive it; its WebSockets must be gone before it.
+    /// The arguments must outlive it; its WebSockets must be destroyed before it.
     FoxgloveStreams(Gateway& gateway, FrameWatch& watch, DeviceService& devices);
     ~FoxgloveStreams();
     FoxgloveStreams(const FoxgloveStreams&) = delete;
@@ -41,7 +41,7 @@ private:
 
     void join(FoxgloveSocket& socket);
     void leave(FoxgloveSocket& socket);
-    /// nullptr: the client is gone.
+    /// nullptr: the client is disconnected.
     FoxgloveSocket* client(unsigned number) const;
     void warn(unsigned client, std::string_view words);
     void more() override;
@@ -67,7 +67,7 @@ private:
     std::optional<FoundChannels> as_cdr_, as_json_;    // std::nullopt: no clients
     WatchQueue::Tables tables_;
     ParameterBook book_;
-    std::shared_ptr<char> life_ = std::make_shared<char>();    // expired when this is gone: jobs may end later
+    std::shared_ptr<char> life_ = std::make_shared<char>();    // expires when this is destroyed: jobs may end later
 };
 
 }    // namespace anogate

@@ -16,13 +16,13 @@ namespace anogate {
 class ParameterBook {
 public:
     static constexpr std::size_t max_values = 4096;
-    static constexpr std::size_t max_result = 128 * 1024;    // bytes: a longer one is ignored, since it would keep the loop busy
+    static constexpr std::size_t max_result = 128 * 1024;    // bytes; longer results are ignored: parsing would block the loop
 
-    /// Takes the parameters of its device from the result of a job that has ended. Their names here begin with `prefix`: "fc/220/". Returns
-    /// those that the result contains, with their present values.
+    /// Reads the parameters of a device from the result of a finished job. `prefix`, such as "fc/220/", is put before their
+    /// names. Returns the parameters in the result, with their present values.
     std::vector<foxglove::Parameter> learn(const Job& job, const std::string& prefix);
     std::vector<foxglove::Parameter> all() const;
-    /// Those of these names that are known.
+    /// The known parameters among `names`.
     std::vector<foxglove::Parameter> of(const std::vector<std::string>& names) const;
     void forget() { values_.clear(); }
 
@@ -30,7 +30,7 @@ private:
     std::map<std::string, std::string> values_;
 };
 
-/// Whether learn() has a use for it: it has ended, and has a result about parameters.
+/// Whether learn() can use the job: it has ended, and has a result with parameters.
 bool tells_parameters(const Job& job) noexcept;
 
 /// "fc/220/" for the device with this address on this link.
