@@ -15,7 +15,7 @@ template <class T>
 T number_of(const ano::Value& value) noexcept {
     if (const auto* real = std::get_if<double>(&value)) {
         if constexpr (std::is_floating_point_v<T>) return static_cast<T>(*real);
-        else return T{};    // integer fields never get a real number
+        else return T{};    // real numbers occur only in floating-point fields
     }
     if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<T>(*whole);
     if (const auto* whole = std::get_if<std::uint64_t>(&value)) return static_cast<T>(*whole);
@@ -68,7 +68,7 @@ void CdrEncoder::write_field(const RosField& field) {
     if (field.shape == RosField::Shape::array && !values_.empty() && std::holds_alternative<ano::Bytes>(values_.front()))
         return write_raw(std::get<ano::Bytes>(next()), size_of(field.type), count * size_of(field.type));
     if (field.shape == RosField::Shape::sequence) {
-        // The number comes with the values and may be wrong: at most as many elements as values.
+        // The number is one of the values and may be wrong: the number of values limits it.
         count = number_of<std::uint32_t>(next());
         count = std::min(count, values_.size());
         write(static_cast<std::uint32_t>(count));
@@ -110,7 +110,7 @@ void CdrEncoder::write_bytes(const RosField& field) {
     write_raw(bytes, 1, bytes.size());
 }
 
-// Writes exactly `size` bytes: cuts, or appends zeros.
+// Writes exactly `size` bytes: truncates, or appends zeros.
 void CdrEncoder::write_raw(ano::Bytes bytes, std::size_t alignment, std::size_t size) {
     bytes = bytes.first(std::min(bytes.size(), size));
     char* const at = room(alignment, size);

@@ -1,5 +1,5 @@
-// The values of a ROS message as CDR: little-endian, as ROS 2 sends it (XCDR1, encapsulation header 00 01 00 00). Numbers are
-// aligned to their size, counted from the end of the header.
+// Encodes the values of a ROS message as CDR: little-endian, as ROS 2 sends it (XCDR1, encapsulation header 00 01 00 00). Numbers
+// are aligned to their size, counted from the end of the header.
 #pragma once
 #include <ano/reading.hpp>
 #include <ros/ros_message.hpp>
@@ -12,7 +12,7 @@
 
 namespace anogate {
 
-/// Allocates only for a message longer than all before.
+/// Allocates only for a message that is longer than all before it.
 class CdrEncoder {
 public:
     /// `values` has the values of all fields in order, including those of nested messages:

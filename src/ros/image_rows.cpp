@@ -47,7 +47,7 @@ const WholeImage* ImageRows::hear(std::uint64_t sender, const ano::Reading& read
     return &whole_;
 }
 
-// The sender's own entry, or an unused one, or the one without frames for the longest time.
+// The entry of the sender, or an unused one, or the one that received no frames for the longest time.
 ImageRows::Begun& ImageRows::place_for(std::uint64_t sender) {
     Begun* best = &begun_.front();
     for (Begun& one : begun_) {
@@ -58,7 +58,7 @@ ImageRows::Begun& ImageRows::place_for(std::uint64_t sender) {
     return *best;
 }
 
-// With one bit for each pixel the leftmost pixel is the highest bit.
+// With one bit per pixel, the highest bit is the leftmost pixel.
 void ImageRows::append_rows(const Head& head, ano::Bytes rows, std::vector<std::uint8_t>& pixels) {
     if (head.color == grey) {
         pixels.insert(pixels.end(), rows.begin(), rows.end());

@@ -1,7 +1,8 @@
-// Assembles images from the frames with their rows (0xB0). No I/O.
+// Assembles images from frames with rows of pixels (0xB0). No I/O.
 //
-// Frames of one image have the same flag, colour and size, and come in the order of the rows, which have no numbers. So an image is
-// complete when it has as many rows as its height. An image with a missing frame is dropped when the next one begins, or after a second.
+// Frames of one image have the same flag, colour and size, and arrive in the order of the rows, which have no numbers. So an
+// image is complete when it has as many rows as its height. An image with a missing frame is dropped when the next one begins, or
+// after a second.
 #pragma once
 #include <ano/reading.hpp>
 
@@ -13,7 +14,7 @@
 
 namespace anogate {
 
-/// One byte for each pixel, 0 to 255; 0 or 255 for a picture with one bit for each pixel.
+/// One byte per pixel, 0 to 255; only 0 and 255 for a picture with one bit per pixel.
 struct WholeImage {
     std::uint32_t width = 0, height = 0;
     ano::Bytes pixels{};    // valid until the next call of ImageRows::hear()
@@ -25,7 +26,7 @@ public:
     static constexpr std::size_t max_begun = 8;    // incomplete images; the one without frames for the longest time is dropped
     static constexpr std::uint64_t pause_ns = 1'000'000'000;
 
-    /// To be called for each frame; `sender` is any number that identifies the device. nullptr: no image is complete.
+    /// To be called for each frame; `sender` is any number that identifies the device. nullptr: the frame completed no image.
     const WholeImage* hear(std::uint64_t sender, const ano::Reading& reading, std::uint64_t time_ns);
 
 private:

@@ -36,7 +36,7 @@ void add_field(const ano::Field& f, std::span<const ano::Field> element, Json& p
     if (known.is_null()) {
         if (!comment.empty()) schema["description"] = comment;
         known = std::move(schema);
-    } else {    // after the schema of another layout
+    } else {    // another layout has the field as well
         if (known["type"] != schema["type"]) known["type"] = "number";
         const std::string before = known.value("description", "");
         if (!comment.empty() && before.find(comment) == before.npos)

@@ -15,7 +15,7 @@ namespace anogate {
 std::string json_schema_of(std::span<const ano::Message> layouts);
 std::string json_schema_of(const ano::FlexibleLayout& layout);
 
-/// Appends it; `reading` must have fields.
+/// Appends the message; `reading` must have fields.
 void write_json_message(const ano::Reading& reading, const ano::JsonOptions& options, std::string& out);
 
 }    // namespace anogate

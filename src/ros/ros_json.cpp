@@ -30,7 +30,7 @@ std::string base64_of(ano::Bytes bytes) {
     return text;
 }
 
-// Reads the values field by field.
+// Consumes the values field by field.
 class RosJson {
 public:
     RosJson(std::span<const ano::Value> values, std::string& out) : values_{values}, out_{out} {}
@@ -73,7 +73,7 @@ private:
         std::size_t count = field.count;
         out_.begin_array();
         if (field.shape == RosShape::array && !values_.empty() && std::holds_alternative<ano::Bytes>(values_.front())) {
-            // Of float64 only: no message has other numbers as bytes.
+            // Only numbers of type float64 are passed as bytes.
             const ano::Bytes bytes = std::get<ano::Bytes>(next());
             for (std::size_t i = 0; i < std::min(count, bytes.size() / sizeof(double)); ++i)
                 out_.number(ano::load<double>(bytes.data() + i * sizeof(double)));

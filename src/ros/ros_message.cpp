@@ -22,7 +22,7 @@ std::string type_text(const RosField& f) {
     return text;
 }
 
-// Texts of a configuration may hold anything, and a line break would end the comment.
+// Removes line breaks: texts of a configuration may contain them, and they would end the comment.
 void append_comment(std::string_view comment, std::string& out) {
     out += "# ";
     for (const char c : comment) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? ' ' : c;

@@ -1,4 +1,4 @@
-// The description of a ROS 2 message type. Its definition text and the encoders are derived from it.
+// Describes a ROS 2 message type. Its definition text and the encoders are derived from this.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Makes names that ROS 2 allows from any text.
+// Converts any text to a name that ROS 2 allows.
 #pragma once
 #include <set>
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace anogate {
 
-/// Letters, digits and single underscores, beginning with a letter and not ending with an underscore; at most 64 bytes. `instead` must be
-/// such a name: it is put before a leading digit, and used if no character of `text` is allowed.
+/// Letters, digits and single underscores, beginning with a letter and not ending with an underscore; at most 64 bytes. `instead`
+/// must be such a name: it is put before a leading digit, and replaces a text without an allowed character.
 std::string ros_name(std::string_view text, std::string_view instead);
 
 /// The same in lower case for fields, in upper case for constants.

@@ -145,14 +145,14 @@ std::span<const StandardTopic> StandardMessages::hear(const ano::Reading& readin
     return {told_.data(), told_count_};
 }
 
-// Ignored if the device sends quaternions too: those are more exact.
+// Ignored if the device sends quaternions too, which are more precise.
 void StandardMessages::hear_euler() {
     if (is_fresh(by_quaternion_)) return;
     by_euler_ = {ano::rotation_of_euler(number("rol"), number("pit"), number("yaw"), signs_), now_ns_};
     tell(StandardTopic::orientation);
 }
 
-// A quaternion with a length far from 1 is ignored: devices without one send zeros.
+// A quaternion whose length is far from 1 is ignored: devices without quaternions send zeros.
 void StandardMessages::hear_quaternion() {
     const auto q = ano::rotation_of_quaternion(number("v0"), number("v1"), number("v2"), number("v3"));
     if (!q) return;

@@ -53,20 +53,20 @@ struct StandardRow {
 };
 const StandardRow& standard_row(StandardTopic topic);
 
-/// Of one device on one link.
+/// The messages of one device on one link.
 class StandardMessages {
 public:
     /// Older values are not combined with new ones.
     static constexpr std::uint64_t fresh_ns = 1'000'000'000;
 
-    /// `frame`: frame_id of the device in headers. `images`, which must outlive this object, collects the rows of all devices; `sender`
-    /// identifies this one there. nullptr: no images.
+    /// `frame`: frame_id of the device in headers. `images` collects the rows of all devices and must outlive this object;
+    /// `sender` identifies this device there. nullptr: no images.
     explicit StandardMessages(std::string_view frame, ImageRows* images = nullptr, std::uint64_t sender = 0);
 
-    /// The messages made from this frame of the device. Valid until the next call; append_values() may be called as long as the frame
-    /// is valid.
+    /// Returns the topics with a message from this frame of the device. Valid until the next call; append_values() may be called
+    /// as long as the frame is valid.
     std::span<const StandardTopic> hear(const ano::Reading& reading, std::uint64_t time_ns);
-    /// `topic`: one of those. Texts in `out` refer to this object.
+    /// `topic`: one of those returned by hear(). Texts in `out` refer to this object.
     void append_values(StandardTopic topic, ValueList& out) const;
 
     struct Vector {

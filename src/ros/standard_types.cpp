@@ -23,7 +23,7 @@ RosMessage made_of(const char* package, const char* name, std::vector<RosField> 
     return {.package = package, .name = name, .comment = {}, .fields = std::move(fields)};
 }
 
-// In order: a definition refers only to those before it.
+// The order matters: a definition refers only to those before it.
 struct Definitions {
     using enum RosType;
 

@@ -1,4 +1,4 @@
-// The messages of ROS 2 (Jazzy) to which messages of the protocol are converted.
+// The ROS 2 (Jazzy) messages to which messages of the protocol are converted.
 #pragma once
 #include <ros/ros_message.hpp>
 

@@ -38,7 +38,7 @@ Shape shape_of(const Field& f) noexcept {
     return f.is_open() ? Shape::sequence : Shape::array;
 }
 
-// For a field of whole numbers. Programs show the names of the constants before the field.
+// Constants for the meanings of a whole number. Programs show their names before the field.
 std::vector<RosConstant> constants_of(const Field& f, const std::string& name) {
     std::vector<RosConstant> constants;
     std::set<std::string> taken;
@@ -99,7 +99,7 @@ void TableMessage::build(const std::string& name) {
     }
 }
 
-// Layouts share the columns of fields with the same name and unit.
+// Fields with the same name and unit share a column across layouts.
 void TableMessage::add_column(std::size_t layout, const Field& field) {
     for (Column& column : columns_) {
         const Field& f = column.sample();

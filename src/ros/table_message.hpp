@@ -28,12 +28,12 @@ public:
 
     const RosMessage& type() const noexcept { return type_; }
 
-    /// Appends the values of a frame that can be read as this message.
+    /// Appends the values of a frame that this message describes.
     void append_values(const ano::Reading& reading, ValueList& out) const;
 
 private:
     struct Column {
-        std::vector<const ano::Field*> fields;    // one for each layout; nullptr: the layout lacks it
+        std::vector<const ano::Field*> fields;    // one per layout; nullptr: the layout lacks the field
         const ano::Field& sample() const noexcept;
         bool is_everywhere() const noexcept;
     };

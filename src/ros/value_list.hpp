@@ -19,11 +19,11 @@ public:
         values_.clear();
         texts_used_ = 0;
     }
-    /// What `value` refers to must stay valid as long as the list is used.
+    /// Memory that `value` refers to must stay valid as long as the list is used.
     void push(const ano::Value& value) { values_.push_back(value); }
     void push(double value) { values_.emplace_back(value); }
     void push_count(std::size_t count) { values_.emplace_back(std::uint64_t{count}); }
-    /// A text that the list keeps.
+    /// Copies a text into the list.
     void push_copy(std::string text) {
         if (texts_used_ == texts_.size()) texts_.emplace_back();
         std::string& kept = texts_[texts_used_++];
