@@ -1,4 +1,4 @@
-// What `anoctl` asks before it overwrites, and what it says when a device, a file or the gateway does not do as hoped.
+// Confirmations of `anoctl` before it overwrites, and its messages when a device, a file or the gateway fails.
 #include <support/asked_devices.hpp>
 #include <support/bytes.hpp>
 #include <support/fake_loader.hpp>
@@ -119,7 +119,7 @@ TEST_F(AnoctlOtherDevice, has_a_name_in_every_list_and_is_found_by_it_whatever_t
     EXPECT_TRUE(contains(several.output(), "choose one with --device: 0xDC SimFC, 0xDD fake\n")) << several.output();
     const Ran named = anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "simfc"});
     EXPECT_EQ(named.exit, 0) << named.output;
-    fake.name = "SIMFC";    // now two are called so, and none of them as it is typed
+    fake.name = "SIMFC";    // now two have this name, and neither matches the typed one exactly
     Process scan{ANOCTL, {"devices", "--scan", "--control", socket}};
     EXPECT_EQ(until_ended(scan), 0);
     EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "simfc"}).exit, 2);
@@ -380,7 +380,7 @@ TEST_F(AnoctlOtherDevice, a_write_that_is_interrupted_may_have_been_carried_out)
         return std::vector<Bytes>{};
     };
     std::string said;
-    for (int tries = 0; tries < 5 && !contains(said, "cancelled"); ++tries) {    // it may give up before it hears the signal
+    for (int tries = 0; tries < 5 && !contains(said, "cancelled"); ++tries) {    // it may give up before the signal arrives
         is_asked_to_write = false;
         Process set{ANOCTL, {"param", "set", "PAR_0", "7", "--device", "0xDD", "--control", socket}};
         bool is_told = false;
@@ -406,7 +406,7 @@ TEST_F(AnoctlOtherDevice, an_import_that_is_interrupted_says_what_stays_and_what
     const std::string file = dir.write("three.json", R"({"PAR_0": 77, "PAR_1": -3, "PAR_2": 5})");
     for (const bool rollback : {false, true}) {
         std::string said;
-        for (int tries = 0; tries < 5 && !contains(said, "cancelled"); ++tries) {    // it may give up before it hears the signal
+        for (int tries = 0; tries < 5 && !contains(said, "cancelled"); ++tries) {    // it may give up before the signal arrives
             fake.parameters = old;
             is_at_the_last = false;
             Process import{ANOCTL,

@@ -1,4 +1,4 @@
-// `anoctl monitor` without a LINK and `anoctl send`: by the control socket of a gateway that runs.
+// `anoctl monitor` without a LINK and `anoctl send`: through the control socket of a running gateway.
 #include <support/bytes.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -28,7 +28,7 @@ protected:
         words.insert(words.end(), {"--control", socket});
         return Process{ANOCTL, std::move(words)};
     }
-    /// Until `monitor` shows something, frames are sent: before it is attached it sees nothing.
+    /// Sends frames until `monitor` shows something: it sees nothing before it is attached.
     bool until_shows(Process& monitor, const std::string& words, const Bytes& bytes = euler) {
         return wait_until([&] {
             a.send(gateway.port("a"), bytes);
@@ -114,7 +114,7 @@ TEST_F(AnoctlOfAGateway, send_says_why_not) {
     EXPECT_TRUE(a.heard().empty());
 }
 
-// Bytes that are text in both encodings: 模 or ģ, "caf茅" or "café".
+// Bytes that are valid text in both encodings: 模 or ģ, "caf茅" or "café".
 TEST(AnoctlOfAGatewayTexts, are_read_as_the_gateway_reads_those_of_the_link) {
     const TempDir dir;
     const std::string socket = dir / "control.sock";
@@ -132,7 +132,7 @@ TEST(AnoctlOfAGatewayTexts, are_read_as_the_gateway_reads_those_of_the_link) {
     };
     for (const Case& one : {Case{"utf8", 0x11, short_text, "ģ"}, Case{"gbk", 0x12, with_letters, "caf茅"},
                             Case{"vendor", 0x13, with_letters, "caf茅"}}) {
-        UdpPeer device;    // one, which is at home there from the first frame on
+        UdpPeer device;    // a new device, routed to this link from its first frame on
         for (const std::vector<std::string>& words :
              {std::vector<std::string>{"monitor", "--json"}, {"monitor"}, {"log"}, {"log", "--json"}}) {
             SCOPED_TRACE(one.link + " by " + words.front() + ' ' + words.back());

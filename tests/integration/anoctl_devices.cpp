@@ -1,4 +1,4 @@
-// `anoctl devices`, `param`, `command` and `waypoint`: by the gateway that runs, and by a link of their own.
+// `anoctl devices`, `param`, `command` and `waypoint`: through the running gateway, and over a link of their own.
 #include <support/asked_devices.hpp>
 #include <support/bytes.hpp>
 #include <support/fake_loader.hpp>
@@ -163,7 +163,7 @@ TEST_F(AnoctlDevices, commands_are_listed_and_called_when_somebody_says_so) {
     EXPECT_TRUE(contains(refuses.output, "may have been carried out")) << refuses.output;
 }
 
-// What the second device is sent by anoctl and by the page's button.
+// The frames that anoctl and the button of the page send to the second device.
 struct AnoctlCommands : AnsweringDevice {
     AnoctlCommands() {
         fake.commands = {{{1, 0, 1}, {3}, "TAKE_OFF", ""}, {{1, 0, 2}, {}, "LAND", ""}, {{1, 0, 3}, {}, "LOCK", ""}};
@@ -183,7 +183,7 @@ struct AnoctlCommands : AnsweringDevice {
     const Bytes only_the_call{0xC0};
 };
 
-// By number: two have one name, and one has none.
+// By number: two parameters have the same name, and one has none.
 TEST_F(AnoctlCommands, parameters_whose_names_are_not_unique_are_read_back_at_the_end_as_well) {
     fake.parameters = {{0, "P", "", {7}}, {0, "P", "", {8}}, {0, "", "", {9}}};
     hear_of_another();
@@ -213,7 +213,7 @@ TEST_F(AnoctlCommands, that_were_read_are_called_by_the_first_frame) {
     EXPECT_EQ(ids_heard()[0], 0xC1) << "it may be new";
 }
 
-// As after a swap of the board: the list that was read is not that of the device any more.
+// As after the board was replaced: the list that was read is no longer that of the device.
 TEST_F(AnoctlCommands, that_have_other_numbers_now_are_read_again_once_and_called_once) {
     be_heard();
     fake.commands = {{{1, 0, 9}, {}, "HOVER", ""}, {{1, 0, 1}, {3}, "TAKE_OFF", ""}, {{1, 0, 8}, {}, "LAND", ""}};
@@ -225,7 +225,7 @@ TEST_F(AnoctlCommands, that_have_other_numbers_now_are_read_again_once_and_calle
     };
     const auto since = std::chrono::steady_clock::now();
     for (int i = 0; i < 30; ++i) speak();
-    std::this_thread::sleep_for(1s + 4 * (std::chrono::steady_clock::now() - since));    // far longer than between these
+    std::this_thread::sleep_for(1s + 4 * (std::chrono::steady_clock::now() - since));    // far longer than the pauses before
     speak();
     const Ran land = asked({"command", "call", "LAND", "--yes"});
     EXPECT_EQ(land.exit, 0) << land.output;
@@ -287,7 +287,7 @@ TEST_F(AnoctlCommands, with_a_type_that_the_device_does_not_show_are_called_when
     std::string name;
     for (const auto& entry : std::filesystem::directory_iterator{socket + ".state"})
         if (entry.path().filename().string().starts_with("type7-0xDD-")) name = entry.path().string();
-    const json note = json::parse(text_of(name));    // is read at the next start
+    const json note = json::parse(text_of(name));    // read at the next start
     EXPECT_EQ(note.at("type7"), "u64");
     EXPECT_EQ(note.at("device").at("name"), "fake");
 }
@@ -299,7 +299,7 @@ struct AnoctlParameters : AnsweringDevice {
         ASSERT_EQ(asked({"param", "list"}).exit, 0);
         fake.heard.clear();
     }
-    /// Without those that were repeated.
+    /// Without repeated frames.
     std::size_t different_frames() const { return std::set<Bytes>(fake.heard.begin(), fake.heard.end()).size(); }
 };
 
@@ -475,7 +475,7 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
     const auto tmux = [&](const std::string& words) {
         return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());
     };
-    ASSERT_EQ(anoctl({"command", "call", "LAND", "--yes"}).exit, 0);    // what is to be calibrated says that it lies
+    ASSERT_EQ(anoctl({"command", "call", "LAND", "--yes"}).exit, 0);    // the device to be calibrated reports that it has landed
     hear_whether_it_flies();
     const std::string file = dir / "other.json";
     dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");

@@ -1,4 +1,4 @@
-// anoctl as a client of a gateway that runs.
+// anoctl as a client of a running gateway.
 #include <http/server.hpp>
 #include <support/child.hpp>
 #include <support/loop.hpp>
@@ -54,7 +54,7 @@ std::vector<json> lines_of(const std::string& text) {
     return all;
 }
 
-// In a /run of its own: that of the machine may hold a gateway, or what one left behind.
+// Uses its own /run: the machine's may contain a gateway, or files that one left.
 void become_nobody_where_none_runs() {
     if (::unshare(CLONE_NEWNS) != 0 || ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
         ::mount("none", "/run", "tmpfs", 0, "mode=755") != 0 || !become_nobody())
@@ -144,7 +144,7 @@ TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_says_one_hint_once) {
     EXPECT_EQ(status.said.find(hint, first + 1), std::string::npos) << status.said;
 }
 
-// 0 and 3 with the option, 0 without it, whatever is degraded.
+// With the option 0 and 3, without it always 0, whatever is degraded.
 TEST(AnoctlStatus, ends_with_3_while_it_is_degraded_if_that_is_asked_for) {
     const TempDir dir;
     const std::string socket = dir / "control.sock";
@@ -273,7 +273,7 @@ TEST_F(AnoctlGateway, of_a_user_is_found_where_it_usually_is) {
         EXPECT_NE(anoctl({"status"}, {"XDG_RUNTIME_DIR=" + dir.path().string()}).said.find("own"), std::string::npos);
         return;
     }
-    // Another user, who may come in there.
+    // Another user, who may enter that folder.
     const auto as_nobody = [] { return ::setgid(65534) == 0 && ::setuid(65534) == 0; };
     ASSERT_EQ(::chmod(dir.path().c_str(), 0755), 0);
     ASSERT_EQ(::chmod((dir / "anogate.sock").c_str(), 0666), 0);
@@ -330,7 +330,7 @@ TEST_F(AnoctlGateway, tells_shells_which_devices_and_links_there_are) {
     const Result links = anoctl({"__complete", "links", "links", "--control=" + socket});
     EXPECT_NE(links.said.find("fc\tserial, up\n"), std::string::npos) << links.said;
     EXPECT_NE(links.said.find("absent\tserial, waiting\n"), std::string::npos) << links.said;
-    EXPECT_EQ(anoctl({"__complete", "links", "links", "--control", "=", socket}).said, links.said);    // as bash cuts it
+    EXPECT_EQ(anoctl({"__complete", "links", "links", "--control", "=", socket}).said, links.said);    // as bash splits it
     EXPECT_EQ(anoctl({"--help"}).said.find("__complete"), std::string::npos);
 }
 
@@ -356,7 +356,7 @@ TEST(AnoctlComplete, says_nothing_where_no_gateway_answers) {
     ::close(listening);
 }
 
-/// A gateway that answers to reload as the test says.
+/// A gateway whose answer to reload is set by the test.
 class AnoctlReload : public testing::Test {
 protected:
     void SetUp() override {

@@ -1,4 +1,4 @@
-// `anoctl log` and `anoctl image`: of a gateway that runs, and by a link of their own.
+// `anoctl log` and `anoctl image`: from a running gateway, and over a link of their own.
 #include <support/bytes.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
@@ -30,7 +30,7 @@ Bytes rows(std::uint16_t flag, const Bytes& pixels) {
     return frame(0xDF, 0xFE, 0xB0, data + pixels);
 }
 
-// The lines of JSON among what was written.
+// The JSON lines in the output.
 std::vector<json> told_of(const std::string& output) {
     std::vector<json> told;
     std::istringstream lines{output};
@@ -46,7 +46,7 @@ protected:
         words.insert(words.end(), {"--control", socket});
         return Process{ANOCTL, std::move(words)};
     }
-    /// Until it shows something, frames are sent: before it is attached it sees nothing.
+    /// Sends frames until it shows something: it sees nothing before it is attached.
     bool until_shows(Process& process, const std::string& words, const Bytes& bytes) {
         return wait_until([&] {
             a.send(gateway.port("a"), bytes);
@@ -124,7 +124,7 @@ TEST_F(AnoctlListening, log_has_its_colours_on_a_terminal) {
     tmux("kill-server");
 }
 
-// It may begin to listen in the middle of a picture: the first one may have a part lost.
+// It may start to listen in the middle of a picture, so a part of the first one may be missing.
 TEST_F(AnoctlListening, image_writes_whole_pictures_and_tells_what_is_missing) {
     Process image = anoctl({"image", dir / "pictures", "--json"});
     std::uint8_t flag = 0;
@@ -135,7 +135,7 @@ TEST_F(AnoctlListening, image_writes_whole_pictures_and_tells_what_is_missing) {
     })) << image.output();
     EXPECT_TRUE(wait_until([&] {
         a.send(gateway.port("a"), rows(++flag, {1, 2}));
-        const std::string output = image.output();    // a part behind a whole one was not joined in the middle
+        const std::string output = image.output();    // incomplete, but not the one in which it started
         return output.find("\"whole\":false", output.find("\"whole\":true")) != std::string::npos;
     })) << image.output();
     image.signal(SIGINT);

@@ -25,7 +25,7 @@ namespace {
 const auto euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 const auto wind = support::frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
 
-/// `anoctl monitor ...`, and its output so far.
+/// Runs `anoctl monitor ...` and collects its output.
 class Monitor {
 public:
     explicit Monitor(std::vector<std::string> words)

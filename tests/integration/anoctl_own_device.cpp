@@ -1,4 +1,4 @@
-// anoctl and the gateway as a device: through the gateway, and by a link of its own.
+// The gateway as a device, and anoctl: through the gateway, and over a link of its own.
 #include <support/anoctl.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>

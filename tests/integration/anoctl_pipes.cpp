@@ -1,4 +1,4 @@
-// anoctl between two pipes: input is passed on at once, and it ends when nobody reads its output.
+// anoctl between two pipes: input is forwarded at once, and it ends when its output has no reader.
 #include <support/bytes.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -23,13 +23,13 @@ namespace {
 
 using namespace support;
 
-// anoctl, with a pipe at its input that stays open.
+// anoctl with a pipe as its input that stays open.
 class Piped {
 public:
     explicit Piped(const std::string& command)
         : path_{made(dir_ / "input")}, anoctl_{"/bin/sh", {"-c", "exec \"$0\" " + command + " < " + path_, ANOCTL}} {
         wait_until([this] { return (input_ = ::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) >= 0; });
-        std::signal(SIGPIPE, SIG_IGN);    // it may end before all is written
+        std::signal(SIGPIPE, SIG_IGN);    // it may end before everything is written
     }
     ~Piped() { ::close(input_); }
     Piped(const Piped&) = delete;
@@ -90,7 +90,7 @@ TEST(AnoctlPipes, it_ends_when_its_output_cannot_be_written) {
     }
 }
 
-// What anoctl writes to a terminal. `no_color` is what NO_COLOR holds; null: it is not set.
+// The output of anoctl on a terminal. `no_color` is the value of NO_COLOR; null: it is not set.
 std::string on_a_terminal(const char* no_color) {
     int terminal = -1;
     const pid_t pid = forkpty(&terminal, nullptr, nullptr, nullptr);
@@ -114,7 +114,7 @@ long characters_of(const std::string& line) {
     return std::count_if(line.begin(), line.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
 }
 
-// Its lines of frames, without colours. A terminal of a program such as `script` has no known height.
+// The lines with frames, without colours. A terminal of a program such as `script` has no known height.
 std::vector<std::string> monitored(const std::string& socket, unsigned short columns, unsigned short rows) {
     int terminal = -1;
     winsize size{};

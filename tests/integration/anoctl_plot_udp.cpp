@@ -1,4 +1,4 @@
-// `anoctl plot-udp` as PlotJuggler hears it.
+// `anoctl plot-udp` as PlotJuggler receives it.
 #include <support/bytes.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
@@ -29,7 +29,7 @@ const Bytes text = frame(0xDC, 0xFF, 0xA0, {1, 'a', 'b'});
 class AnoctlPlotUdp : public testing::Test {
 protected:
     std::string there() const { return plotter.local().text(); }
-    /// Sends `bytes` until something is plotted; all that was by then.
+    /// Sends `bytes` until something is plotted; returns everything plotted by then.
     template <class Send>
     std::vector<json> plotted(Send send) {
         std::vector<json> all;
@@ -81,7 +81,7 @@ TEST_F(AnoctlPlotUdp, needs_no_gateway_for_a_link_of_its_own) {
     EXPECT_DOUBLE_EQ(all[0][device.path()]["0xDC"]["euler"]["rol"], 1.23) << all[0];
 }
 
-/// However many frames come of `device`; then it ends.
+/// It ends after the first error, however many frames `device` sends.
 void says_once(Process& plot, PtyDevice& device, const std::string& words) {
     EXPECT_TRUE(wait_until([&] {
         device.write(euler);
@@ -95,7 +95,7 @@ void says_once(Process& plot, PtyDevice& device, const std::string& words) {
 
 TEST_F(AnoctlPlotUdp, says_once_that_nobody_listens) {
     PtyDevice device{dir / "tty"};
-    const std::string nobody = UdpPeer{}.local().text();    // that is gone again
+    const std::string nobody = UdpPeer{}.local().text();    // a closed port
     Process plot{ANOCTL, {"plot-udp", nobody, "serial:" + device.path()}};
     ASSERT_TRUE(plot.until_says(" is up")) << plot.output();
     const std::string words = "nothing listens at " + nobody + "; ";

@@ -1,4 +1,4 @@
-// `anoctl record` of a gateway that runs, and what others read of its files.
+// `anoctl record` from a running gateway, and how other programs read its files.
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>
 #include <support/files.hpp>
@@ -37,7 +37,7 @@ protected:
         return Process{ANOCTL, std::move(words), {}, in_child};
     }
     std::vector<KeptItem> items() const { return read_pcapng(text_of(file)).items; }
-    /// Frames are sent until so many of them stand in the file: before it is attached it sees nothing.
+    /// Sends frames until the file contains `count` of them: it sees nothing before it is attached.
     bool until_recorded(std::size_t count, const Bytes& bytes = euler) {
         return wait_until([&] {
             a.send(gateway.port("a"), bytes);
@@ -182,7 +182,7 @@ TEST_F(AnoctlRecord, tshark_shows_its_frames_decoded_with_link_direction_and_cau
     EXPECT_NE(text.find("channel "), std::string::npos) << text;
 }
 
-// While it is stopped, more comes than the gateway keeps for one who watches.
+// While it is stopped, more frames are received than the gateway queues for one client.
 TEST_F(AnoctlRecord, what_the_gateway_had_no_room_for_is_counted_in_the_file_and_at_the_end) {
     constexpr std::size_t many = 700, at_once = 25;
     Process recorder = record({});
@@ -213,7 +213,7 @@ TEST_F(AnoctlRecord, what_the_gateway_had_no_room_for_is_counted_in_the_file_and
         }
     }
     EXPECT_GT(lost, 0u);
-    EXPECT_GE(recorded + lost, many);    // some of the small ones may be lost, too
+    EXPECT_GE(recorded + lost, many);    // some of the small ones may be lost as well
     EXPECT_NE(recorder.output().find("; " + std::to_string(lost) + " frames are missing"), std::string::npos)
         << recorder.output();
     const json told = json::parse(support::anoctl({"info", "--json", file}).out);
@@ -228,7 +228,7 @@ protected:
     }
 };
 
-// Also what came last, when nothing comes behind it that would end its chunk.
+// This includes the last frames, even if none follow that would complete their chunk.
 TEST_F(AnoctlRecordMcap, what_comes_stands_in_the_file_within_a_second_and_is_left_when_it_is_killed) {
     Process recorder = record({});
     ASSERT_TRUE(until_recorded(1)) << recorder.output();
@@ -327,7 +327,7 @@ TEST_F(AnoctlReplay, says_why_nothing_is_replayed) {
 }
 
 TEST_F(AnoctlReplay, says_once_that_nobody_listens) {
-    const std::string nobody = support::UdpPeer{}.local().text();    // that is gone again
+    const std::string nobody = support::UdpPeer{}.local().text();    // a closed port
     for (const std::size_t count : {std::size_t{1}, std::size_t{200}}) {
         const std::vector<KeptItem> items(count, said(euler, 0));
         const std::string file = dir.write("flight.pcapng", write_pcapng(items, {"anoctl 0.1.0"}));

@@ -1,4 +1,4 @@
-// anoctl recordings and status, about what a gateway records itself.
+// anoctl recordings and status, for recordings that a gateway makes itself.
 #include <support/recording_gateway.hpp>
 
 #include <gtest/gtest.h>

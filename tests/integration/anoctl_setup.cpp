@@ -1,4 +1,5 @@
-// anoctl setup: port, rate, configuration and service, by the commands that it runs. tests/vm/systemd has it with a real systemd.
+// anoctl setup: port, rate, configuration and service, checked by the commands that it runs. tests/vm/systemd runs it with a real
+// systemd.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

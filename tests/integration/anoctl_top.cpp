@@ -1,4 +1,4 @@
-// `anoctl top` in a terminal of 80 by 24, as tmux has one.
+// `anoctl top` in a terminal of 80 by 24, which tmux provides.
 #include <support/bytes.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>

@@ -1,4 +1,4 @@
-// anoctl web: how a gateway that runs is reached, and the certificate that it makes.
+// anoctl web: how to reach a running gateway, and the certificate that it makes.
 #include <support/http.hpp>
 #include <support/process.hpp>
 #include <support/signing_browser.hpp>
@@ -33,7 +33,7 @@ protected:
         const int exit = process.wait();
         return {exit, process.output()};
     }
-    /// `control` is what stands in the configuration under that key.
+    /// `control` is the value of that key in the configuration.
     Daemon& start(const std::string& control) {
         const std::string config = dir.write("anogate.json",
                                              R"({"links": ["udp-listen:127.0.0.1:0"], "control": )" + control + "}");
@@ -44,7 +44,7 @@ protected:
     }
 
     std::uint16_t start_with_tokens() { return start(R"({"http": "0.0.0.0:0"})").status().at("http").at("port"); }
-    /// What the page sends for a code, and gets.
+    /// Sends a code like the page; returns the answer.
     static std::string signed_in(std::uint16_t port, const std::string& code) {
         const std::string body = R"({"code": ")" + code + "\"}";
         return body_of(http(port,
@@ -120,7 +120,7 @@ TEST_F(AnoctlWeb, says_why_the_door_is_shut) {
     EXPECT_EQ(shut.said.find("anoctl: no HTTP: control.tls: " + (dir / "none") + ": "), 0u) << shut.said;
 }
 
-// The browser reads a file of its user, and signs in; no command line has the code.
+// The browser reads a file of its user and signs in; the code is on no command line.
 TEST_F(AnoctlWeb, opens_a_browser_on_this_computer_that_is_signed_in) {
     const std::uint16_t port = start_with_tokens();
     write_signing_browser(dir, port);
@@ -142,7 +142,7 @@ TEST_F(AnoctlWeb, opens_a_browser_on_this_computer_that_is_signed_in) {
         << without.said;
 }
 
-// The code in it is valid as long as nobody has used it.
+// The code in that page is valid until it is used.
 TEST_F(AnoctlWeb, leaves_no_page_with_a_code_when_a_signal_ends_it) {
     start_with_tokens();
     for (const char* const folder : {"bin", "home"}) std::filesystem::create_directory(dir.path() / folder);

@@ -1,4 +1,4 @@
-// Readers that are slow, or stop: whole frames in their order, bounded memory, every drop counted.
+// Slow and stopped readers: whole frames in their order, bounded memory, every drop counted.
 #include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
@@ -20,7 +20,7 @@ using anogate::LinkSettings;
 using anogate::Pace;
 
 Bytes numbered(std::uint32_t n) {
-    Bytes data(13 + n % 60, 0xAB);    // full of false headers, of many lengths
+    Bytes data(13 + n % 60, 0xAB);    // full of false headers with many lengths
     for (std::size_t i = 0; i < 4; ++i) data[i] = static_cast<std::uint8_t>(n >> (8 * i));
     return frame(0xDC, 0xFE, 0xF1, data);
 }
@@ -28,7 +28,7 @@ std::uint32_t number_of(const Bytes& frame) {
     return static_cast<std::uint32_t>(frame[6] | frame[7] << 8 | frame[8] << 16 | frame[9] << 24);
 }
 
-/// Only whole frames, each later than the one before.
+/// Only whole frames, in increasing order.
 testing::AssertionResult whole_and_in_order(const Bytes& stream, std::size_t& count, std::uint32_t& last) {
     const Split heard = split(stream);
     if (!heard.rest.empty()) return testing::AssertionFailure() << heard.rest.size() << " bytes that are no frame";
@@ -43,7 +43,7 @@ testing::AssertionResult whole_and_in_order(const Bytes& stream, std::size_t& co
     return testing::AssertionSuccess();
 }
 
-// As fast as the reader takes it, without pacing.
+// As fast as the reader accepts data, without pacing.
 LinkSettings unpaced(const std::string& name, const std::string& device) {
     LinkSettings link = serial(name, device);
     link.as<anogate::SerialSettings>().pace = Pace::off;
@@ -138,7 +138,7 @@ TEST(BackPressure, a_reader_unplugged_in_the_middle_of_a_frame_starts_with_a_who
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-// The wire tells by taking no more, be it paced or not: from then on newer telemetry takes the place of older.
+// A full wire is noticed because it accepts no more bytes, paced or not: from then on newer telemetry replaces older.
 TEST(BackPressure, a_stuck_reader_that_is_not_paced_gets_the_newest_and_is_heard_of_again_by_itself) {
     const TempDir dir;
     PtyDevice stuck{dir / "stuck"};
@@ -169,7 +169,7 @@ TEST(BackPressure, a_stuck_reader_that_is_not_paced_gets_the_newest_and_is_heard
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-// What is left of the time is for what waits.
+// The rest of the time is for frames that wait.
 TEST(BackPressure, nothing_is_read_while_the_end_waits_for_a_slow_reader) {
     const TempDir dir;
     PtyDevice stuck{dir / "stuck"}, device{dir / "device"};

@@ -1,4 +1,4 @@
-// A gateway that is given other settings while frames pass.
+// A gateway whose settings change while frames pass.
 #include <config/difference.hpp>
 #include <support/numbered_frames.hpp>
 #include <support/pty_device.hpp>
@@ -51,7 +51,7 @@ protected:
     bool changed = false;
 };
 
-// A command for a device that was heard before its link was changed goes there, not to the only other device.
+// A command for a device that was known before its link was changed is sent there, not to the only other device.
 TEST_F(Change, commands_for_a_device_of_a_changed_link_do_not_reach_others) {
     constexpr std::uint8_t other_device = 0x21;
     PtyDevice device{dir / "fc"}, old{dir / "old"};
@@ -85,7 +85,7 @@ TEST_F(Change, commands_for_a_device_of_a_changed_link_do_not_reach_others) {
         EXPECT_TRUE(gets(device, command(fc, number))) << int{number};
         EXPECT_EQ(gateway->count("old", "frames_out"), sent) << int{number};
     }
-    // Of the silent old device, too: a command for an address that nobody has does not get there.
+    // This includes the silent old device: a command for an unknown address does not reach it.
     settings.links[1].latency = 50ms;
     change(settings);
     ASSERT_TRUE(gateway->until_up("old"));
@@ -94,7 +94,7 @@ TEST_F(Change, commands_for_a_device_of_a_changed_link_do_not_reach_others) {
     EXPECT_EQ(gateway->count("old", "frames_out"), 0u);
 }
 
-// 10,000 numbered frames each way between a serial port and a listening peer, while everything else changes 50 times.
+// 10,000 numbered frames each way between a serial port and a listening peer, while all other links change 50 times.
 TEST_F(Change, links_that_stay_lose_nothing_in_fifty_changes) {
     constexpr int frames = 10'000, changes = 50;
     stay_on_one_processor();
@@ -121,7 +121,7 @@ TEST_F(Change, links_that_stay_lose_nothing_in_fifty_changes) {
         up.take(peer.frames());
         down.take(frames_of(device, rest));
     };
-    peer.send(to, down.next());    // a peer from here on
+    peer.send(to, down.next());    // registered as a peer from here on
     ASSERT_TRUE(gateway->until([&] { return gateway->count("ground", "frames_in") == 1; }));
     changed = true;
     ASSERT_TRUE(gateway->until(
@@ -200,7 +200,7 @@ TEST_F(Change, two_links_may_change_their_places) {
 TEST_F(Change, what_waits_in_a_link_that_goes_leaves_first) {
     PtyDevice slow{dir / "slow"};
     auto port = serial("slow", slow.path());
-    port.as<anogate::SerialSettings>().baud = 9600;    // 1 kB/s: what is sent takes a while
+    port.as<anogate::SerialSettings>().baud = 9600;    // 1 kB/s: sending takes a while
     UdpPeer peer;
     Settings settings = settings_of({port, udp_listen("ground")});
     start(settings);
@@ -251,7 +251,7 @@ TEST_F(Change, half_a_frame_waits_for_its_other_half) {
     PtyDevice device{dir / "fc"};
     UdpPeer peer;
     Settings settings = settings_of({serial("fc", device.path()), udp("ground", peer.local().text())});
-    settings.links[0].as<anogate::SerialSettings>().baud = 110;    // at which half a frame is not overdue soon
+    settings.links[0].as<anogate::SerialSettings>().baud = 110;    // at this rate half a frame is not overdue soon
     start(settings);
     ASSERT_TRUE(gateway->until_up("fc"));
     const Bytes whole = numbered(fc, host, 7);
@@ -264,7 +264,7 @@ TEST_F(Change, half_a_frame_waits_for_its_other_half) {
     change(settings);
     device.write(std::span{whole}.subspan(9));
     EXPECT_TRUE(hears(peer, whole));
-    device.write(std::span{whole}.first(9));    // and one of a link that goes disturbs nobody
+    device.write(std::span{whole}.first(9));    // and one on a removed link has no effect on the others
     ASSERT_TRUE(gateway->until([&] { return gateway->count("fc", "bytes_in") == whole.size() + 9; }));
     settings.links[0].max_data = 100;
     change(settings);
@@ -323,7 +323,7 @@ TEST_F(Change, routes_aliases_and_unknown_follow_the_links) {
     EXPECT_TRUE(goes_to(51, a, b));
     EXPECT_TRUE(goes_to(55, b, a));
     EXPECT_TRUE(goes_to(70, b, a));
-    settings.links[1].mtu = 500;    // changed: another link of the same name
+    settings.links[1].mtu = 500;    // changed: a different link with the same name
     change(settings);
     a.frames(), b.frames();
     EXPECT_TRUE(goes_to(55, b, a));
@@ -366,7 +366,7 @@ TEST_F(Change, groups_keep_apart_and_together) {
     change(settings);
     EXPECT_EQ(number_of("a"), number_of("c"));
     EXPECT_EQ(number_of("b"), number_of("c"));
-    for (int i = 0; i < 100; ++i) {    // numbers are used again
+    for (int i = 0; i < 100; ++i) {    // the numbers of links are reused
         settings.links[1].group = "name" + std::to_string(i);
         begin_change(settings, 0ms);
         ASSERT_TRUE(gateway->until([this] { return changed; }));
@@ -387,7 +387,7 @@ TEST_F(Change, the_tunnel_stays_or_begins_anew) {
     tunnel.relay = true;
     start(settings);
     ASSERT_TRUE(gateway->until_up("fc") && gateway->until_up("tunnel"));
-    int number = 100;    // what was carried before would be a copy
+    int number = 100;    // a number forwarded before would be a copy
     const auto carry = [&](PtyDevice& from) {
         const std::uint16_t port = peer.port();
         const Bytes inner = numbered(gps, host, ++number);
@@ -404,7 +404,7 @@ TEST_F(Change, the_tunnel_stays_or_begins_anew) {
     EXPECT_EQ(gateway->port("tunnel"), port) << "the same socket";
     ASSERT_TRUE(gateway->until_up("radio"));
     EXPECT_TRUE(carry(device));
-    settings.links[0].max_data_out = 200;    // a link that is carried is another one now
+    settings.links[0].max_data_out = 200;    // the link that receives the frames is replaced
     change(settings);
     EXPECT_EQ(gateway->port("tunnel"), port);
     ASSERT_TRUE(gateway->until_up("fc"));
@@ -425,7 +425,7 @@ TEST_F(Change, gpio_lines_come_and_go) {
     PtyDevice device{dir / "fc"};
     UdpPeer peer;
     Settings settings = settings_of({serial("fc", device.path()), udp_listen("ground")});
-    anogate::GpioSettings lock;    // of a chip that is not there: it counts as on
+    anogate::GpioSettings lock;    // its chip does not exist, so it counts as on
     lock.chip = "no-such-chip";
     lock.line = "4";
     lock.use = anogate::GpioUse::inhibit;
@@ -467,7 +467,7 @@ TEST_F(Change, a_link_gets_its_channel_also_where_peers_have_them_all) {
     std::vector<anogate::LinkSettings> listening;
     for (const char* name : {"a", "b", "c", "d"}) {
         listening.push_back(udp_listen(name));
-        listening.back().as<anogate::UdpListenSettings>().max_peers = 24;    // a quarter is kept
+        listening.back().as<anogate::UdpListenSettings>().max_peers = 24;    // a quarter is reserved
         listening.back().broadcast = listening.back().flood = false;
     }
     Settings settings = settings_of(listening);
@@ -503,7 +503,7 @@ TEST_F(Change, an_end_while_links_go_is_an_end) {
     EXPECT_FALSE(changed);
 }
 
-// The port can be read and written when the link goes: one of these calls stands behind the change.
+// The port is readable and writable when the link is removed: one of these calls is queued after the change.
 TEST_F(Change, a_call_that_the_loop_holds_already_finds_its_link) {
     PtyDevice device{dir / "fc"};
     auto port = serial("fc", device.path());
@@ -526,7 +526,7 @@ TEST_F(Change, a_call_that_the_loop_holds_already_finds_its_link) {
     EXPECT_EQ(names(), std::vector<std::string>{"ground"});
 }
 
-// What the loop still holds of a link that was removed must find nothing that is gone: everything comes at once.
+// Calls that the loop still holds for a removed link must access no destroyed object; all are due at once.
 TEST_F(Change, calls_that_were_under_way_find_no_ghost) {
     PtyDevice device{dir / "fc"};
     UdpPeer peer, listener;
@@ -549,7 +549,7 @@ TEST_F(Change, calls_that_were_under_way_find_no_ghost) {
         PortUser user{dir / "app"};
         gateway->until([&] { return gateway->up("fc") && gateway->up("ground"); });
         const auto port = gateway->port("ground");
-        for (int i = 0; i < 30; ++i) {    // all of it waits in the kernel when the links go
+        for (int i = 0; i < 30; ++i) {    // all of them wait in the kernel when the links are removed
             peer.send(port, frame(host, 0xFF, 0xA0, Bytes(60, 1)));
             device.write(numbered(fc, 0xFF, i));
             user.write(numbered(gps, 0xFF, i));

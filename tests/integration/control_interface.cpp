@@ -1,4 +1,4 @@
-// What a gateway answers on its control socket, row by row of its own table.
+// The answers of a gateway on its control socket, for each row of its own table.
 #include <support/asked.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -41,7 +41,7 @@ protected:
         EXPECT_EQ(answer.body.find('\n'), answer.body.size() - 1) << target << " is one line";
         return json::parse(answer.body, nullptr, false);
     }
-    /// That it refuses, with this status, word for programs, and a part of the words for people.
+    /// Expects a refusal with this status, this `error` code, and a message that contains these words.
     void refuses(const std::string& method, const std::string& target, unsigned status, const std::string& what,
                  const std::string& words, const std::string& body = {}) const {
         const Answer answer = ask(method, target, body);
@@ -139,7 +139,7 @@ protected:
         const std::string counted = ask("GET", "/metrics").body;
         EXPECT_NE(counted.find("\nanogate_alarms{level=\"amber\"} 0\n"), std::string::npos);
         EXPECT_NE(counted.find("\nanogate_alarms{level=\"red\"} 1\n"), std::string::npos);
-        ask("DELETE", "/routes/0xDC");    // it was switched off
+        ask("DELETE", "/routes/0xDC");    // the device was switched off
         EXPECT_TRUE(get("/alarms").at("alarms").empty());
         ask("PUT", "/devices/0xDC/limits", R"({"limits": []})");
     }
@@ -180,7 +180,7 @@ protected:
     UdpPeer host;
 };
 
-// A route that is added gets a test here, or is named beside the test that it has.
+// A new route needs a test here, or a reference to its test elsewhere.
 TEST_F(ControlInterface, answers_every_route_of_its_list) {
     const std::pair<std::string, std::function<void()>> tests[]{
         {"GET /", [this] { list(); }},
@@ -207,7 +207,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"GET /devices",
          [this] {
              EXPECT_EQ(get("/devices"), (json{{"devices", json::array()}}));
-         }},    // Devices, as all that follow
+         }},    // Devices, like all that follow
         {"GET /devices/{device}/limits", [this] { refuses("GET", "/devices/nobody/limits", 404, "unknown", "'nobody'"); }},
         {"PUT /devices/{device}/limits", [this] { limits(); }},
         {"GET /devices/{device}/parameters",
@@ -238,7 +238,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
          [this] { refuses("POST", "/devices/0xDC/calibration", 400, "invalid", "compass", "{}"); }},
         {"GET /jobs",
          [this] {
-             const json jobs = get("/jobs").at("jobs");    // also those that asked a device that was not heard
+             const json jobs = get("/jobs").at("jobs");    // includes the jobs for an unknown device
              EXPECT_TRUE(std::any_of(jobs.begin(), jobs.end(), [](const json& job) { return job.at("kind") == "scan"; })) << jobs;
          }},
         {"GET /jobs/{job}", [this] { refuses("GET", "/jobs/7", 404, "unknown", "there is no job '7'"); }},
@@ -246,7 +246,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /jobs/{job}/next", [this] { refuses("POST", "/jobs/7/next", 404, "unknown", "there is no job"); }},
         {"GET /devices/{device}/log", [this] { log(); }},
         {"GET /alarms", [this] { alarms(); }},
-        {"GET /recordings", [this] { recordings(); }},    // Recordings, as all that follow
+        {"GET /recordings", [this] { recordings(); }},    // Recordings, like all that follow
         {"POST /recordings", [this] { refuses("POST", "/recordings", 422, "invalid", "'nmae'", R"({"nmae": "x"})"); }},
         {"GET /recordings/last", [this] { refuses("GET", "/recordings/last", 409, "busy", "keep_last"); }},
         {"GET /recordings/{name}", [this] { refuses("GET", "/recordings/none.pcapng", 404, "unknown", "no recording"); }},

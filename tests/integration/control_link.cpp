@@ -1,4 +1,4 @@
-// Programs that join the gateway by GET /link, and single frames by POST /send.
+// Programs that join the gateway with GET /link, and single frames sent with POST /send.
 #include <config/difference.hpp>
 #include <support/control_door.hpp>
 #include <support/process.hpp>
@@ -94,7 +94,7 @@ TEST_F(ControlLinkOfOnePeer, bytes_that_are_no_whole_frame_are_counted_and_told)
     Bytes half = from_program;
     half.resize(9);
     program.say(frame(0xA1, 0xFF, 0x09, {1}) + half);
-    program.say(from_program);    // the rest of a message does not begin the next
+    program.say(from_program);    // the rest of a message is not the beginning of the next
     EXPECT_TRUE(hears(frame(0xA1, 0xFF, 0x09, {1}) + from_program));
     ASSERT_TRUE(door.gateway.until([&] { return program.texts().size() == 1; }));
     EXPECT_EQ(json::parse(program.texts().front()).at("error"),
@@ -266,7 +266,7 @@ TEST(ControlLink, a_request_that_waited_through_a_standstill_is_not_carried_out)
     const int fd = connect_unix(socket);
     ASSERT_GE(fd, 0);
     ASSERT_EQ(::send(fd, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
-    std::this_thread::sleep_for(1500ms);    // the gateway must have stood still for longer than its beats are apart
+    std::this_thread::sleep_for(1500ms);    // longer than the interval of the loop's beats, so that the gateway stalled
     daemon.signal(SIGCONT);
     const std::string answer = read_to_end(fd);
     ::close(fd);

@@ -22,7 +22,7 @@ struct Pair {
         daemon.emplace(settings_of({a_link, b_link}));
         if (!daemon->until_up("a") || !daemon->until_up("b")) throw std::runtime_error{"no ptys"};
     }
-    /// Waits until everything is read; reads b meanwhile.
+    /// Waits until everything is read; meanwhile reads b.
     bool say(std::span<const std::uint8_t> bytes) {
         said += bytes.size();
         return daemon->until(
@@ -58,7 +58,7 @@ TEST(Damage, a_false_header_in_a_steady_stream_holds_nothing_up_for_long) {
     const auto begin = anogate::Clock::now();
     Bytes expected;
     bool through = false;
-    for (std::uint8_t n = 0; n < 250 && !through; ++n) {    // a frame every 10 ms: it is never quiet for 50 ms
+    for (std::uint8_t n = 0; n < 250 && !through; ++n) {    // a frame every 10 ms: the line is never quiet for 50 ms
         const Bytes good = frame(0xDC, 0xFE, 0x03, {n, 0, 0, 0, 0, 0, 0});
         expected = expected + good;
         ASSERT_TRUE(pair.say(good));

@@ -1,4 +1,4 @@
-// A real serial device whose parser one flipped bit of LEN makes deaf, as the vendor's libraries are.
+// A real serial device whose parser is blocked by one flipped bit of LEN, like that of the vendor's libraries.
 #include <support/asked.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -24,7 +24,7 @@ protected:
         device.fake.commands.push_back({{1, 2, 3}, {}, "go", ""});
         device.start();
     }
-    // The parser is flushed once a second at most, so each operation has its own second.
+    // The parser is flushed at most once a second, so each operation has its own second.
     void disturb() {
         std::this_thread::sleep_for(1100ms);
         device.disturb();
@@ -87,7 +87,7 @@ TEST_F(DeafDevice, without_a_gateway_it_is_read_as_well) {
     EXPECT_GE(device.zeros(), 206u);
 }
 
-// Eight questions take 0.3 s to leave.
+// Eight questions need 0.3 s to be sent.
 TEST_F(DeafDevice, what_waits_for_its_turn_on_a_slow_link_is_not_asked_again) {
     const std::string socket = dir / "control.sock";
     const std::string config = dir.write("anogate.json", R"({"links": [")" + link + R"(,rate=300"]})");

@@ -1,5 +1,5 @@
-// Simulated devices of several generations and encodings, with the commands of
-// anoctl: by a gateway, and by a link of their own.
+// Simulated devices of several generations and encodings, with the commands of anoctl: through a gateway, and over a link of
+// their own.
 #include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -40,11 +40,11 @@ struct Names {
 const Names english{"SimFC", "SIM_P_ATTITUDE", "SIM_TURN", "SIM_NOTE", "SIM_CHARGE", "TAKE_OFF"};
 const Names chinese{"模拟飞控", "横滚P", "转弯速度", "备注", "电池电量", "起飞"};
 
-/// How it describes its parameters, and in what it writes its texts.
+/// The generation, which decides how it describes its parameters, and the encoding of its texts.
 class DeviceForms : public testing::TestWithParam<std::tuple<std::string, std::string>> {
 protected:
     Ran run(std::vector<std::string> words) { return anoctl(std::move(words), {"--control", socket}); }
-    /// Of a parameter, with --json.
+    /// The description of a parameter, with --json.
     json row(const std::string& name) {
         const Ran ran = run({"param", "get", name, "--json"});
         EXPECT_EQ(ran.exit, 0) << ran.output;
@@ -97,7 +97,7 @@ TEST_P(DeviceForms, are_listed_read_written_and_commanded) {
 
 TEST_P(DeviceForms, a_fresh_export_is_imported_without_a_difference) {
     ASSERT_TRUE(gateway.until_answers()) << gateway.output();
-    if (is_typed) {    // the others have no texts; it keeps 29 bytes
+    if (is_typed) {    // the others have no texts; it stores 29 bytes
         const Ran set = run({"param", "set", "--longer", names.note, "测试用的备注文字测试用的备注文"});
         EXPECT_EQ(set.exit, 0) << set.output;
     }
@@ -120,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(All, DeviceForms,
                          testing::Combine(testing::Values("typed", "minmax", "scaled"), testing::Values("en", "utf8", "gbk")),
                          [](const auto& form) { return std::get<0>(form.param) + "_" + std::get<1>(form.param); });
 
-// The device is a new one with each command.
+// Each command starts a new device.
 TEST(DeviceFormsByLink, are_read_without_a_gateway) {
     const TempDir dir;
     for (const std::string form : {"texts=gbk", "texts=utf8,profile=vendor", "texts=gbk,profile=vendor,parameters=scaled"}) {

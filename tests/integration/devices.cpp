@@ -1,4 +1,4 @@
-// Devices by the control interface of a whole gateway: a simulated flight controller, several clients, a ground station.
+// Devices over the control interface of a whole gateway: a simulated flight controller, several clients, a ground station.
 #include <http/client/client.hpp>
 #include <support/asked.hpp>
 #include <support/fake_loader.hpp>
@@ -65,7 +65,7 @@ protected:
     }
     json value(const std::string& name) const { return ask("GET", "/devices/0xDC/parameters/" + name).body.at("value"); }
 
-    // The file with the old values of a calibration; its name has digits that tell the unit.
+    // The file with the old values of a calibration; the digits in its name identify the unit.
     std::string kept_note() const {
         for (const auto& entry : std::filesystem::directory_iterator{dir / "state"})
             if (const std::string name = entry.path().filename(); name.starts_with("calibration-0xDC-")) return entry.path();
@@ -88,7 +88,7 @@ struct UdpDevice {
         fake.address = address;
         EXPECT_TRUE(peer.send(port, frame(address, 0xFF, 0x01, Bytes(13))));
     }
-    /// Answers as long as somebody waits for what it has to do with.
+    /// Answers until the request that uses it has ended.
     Told serve(std::future<Told> waits) {
         while (waits.wait_for(std::chrono::milliseconds{1}) != std::future_status::ready)
             for (const Bytes& heard : peer.frames())
@@ -156,13 +156,13 @@ TEST_F(Devices, a_job_is_told_line_by_line_and_kept) {
     EXPECT_EQ(ask("GET", "/jobs/77").status, 404u);
 }
 
-// Two clients and a ground station that is the same host.
+// Two clients and a ground station, all with the same host address.
 TEST_F(Devices, nobody_gets_what_another_asked_for_and_nobody_waits_for_ever) {
     const std::uint16_t port = daemon.port("ground");
     const auto read = [&] { return ask("GET", "/devices/0xDC/parameters"); };
     auto one = std::async(std::launch::async, read), two = std::async(std::launch::async, read);
     std::set<int> answered;
-    for (std::uint8_t id = 0; id < 10; ++id) {    // the ground station asks for the same
+    for (std::uint8_t id = 0; id < 10; ++id) {    // the ground station sends the same questions
         ASSERT_TRUE(ground.send(port, frame(0xFE, 0xDC, 0xE0, {2, id, 0})));
         EXPECT_TRUE(wait_until([&] {
             for (const Bytes& heard : ground.frames())
@@ -187,9 +187,9 @@ TEST_F(Devices, the_way_of_hosts_stays_as_it_is) {
     EXPECT_EQ(before[0].at("via"), after[0].at("via"));
 }
 
-// What the ground station writes, another host leaves alone.
+// Another host leaves alone the parameters that the ground station writes.
 TEST_F(Devices, that_another_host_writes_are_written_and_say_so) {
-    ASSERT_EQ(ask("GET", "/devices").status, 200u);    // from now on it is listened
+    ASSERT_EQ(ask("GET", "/devices").status, 200u);    // from now on its frames are observed
     const std::uint16_t port = daemon.port("ground");
     EXPECT_TRUE(wait_until([&] {
         EXPECT_TRUE(ground.send(port, frame(0xFE, 0xDC, 0xE1, {1, 0, 9})));
@@ -200,7 +200,7 @@ TEST_F(Devices, that_another_host_writes_are_written_and_say_so) {
 }
 
 TEST_F(Devices, one_job_writes_at_a_time) {
-    UdpPeer deaf;    // is heard, and answers nothing
+    UdpPeer deaf;    // known to the gateway, but answers nothing
     ASSERT_TRUE(deaf.send(daemon.port("ground"), frame(0xDD, 0xFF, 0x01, Bytes(13))));
     ASSERT_TRUE(daemon.until([](const json& status) { return status.at("routes").size() == 2; }));
     auto first = std::async(std::launch::async,
@@ -308,7 +308,7 @@ TEST_F(Devices, a_calibration_waits_and_puts_back_what_was) {
     EXPECT_TRUE(wait_until([&] { return !std::filesystem::exists(kept); }));
 }
 
-// A request that is answered line by line, as its lines come.
+// A request whose answer is read line by line as the lines arrive.
 class Lines {
 public:
     Lines(const std::string& socket, const std::string& head, const std::string& body = {}) : fd_{connect_unix(socket)} {
@@ -316,7 +316,7 @@ public:
                                  "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
         EXPECT_EQ(::write(fd_.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
     }
-    /// Waits for these words; false: the connection ended before.
+    /// Waits for these words; false: the connection ended first.
     bool until(const std::string& words) {
         char room[4096];
         while (heard.find(words) == heard.npos) {
@@ -381,7 +381,7 @@ TEST_F(Devices, old_values_of_a_calibration_that_the_end_cut_off_stay_for_the_us
     EXPECT_EQ(value("CAL_AOFF_X"), before);
 }
 
-// The chip is not there, so its switch counts as on.
+// The chip does not exist, so its switch counts as on.
 TEST(DevicesAndRules, what_a_switch_keeps_off_ends_at_once) {
     TempDir dir;
     const std::string socket = dir / "control.sock";
@@ -401,7 +401,7 @@ TEST(DevicesAndRules, what_a_switch_keeps_off_ends_at_once) {
     EXPECT_EQ(anogate::http::ask(socket, request).answer.status, 200u) << "asking moves nothing";
 }
 
-// Rules of the link `control` are rules of this host as well.
+// Rules of the link `control` apply to this host as well.
 TEST(DevicesAndRules, what_does_not_pass_ends_at_once) {
     TempDir dir;
     const std::string socket = dir / "control.sock";

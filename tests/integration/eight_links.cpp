@@ -1,5 +1,5 @@
-// Ten million random frames through eight links that go up and down: what is delivered is what was sent, in the order of its
-// source, destination and class, nothing twice; and every frame that was offered is accounted for.
+// Ten million random frames through eight links that go up and down. Delivered frames equal the sent ones, in the order of their
+// source, destination and class, without duplicates; and every offered frame is accounted for.
 #include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/random.hpp>
@@ -32,10 +32,10 @@ constexpr std::size_t frames_at_once = 60;
 constexpr std::size_t rounds_between_pulls = frames_to_send / frames_at_once / 30;
 
 constexpr std::uint8_t sources[] = {0x60, 0x70, 0x80, 0x90, 0xA0, 0xB0, 0xC0, 0xD0};
-// Urgent, telemetry that newer ones replace, and bulk.
+// Urgent frames, telemetry that newer frames replace, and bulk.
 constexpr std::uint8_t ids[] = {0xC0, 0xE1, 0x41, 0x01, 0x03, 0x0D, 0xA0, 0xF1, 0xB5};
 
-// DATA is a number and bytes computed from it, so that a reader can check that it is whole.
+// DATA is a number and bytes computed from it, so that a reader can check that it is complete.
 std::size_t fill(std::uint8_t* data, std::uint32_t number) {
     const std::size_t size = 4 + number * 2654435761u % 29;
     std::memcpy(data, &number, 4);
@@ -49,7 +49,7 @@ struct End {
     std::unique_ptr<UdpPeer> peer;
     std::unique_ptr<ano::FrameParser> parser = std::make_unique<ano::FrameParser>(ano::FrameParser::Options{});
     std::uint8_t source = 0;
-    std::uint16_t port = 0;    // of the gateway's side
+    std::uint16_t port = 0;    // of the gateway
     Bytes unsent{};
 };
 
@@ -129,7 +129,7 @@ protected:
         const std::size_t size = fill(data, number);
         const bool whole = frame.data().size() == size && std::memcmp(frame.data().data(), data, size) == 0;
         ASSERT_TRUE(whole) << "altered on the way";
-        const bool sticks = frame.id() == 0x40 || frame.id() == 0x41;    // the only ones that overtake others of the same sender
+        const bool sticks = frame.id() == 0x40 || frame.id() == 0x41;    // only these overtake other frames of the same sender
         const auto traffic = sticks ? anogate::traffic_classes : static_cast<std::size_t>(anogate::policy_of(frame.id()).traffic);
         const std::size_t receiver = static_cast<std::size_t>(&at - ends);
         std::uint32_t& last = last_number[receiver][frame.source()][frame.destination()][traffic];
@@ -154,7 +154,7 @@ protected:
     std::unique_ptr<RunningGateway> daemon;
     std::uint32_t next_number = 1;
     std::uint64_t sent = 0, received = 0;
-    std::uint64_t by_chance = 0;    // frames made of noise: both checks hold by chance once in 65,536 times
+    std::uint64_t by_chance = 0;    // frames made of noise: both checks are right by chance in one of 65,536 cases
     std::uint32_t last_number[count][256][256][anogate::traffic_classes + 1]{};
 };
 
@@ -186,7 +186,7 @@ TEST_F(EightLinks, ten_million_random_frames_with_links_going_up_and_down) {
     }));
     EXPECT_TRUE(daemon->counters_add_up());
     EXPECT_LE(by_chance, sent / 100'000);
-    EXPECT_GT(received, sent / 10) << "or nothing was tested";    // ports come back by the clock, not by the number of frames
+    EXPECT_GT(received, sent / 10) << "or nothing was tested";    // ports are reopened by the clock, not by the number of frames
     RecordProperty("received", std::to_string(received));
 }
 

@@ -1,4 +1,4 @@
-// SIGTERM at any moment: the program ends. ANOGATE_ENDS=10000 tries that often, half of them at random times and half when
+// SIGTERM at any moment ends the program. ANOGATE_ENDS=10000 sets the number of tries: half of them at random times, half when
 // the timer of hints is due, 3 s after the start.
 #include <support/random.hpp>
 #include <support/temp_dir.hpp>
@@ -46,7 +46,7 @@ pid_t start(const std::string& control, const std::vector<std::string>& environm
     ::_exit(anogate::run_program(static_cast<int>(argv.size()), argv.data()));
 }
 
-/// Whether it ended within `patience` of the signal, in order, or before it could handle signals.
+/// Whether it ended within `patience` of the signal, either in order, or by the signal before it could handle signals.
 bool ends(pid_t pid) {
     const auto limit = Clock::now() + patience;
     int status = 0;
@@ -65,7 +65,7 @@ unsigned asked(unsigned usual) {
     return number ? static_cast<unsigned>(std::atoi(number)) / 2 : usual;
 }
 
-// A watchdog of 50 us is always due: a timer that is due at the moment when it is stopped is the difficult case.
+// A watchdog of 50 us is always due: the difficult case is a timer that is due at the moment when it is stopped.
 TEST(Ends, whenever_the_signal_comes) {
     const support::TempDir dir;
     support::Random random{1};
@@ -80,7 +80,7 @@ TEST(Ends, whenever_the_signal_comes) {
     EXPECT_EQ(lost, 0u) << "of " << tries;
 }
 
-/// The messages to systemd, by which the time of the start is known to a tenth of a millisecond.
+/// Receives the messages to systemd, which give the time of the start to a tenth of a millisecond.
 class Starts {
 public:
     explicit Starts(const std::string& path) : fd_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)} {

@@ -1,5 +1,4 @@
-// Whatever the kernel answers to writes: only whole frames leave, in order, none twice, and every frame that was
-// offered is counted.
+// Whatever the kernel returns for writes: only whole frames leave, in order, none twice, and every offered frame is counted.
 #include <link/serial/serial_settings.hpp>
 #include <support/failing_calls.hpp>
 #include <support/pty_device.hpp>
@@ -19,7 +18,7 @@ using namespace std::chrono_literals;
 using namespace support;
 using anogate::LinkSettings;
 
-// Frames of many lengths, all of one class and never replaced, so that they leave in order.
+// Frames of many lengths, all of one class without replacement, so that they leave in order.
 Bytes numbered(std::uint32_t n) {
     Bytes data(4 + n % 40, 0xAB);
     for (std::size_t i = 0; i < 4; ++i) data[i] = static_cast<std::uint8_t>(n >> 8 * i);
@@ -29,7 +28,7 @@ std::uint32_t number(const Bytes& frame) {
     return static_cast<std::uint32_t>(frame[6] | frame[7] << 8 | frame[8] << 16 | frame[9] << 24);
 }
 
-// Whole frames as they were sent, in order, none twice.
+// Whole frames, unchanged, in order, none twice.
 void expect_in_order(const Bytes& stream) {
     const Split got = split(stream);
     EXPECT_TRUE(got.rest.empty()) << got.rest.size() << " bytes that are no whole frame";
@@ -46,10 +45,10 @@ protected:
     ~Faults() override { fate_of_writev = fate_of_sendmmsg = nullptr; }
     void start(LinkSettings to) {
         to.name = "to";
-        to.age.telemetry = 1min;    // so that frames are dropped only for what the kernel does
+        to.age.telemetry = 1min;    // so that frames are dropped only because of the kernel's results
         daemon = std::make_unique<RunningGateway>(settings_of({std::move(to), udp_listen("air")}));
         ASSERT_TRUE(daemon->until_up("to") && daemon->until_up("air"));
-        in(1);    // and now the peer is known
+        in(1);    // registers the peer
         ASSERT_TRUE(daemon->until([&] { return daemon->count("to", "frames_out") == 1; }));
     }
     void in(int frames) {
@@ -133,7 +132,7 @@ TEST_F(SerialFaults, a_port_that_fails_in_the_middle_of_a_frame_begins_with_a_wh
     }
     EXPECT_GE(count("link_down"), 4u * 5);
     EXPECT_TRUE(daemon->counters_add_up());
-    // The device keeps the terminal: it has received torn frames, each followed by whole ones.
+    // The terminal stays open: the device has received torn frames, each followed by whole ones.
     std::size_t whole = 0;
     ano::FrameParser parser{{}};
     const Bytes all = device.heard();
@@ -170,7 +169,7 @@ TEST_F(UdpFaults, nothing_is_lost_while_the_kernel_has_no_room) {
             fate_of_sendmmsg = [&](int) -> Fate {
                 ++calls;
                 if (calls % 3 != 0) return {error, 0};
-                return {0, 2};    // two datagrams of those offered
+                return {0, 2};    // two of the offered datagrams
             };
             for (int round = 0; round < 10; ++round) in(20);
             EXPECT_TRUE(until_nothing_waits());
@@ -228,10 +227,10 @@ TEST_F(UdpFaults, what_is_too_long_for_the_way_goes_one_by_one_or_is_counted) {
     expect_accounted();
 }
 
-// Packed up to `mtu`, which the user may have set to more than the way carries.
+// Packed up to `mtu`, which the user may have set to more than the path supports.
 TEST_F(UdpFaults, datagrams_packed_beyond_what_the_way_carries_go_one_by_one) {
     start(true);
-    fate_of_sendmmsg = [&](int) { return Fate{0, SIZE_MAX, 60}; };    // any one of our frames, and never three
+    fate_of_sendmmsg = [&](int) { return Fate{0, SIZE_MAX, 60}; };    // any single frame, but never three
     for (int round = 0; round < 5; ++round) in(20);
     EXPECT_TRUE(until_nothing_waits());
     EXPECT_EQ(count("frames_out"), sent) << daemon->link("to");

@@ -1,4 +1,5 @@
-// Layouts of flexible messages that change while the gateway runs, and what recordings know of them; the orientation of LX units.
+// Layouts of flexible messages that change while the gateway runs, and the layouts stored in recordings; the orientation of LX
+// units.
 #include <support/anoctl.hpp>
 #include <support/asked.hpp>
 #include <support/process.hpp>
@@ -53,7 +54,7 @@ protected:
     json get(const std::string& target) const { return json::parse(asked(socket, "GET", target).body); }
     anogate::http::Answer put(const std::string& body) const { return asked(socket, "PUT", "/flexible", body); }
     void send(const Bytes& bytes) { peer.send(daemon->port("fc"), bytes); }
-    /// The fields of 0xF1 in the message table of the gateway.
+    /// The fields of 0xF1 in the gateway's message table.
     json fields() const {
         for (const json& row : get("/messages"))
             if (row.at("id") == 0xF1) return row.at("fields");
@@ -79,7 +80,7 @@ TEST_F(Flexible, layouts_are_set_while_it_runs_and_stay_over_a_restart) {
     EXPECT_EQ(fields().at(0).at("name"), "cells");
     EXPECT_EQ(fields().at(0).at("count"), 2);
     EXPECT_GT(get("/status").at("gateway").at("decoding_changes"), before);
-    send(cells);    // a peer, which the next one goes to
+    send(cells);    // registers the peer that receives the next one
     ASSERT_TRUE(daemon->until([&](const json&) { return daemon->count("fc", "frames_in") == 1; }));
     EXPECT_EQ(asked(socket, "POST", "/send", R"({"from": 30, "name": "flexible1", "fields": {"cells": [3.6, 3.601]}})").status,
               200u);
@@ -201,7 +202,7 @@ TEST_F(Flexible, recordings_of_both_kinds_have_their_layouts_and_need_no_configu
         const auto table = support::anoctl({"convert", path, dir / (name + ".csv"), "--id", "flexible1"});
         EXPECT_EQ(table.exit, 0) << table.err;
 
-        // Through the other format, and to MCAP with decoded messages.
+        // Converted to the other format, and to MCAP with decoded messages.
         const std::string again = dir / (name + "-again.mcap");
         EXPECT_EQ(support::anoctl({"convert", path, again}).exit, 0);
         const auto lines_again = support::anoctl({"convert", again, "-", "--id", "flexible1", "--json"});
@@ -233,7 +234,7 @@ TEST_F(Flexible, anoctl_records_what_the_gateway_knows) {
         std::string::npos);
 }
 
-// The layouts are replaced while `run` goes on with the frames.
+// Replaces the layouts while `send` continues to send frames.
 void while_layouts_change(const std::function<void()>& send, const std::function<void()>& replace, Process& run,
                           const std::function<bool()>& has_first, const std::function<bool()>& has_second) {
     EXPECT_TRUE(wait_until([&] { return send(), has_first(); })) << run.output();
@@ -273,7 +274,7 @@ TEST_F(Flexible, who_watches_or_records_has_the_new_layouts_at_once) {
     }
 }
 
-// Whoever plays a recording need not have the layouts.
+// The program that plays a recording need not have the layouts.
 TEST_F(Flexible, a_replay_uses_the_layouts_of_the_recording) {
     start();
     EXPECT_EQ(put(layout).status, 200u);
@@ -301,7 +302,7 @@ TEST_F(Flexible, a_replay_uses_the_layouts_of_the_recording) {
 
 anogate::DecodingPtr one_layout(const std::string& text) { return anogate::Decoding::parse(R"({"flexible": )" + text + "}"); }
 
-// Frames 1 s apart, the first half with `layout`, the second with another.
+// Frames 1 s apart, the first half with `layout`, the second half with another.
 std::string with_two_layouts(anogate::RecordingFormat format, const Bytes& first, const Bytes& second) {
     std::string bytes;
     const auto writer = anogate::make_recording_writer(format, {"test", 1, 1, one_layout(layout)}, bytes);
@@ -315,7 +316,7 @@ std::string with_two_layouts(anogate::RecordingFormat format, const Bytes& first
     return bytes;
 }
 
-// The file is played again and again, and read ahead.
+// The file is played repeatedly, and read ahead.
 TEST_F(Flexible, each_frame_of_a_replay_is_decoded_by_the_layouts_it_was_recorded_with) {
     const Bytes number = frame(30, 0xFE, 0xF1, {7, 0, 0, 0});
     for (const auto format : {anogate::RecordingFormat::pcapng, anogate::RecordingFormat::mcap}) {
@@ -359,7 +360,7 @@ Bytes encoded(const Draft& draft) {
     return bytes;
 }
 
-// As an LX unit turned by 40°: yaw of the Euler angles is the other way round.
+// Sends the frames of an LX unit turned by 40°: yaw of its Euler angles has the opposite sign.
 void send_lx(UdpPeer& peer, std::uint16_t port) {
     ano::Draft<"euler"> euler;
     ano::Draft<"quaternion"> quaternion;

@@ -1,4 +1,4 @@
-// The Foxglove WebSocket protocol over a whole gateway: its clients, good and bad.
+// The Foxglove WebSocket protocol over a whole gateway, with correct and faulty clients.
 #include <support/control_door.hpp>
 #include <support/process.hpp>
 #include <support/udp_peer.hpp>
@@ -32,7 +32,7 @@ const Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
 const std::vector<Field> offers{{"Sec-WebSocket-Protocol", "foxglove.websocket.v1"}};
 
-/// A client that keeps what it is told.
+/// A client that stores everything it receives.
 class Plotter {
 public:
     explicit Plotter(ControlDoor& door, const std::string& target = "/", const std::vector<Field>& headers = offers)
@@ -44,7 +44,7 @@ public:
             if (json one = json::parse(text); one.at("op") == op) all.push_back(std::move(one));
         return all;
     }
-    /// The channel of this topic; null: it was not told.
+    /// The channel of this topic; null: it was not advertised.
     json channel(const std::string& topic) const {
         for (const json& message : said("advertise"))
             for (const json& one : message.at("channels"))
@@ -80,7 +80,7 @@ protected:
     bool until_in(std::size_t count) {
         return until([&] { return door.gateway.count("a", "frames_in") == count; });
     }
-    /// What a client says is done in the next turns of the loop.
+    /// The messages of a client are handled in the next turns of the loop.
     bool until_heard(Plotter& plotter) {
         const std::string id = "heard " + std::to_string(++questions_);
         plotter.say({{"op", "getParameters"}, {"id", id}});
@@ -91,7 +91,7 @@ protected:
                 is_answered = plotter.ear.texts()[looked_at].find('"' + id + '"') != std::string::npos;
             return is_answered;
         });
-        door.gateway.run_for(20ms);    // filters are changed behind that
+        door.gateway.run_for(20ms);    // filters change after that
         return is_answered;
     }
 
@@ -163,7 +163,7 @@ TEST_F(Foxglove, another_subscription_takes_nothing_from_the_first) {
         for (int n = 0; n < 10; ++n, ++sent) send(euler);
         if (i % 2 == 0) plotter.subscribe(2, plotter.channel("/a/device_221/wind"));
         else plotter.say({{"op", "unsubscribe"}, {"subscriptionIds", {2}}});
-        door.gateway.run_for(3ms);    // within the time of a batch
+        door.gateway.run_for(3ms);    // within the interval of a batch
     }
     EXPECT_TRUE(until([&] { return plotter.shown(1) == sent; })) << plotter.shown(1) << " of " << sent;
 }
@@ -173,7 +173,7 @@ TEST_F(Foxglove, whole_frames_are_shown_whatever_became_of_them) {
     ASSERT_TRUE(until([&] { return !plotter.channel("/anogate/frames").is_null(); }));
     plotter.subscribe(3, plotter.channel("/anogate/frames"));
     ASSERT_TRUE(until_heard(plotter));
-    send(frame(0xDC, 0x00, 0x03, {1}));    // to nobody
+    send(frame(0xDC, 0x00, 0x03, {1}));    // to 0x00, which has no receiver
     EXPECT_TRUE(until([&] { return plotter.shown(3) == 2; }));
     EXPECT_NE(plotter.ear.messages().back().find("no_route"), std::string::npos);
 }
@@ -246,7 +246,7 @@ TEST_F(Foxglove, nonsense_is_answered_and_too_much_ends_the_connection) {
     EXPECT_TRUE(door.gateway.counters_add_up());
 }
 
-// Frames of a client, by hand: this one stops to read.
+// A client's frames, made by hand: this client stops reading.
 std::string masked(const std::string& text) {
     std::string bytes{static_cast<char>(0x81), static_cast<char>(0x80 | text.size()), '\0', '\0', '\0', '\0'};
     return bytes + text;
@@ -292,7 +292,7 @@ protected:
     void SetUp() override {
         ASSERT_TRUE(until([&] { return !plotter.said("advertise").empty() && !door.gateway.route("0xDC").is_null(); }));
     }
-    /// The answer to a question; null: there is none.
+    /// The answer to a question; null: there was none.
     json answer(const json& names, const std::string& id) {
         plotter.say({{"op", "getParameters"}, {"parameterNames", names}, {"id", id}});
         json found;
@@ -352,7 +352,7 @@ TEST_F(FoxgloveParameters, are_awaited_by_who_has_left_without_harm) {
     EXPECT_TRUE(another.said("parameterValues").empty());
 }
 
-// ---- By the network
+// --- Over the network
 
 const std::string looks = "view-token-0123456789", acts = "control-token-0123456789";
 
@@ -365,8 +365,8 @@ protected:
         ASSERT_NE(port, 0) << daemon->output();
     }
     void SetUp() override { start(); }
-    /// What begins the answer to a client who offers the subprotocol, up to and with the first message. Behind a proxy, so that a
-    /// token is needed whoever runs the test.
+    /// The beginning of the answer to a client that offers the subprotocol, up to and including the first message. Sent through a
+    /// proxy, so that a token is needed whichever user runs the test.
     std::string joined(const std::string& target, const std::string& more = {}, const std::string& host = "localhost",
                        const std::string& subprotocol = "foxglove.websocket.v1") const {
         const int fd = connect_tcp(port);

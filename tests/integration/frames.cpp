@@ -1,4 +1,4 @@
-// Those who watch by GET /frames: WebSockets of both forms, and lines that never end.
+// Clients of GET /frames: WebSockets of both forms, and endless lines.
 #include <support/control_door.hpp>
 #include <support/process.hpp>
 #include <support/udp_peer.hpp>
@@ -35,7 +35,7 @@ struct Seen {
     bool is_whole = true;
 };
 
-/// What a binary watcher was told.
+/// The messages that a binary watcher received.
 Seen seen(const Ear& ear) {
     Seen result;
     for (const std::string& message : ear.messages()) {
@@ -55,7 +55,7 @@ protected:
     bool until_open(const Ear& ear) {
         return door.gateway.until([&] { return ear.is_open(); });
     }
-    /// The first text tells the numbers: from there on it watches.
+    /// The first text contains the numbers: from then on it receives frames.
     bool until_watches(const Ear& ear) {
         return door.gateway.until([&] { return !ear.texts().empty(); });
     }
@@ -104,7 +104,7 @@ TEST_F(Frames, what_is_seen_adds_up_to_the_counters) {
     ASSERT_TRUE(until_watches(ear));
     std::size_t sent = 0;
     for (std::uint8_t n = 0; n < 100; ++n) {
-        send(frame(0xDC, 0xFF, 0x03, {n}) + frame(0xDC, 0x00, 0x03, {n}));    // to 0x00: to nobody
+        send(frame(0xDC, 0xFF, 0x03, {n}) + frame(0xDC, 0x00, 0x03, {n}));    // to 0x00, which has no receiver
         sent += 2;
     }
     ASSERT_TRUE(until_in(sent));
@@ -197,7 +197,7 @@ TEST_F(Frames, come_together_as_long_after_the_first_as_is_said) {
     ASSERT_TRUE(until_watches(ear));
     std::size_t sent = 0;
     for (std::size_t messages = 0; messages < 4; messages = ear.messages().size()) {
-        for (int i = 0; i < 20; ++i) {    // with so few no batch is full
+        for (int i = 0; i < 20; ++i) {    // too few to fill a batch
             send(euler);
             ASSERT_TRUE(until_in(++sent));
         }
@@ -212,7 +212,7 @@ TEST_F(Frames, come_together_as_long_after_the_first_as_is_said) {
     for (std::size_t i = 1; i < begun.size(); ++i) EXPECT_GT(begun[i] - begun[i - 1], 150ms);
 }
 
-// The loop is awake then: a message costs it no wake-up of its own.
+// The loop is awake at that time, so a message needs no wake-up of its own.
 TEST_F(Frames, leave_with_one_that_comes_shortly_before_their_time) {
     Ear ear{door, "/frames?format=binary&direction=in&batch=200ms"};
     ASSERT_TRUE(until_watches(ear));
@@ -250,7 +250,7 @@ TEST_F(Frames, without_an_upgrade_they_are_lines_that_never_end) {
     ASSERT_TRUE(door.gateway.until([&] { return !lines.empty() && json::parse(lines.back()).at("name") == "wind"; })) << before;
     EXPECT_EQ(json::parse(lines.front()).at("name"), "euler");
     client.cancel();
-    for (int i = 0; i < 3; ++i) send(wind);    // to nobody
+    for (int i = 0; i < 3; ++i) send(wind);    // no client watches any more
     EXPECT_TRUE(until_in(sent + 4));
 }
 
@@ -262,7 +262,7 @@ TEST_F(Frames, why_a_frame_was_dropped_is_told_whenever_that_was) {
     EXPECT_EQ(seen(ear).count, (std::map<std::string, std::size_t>{{"no_route", 1}}));
 }
 
-// Reads nothing until it is told to, and then all.
+// Reads nothing at first, and everything on request.
 class Sleeper {
 public:
     Sleeper(const std::string& path, const std::string& target) : fd_{connect_unix(path)} {
@@ -273,7 +273,7 @@ public:
     ~Sleeper() { ::close(fd_); }
     Sleeper(const Sleeper&) = delete;
     Sleeper& operator=(const Sleeper&) = delete;
-    /// The head of the answer is there: it watches.
+    /// The head of the answer has arrived: it receives frames from now on.
     bool has_begun() { return read().find("\r\n\r\n") != std::string::npos; }
     const std::string& read() {
         char buffer[65536];

@@ -1,4 +1,4 @@
-// Links that speak first, and devices that take few questions at a time, on real ptys and sockets.
+// Links that send a hello first, and devices that accept few questions at a time, on real ptys and sockets.
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -25,7 +25,7 @@ LinkSettings speaking(LinkSettings link, anogate::Duration interval = 2s) {
     link.hello = interval;
     return link;
 }
-// Without the hello of the profile, whose frames would come between.
+// Without the hello of the profile, whose frames would mix with the others.
 LinkSettings of_vendor(LinkSettings link) {
     link.profile = anogate::Profile::vendor;
     link.hello = 0s;
@@ -74,7 +74,7 @@ TEST_F(Hello, is_not_said_after_a_firmware_frame_to_the_link_or_from_it_nor_wher
     apart.broadcast = apart.flood = false;
     RunningGateway gateway{speaking(serial("fc", fc.path())), speaking(serial("radio", radio.path())), apart};
     ASSERT_TRUE(gateway.until_up("fc") && gateway.until_up("radio") && gateway.until_up("gps"));
-    fc.write(frame(0xDC, 0x32, 0xF0, {0, 0x10, 0x10}));    // to an unknown address: it goes to the radio
+    fc.write(frame(0xDC, 0x32, 0xF0, {0, 0x10, 0x10}));    // to an unknown address: forwarded to the radio
     ASSERT_TRUE(gateway.until([&] { return !radio.heard().empty(); }));
     gateway.run_for(1300ms);
     EXPECT_EQ(hellos(), 0u);
@@ -90,7 +90,8 @@ TEST_F(Hello, goes_by_the_rules_of_its_link) {
     EXPECT_EQ(fc.heard(), Bytes{});
 }
 
-// No probe leaves by serial ports, and another host may send the same question: the loop is known by 200 copies in a second.
+// No probe is sent on serial ports, and another host may send the same question, so the loop is recognised by 200 copies in a
+// second.
 TEST_F(Hello, is_cut_where_two_links_are_joined_behind_us) {
     PtyDevice back{dir / "back"};
     RunningGateway gateway{speaking(serial("fc", fc.path()), 1s), serial("back", back.path())};
@@ -114,7 +115,7 @@ TEST_F(Hello, wakes_a_bridge_that_waits_for_a_datagram) {
     UdpPeer station;
     RunningGateway gateway{speaking(udp("bridge", "127.0.0.1:" + std::to_string(bridge.port()))), udp_listen("ground")};
     ASSERT_TRUE(gateway.until_up("bridge") && gateway.until_up("ground"));
-    station.send(gateway.port("ground"), frame(0xFE, 0x32, 0xA0, {0}));    // a host
+    station.send(gateway.port("ground"), frame(0xFE, 0x32, 0xA0, {0}));    // registers a host
     ASSERT_TRUE(gateway.until([&] {
         const auto got = bridge.datagrams();
         return std::find(got.begin(), got.end(), hello) != got.end();

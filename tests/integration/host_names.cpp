@@ -1,4 +1,4 @@
-// Peers that are known by a name: found, moved, unknown, slow to be found; in the tunnel too.
+// Peers configured by name: found, moved, unknown, slow to resolve; in the tunnel too.
 #include <link/udp/udp_link.hpp>
 #include <support/link_host.hpp>
 #include <support/namespaces.hpp>
@@ -117,7 +117,7 @@ TEST_F(HostNames, the_tunnel_knows_hosts_by_their_names_and_nobody_else) {
     daemon.reset();
 }
 
-// A name server that never answers: a lookup takes many seconds, in its thread.
+// A name server that never answers: a lookup takes many seconds, in its own thread.
 TEST(SlowNames, cost_the_loop_nothing_and_do_not_delay_the_end) {
     ANOGATE_NEEDS_NAMESPACES();
     const TempDir dir;

@@ -1,4 +1,4 @@
-// Sessions of the HTTP server over real sockets, with clients good and bad.
+// Sessions of the HTTP server over real sockets, with correct and faulty clients.
 #include <integration/http_server.hpp>
 #include <sys/descriptors_left.hpp>
 
@@ -86,7 +86,7 @@ TEST_F(HttpServer, tells_when_memory_is_short_and_when_to_come_again) {
     EXPECT_TRUE(until([&] { return later.has_heard("200 OK"); }));
 }
 
-// Each look is two calls of the system.
+// Each check takes two system calls.
 TEST_F(HttpServer, looks_once_for_the_memory_of_who_is_answered_at_once_and_again_behind_another_answer) {
     Client one = connect(), other = connect();
     settle();
@@ -126,7 +126,7 @@ TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {
 
 class SlowlyReadHttpServer : public HttpServer {
 protected:
-    // Somewhat more than the server waits for whoever takes nothing.
+    // Slightly longer than the server waits for a client that reads nothing.
     void read_slowly(Client& client) {
         client.hear_a_little();
         client.send(get("/big"));
@@ -170,10 +170,10 @@ TEST_P(HttpServer, at_its_end_who_waits_for_his_turn_is_let_go_and_who_is_answer
     Client reads = connect(GetParam()), waits = connect(GetParam());
     reads.send(get("/big"));
     EXPECT_TRUE(until([&] { return reads.has_heard("200 OK"); }));
-    settle();    // it waits to be read further
+    settle();    // it waits until more is read
     waits.send(get("/short?n=late"));
     io.restart();
-    EXPECT_EQ(io.poll_one(), 1u);    // it is heard, no more
+    EXPECT_EQ(io.poll_one(), 1u);    // it is read, but not processed further
     server->finish(std::chrono::hours{1});
     EXPECT_TRUE(until([&] { return waits.is_closed(); }));
     EXPECT_EQ(waits.heard(), "");
@@ -249,7 +249,7 @@ TEST_P(HttpServer, streams_parts_as_they_come) {
     EXPECT_TRUE(until([&] { return client.has_heard("0\r\n\r\nHTTP/1.1 200 OK") && client.has_heard("next"); }))
         << client.heard();
     EXPECT_TRUE(source.gone);
-    source.wake();    // as late as it likes
+    source.wake();    // at any later time
     settle();
 }
 
@@ -278,7 +278,7 @@ TEST_P(HttpServer, a_producer_is_asked_as_the_client_takes_its_parts) {
     EXPECT_TRUE(until([&] { return source.gone; }));
 }
 
-// It closes its half at once, as some programs do.
+// The client closes its sending half at once, as some programs do.
 TEST_P(HttpServer, a_part_may_take_several_turns_of_the_loop) {
     source.part_size = 0;
     source.ready = 20;

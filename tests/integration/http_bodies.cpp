@@ -1,4 +1,4 @@
-// Bodies of requests that are large, slow or not wanted.
+// Request bodies that are large, slow or not accepted.
 #include <integration/http_server.hpp>
 
 #include <string>
@@ -68,7 +68,7 @@ TEST_F(HttpServer, a_large_body_in_chunks_has_a_place_when_it_is_large) {
     for (const auto& done : std::exchange(keeping.done, {})) done("");
 }
 
-// Two who hold the places and send next to nothing.
+// Two clients that occupy the places and send almost nothing.
 TEST_F(HttpServer, who_sends_next_to_nothing_of_a_large_body_gives_way_to_another) {
     ServerLimits limits;
     limits.session.slow_body = 50ms;
@@ -136,7 +136,7 @@ TEST_F(JudgingHttpServer, a_wrong_token_counts_once_a_request) {
     EXPECT_NE(ask("/large", bearer("may-act"), 3, 3).find("here 3"), std::string::npos) << "a right one is always taken";
 }
 
-// However slowly it comes, it comes.
+// A slow body is accepted as long as data arrive.
 TEST_F(ImpatientHttpServer, parts_with_who_stops_in_a_large_body_and_says_so) {
     Client slow = connect();
     slow.send(post_of(1'000'000).substr(0, 100'000));

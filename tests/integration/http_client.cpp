@@ -1,4 +1,4 @@
-// The client of the control interface, against the server and against what is none.
+// The client of the control interface, against the server and against other sockets.
 #include <http/client/client.hpp>
 #include <http/server.hpp>
 #include <support/loop.hpp>
@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 using namespace anogate::http;
 using support::TempDir;
 
-/// As many lines as it is given; ends when it is told.
+/// Produces the given lines; ends when requested.
 class Lines : public Producer {
 public:
     struct State {
@@ -48,7 +48,7 @@ private:
     State& state_;
 };
 
-/// Keeps what it hears, and whether it is there.
+/// Stores the received messages, and whether the connection is open.
 class Ear : public WebSocketUser {
 public:
     struct State {
@@ -312,7 +312,7 @@ TEST_F(HttpClient, without_a_gateway_says_so) {
     EXPECT_EQ(ask(get("/")).fault, path + ": the path of a socket has at most 107 bytes");
 }
 
-/// A socket of something else, which says `words` to who comes and hangs up, or says nothing.
+/// A socket of another program, which sends `words` to each client and closes the connection, or sends nothing.
 class Stranger {
 public:
     explicit Stranger(const std::string& path, int type = SOCK_STREAM) : fd_{::socket(AF_UNIX, type | SOCK_CLOEXEC, 0)} {
@@ -360,7 +360,7 @@ TEST_F(HttpClient, of_what_is_no_gateway_says_so) {
 }
 
 TEST_F(HttpClient, does_not_wait_for_ever) {
-    const Stranger silent{path};    // has room for two that it does not let in: others are kept out by the system
+    const Stranger silent{path};    // it queues two connections and accepts none; the system keeps further ones out
     std::vector<std::unique_ptr<Client>> clients;
     int late = 0;
     for (int i = 0; i < 4; ++i) {

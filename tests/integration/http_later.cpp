@@ -1,4 +1,4 @@
-// Answers of the control interface that are not known at once.
+// Answers of the control interface that are not available at once.
 #include <http/server.hpp>
 #include <support/http.hpp>
 #include <support/loop.hpp>
@@ -61,7 +61,7 @@ protected:
     Loop loop;
     Server server{loop.io};
     std::vector<std::function<void(Response)>> waiting;
-    std::map<int, std::string> heard_;    // from each
+    std::map<int, std::string> heard_;    // by client
 };
 
 TEST_F(LaterAnswers, are_sent_when_they_are_known_and_others_meanwhile) {

@@ -1,4 +1,4 @@
-// A server of HTTP over real sockets, and clients good and bad.
+// An HTTP server over real sockets, with correct and faulty clients.
 #pragma once
 #include <http/server.hpp>
 #include <support/http.hpp>
@@ -33,12 +33,12 @@ using support::connect_unix;
 using support::patience;
 using support::TempDir;
 
-/// One that never waits.
+/// A client that never waits.
 class Client {
 public:
     explicit Client(UniqueFd fd) : fd_{std::move(fd)} { ::fcntl(fd_.get(), F_SETFL, O_NONBLOCK); }
 
-    /// As much as the server takes just now.
+    /// Sends as much as the server accepts now.
     std::size_t send(std::string_view text) {
         std::size_t sent = 0;
         while (sent < text.size()) {
@@ -57,7 +57,7 @@ public:
         closed_ = closed_ || n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR);
         return heard_;
     }
-    /// As much of what is there as goes into a small buffer, of which the kernel holds no more than some for this client.
+    /// Reads once into a small buffer; the kernel's receive buffer for this client is small too.
     std::size_t hear_a_little() {
         constexpr int room = 64 * 1024;
         ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
@@ -76,13 +76,13 @@ private:
     bool closed_ = false;
 };
 
-/// Made while it is sent: as many parts as the test lets it.
+/// Produced while it is sent: as many parts as the test allows.
 class Source : public Producer {
 public:
     struct State {
         int asked = 0;
         std::size_t part_size = 1;
-        int ready = 0;    // parts that may be had
+        int ready = 0;    // parts that are available
         bool ends = false;
         bool gone = false;
         std::function<void()> wake;
@@ -102,7 +102,7 @@ private:
     State& state_;
 };
 
-/// Says again what it hears; what it did is in the state.
+/// Sends back each message that it receives; its actions are in the state.
 class Echo : public WebSocketUser {
 public:
     struct State {
@@ -110,7 +110,7 @@ public:
         int sent_all = 0;
         bool gone = false;
         bool echoes = true;
-        bool has_memory = true;    // false: it throws what short memory throws
+        bool has_memory = true;    // false: it throws std::bad_alloc
         std::function<void()> on_heard;
     };
     explicit Echo(State& state) : state_{state} {}
@@ -130,7 +130,7 @@ private:
     State& state_;
 };
 
-/// Keeps bodies in memory, as slowly as the test wants.
+/// Stores bodies in memory, as slowly as the test requires.
 struct Keeping {
     std::string kept;
     std::string fault;
@@ -242,7 +242,7 @@ protected:
         io.restart();
         io.poll();
     }
-    /// All that is said to `request`, up to the end of the connection.
+    /// Everything sent in answer to `request`, up to the end of the connection.
     std::string answer(const std::string& request) {
         Client client = connect();
         for (std::size_t sent = 0; sent < request.size() && !client.is_closed(); settle())
@@ -274,7 +274,7 @@ inline std::string post_of(std::size_t size) {
            std::string(size, 'x');
 }
 
-// The tokens of a door to the network, and a route that takes much.
+// Tokens of a network listener, and a route with large bodies.
 class JudgingHttpServer : public HttpServer {
 protected:
     void SetUp() override {

@@ -1,4 +1,4 @@
-// The frames of the last while, in memory.
+// The most recent frames, in memory.
 #include <recording/kept_frames.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>
@@ -34,7 +34,7 @@ TEST(FrameMemory, counts_the_names_that_frames_of_ever_other_peers_have) {
     EXPECT_GT(memory.figures().bytes, strangers * 20 * (3 * sizeof(std::string) + long_name.size()));
 }
 
-/// A memory of what comes in, whose batches end by nothing but its asking.
+/// The memory of received frames; its batches end only on request.
 class FrameMemoryOfOneLink : public testing::Test {
 protected:
     FrameMemoryOfOneLink() {
@@ -43,7 +43,7 @@ protected:
         filter.directions = {true, false, false};
         memory.emplace(gateway.gateway(), watch, filter, 60s);
     }
-    /// The gateway has one more frame.
+    /// The gateway receives one more frame.
     bool hears(std::uint8_t id) {
         ++heard_;
         peer_.send(gateway.port("ground"), support::frame(0xDC, 0x01, id, {1, 2, 3, 4, 5, 6, 0}));
@@ -67,7 +67,7 @@ TEST_F(FrameMemoryOfOneLink, has_the_last_frame_at_once) {
     }
 }
 
-// Thousands of frames are packed together: to read them at once would hold up the gateway.
+// Thousands of frames are compressed together: to read them in one step would block the gateway.
 TEST_F(FrameMemoryOfOneLink, is_made_a_recording_in_steps_of_a_hundred_frames) {
     for (int n = 0; n < 250; ++n) ASSERT_TRUE(hears(0x03));
     for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {

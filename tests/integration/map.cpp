@@ -1,4 +1,4 @@
-// The file of a map, as browsers read it: by ranges, and whatever lies under its path.
+// The file of a map, as browsers read it: by ranges; and other files under its path.
 #include <support/http.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 class Map : public testing::Test {
 protected:
     void SetUp() override { ASSERT_TRUE(daemon.until_answers()); }
-    /// Head and body of what a request of the map is answered with.
+    /// Head and body of the answer to a request for the map.
     std::string ask(const std::string& headers, const std::string& method = "GET") const {
         return http(socket, method + " /map.pmtiles HTTP/1.1\r\nHost: x\r\nConnection: close\r\n" + headers + "\r\n");
     }

@@ -1,4 +1,4 @@
-// How much memory the program holds when peers come and go.
+// The memory of the program when peers join and leave.
 #include <support/process.hpp>
 #include <support/sanitized.hpp>
 #include <support/temp_dir.hpp>
@@ -23,16 +23,16 @@ namespace {
 
 using namespace support;
 
-constexpr int places = 12;    // the default of max_peers less those kept for hosts that command
+constexpr int places = 12;    // the default of max_peers without the places reserved for hosts that send commands
 const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
 
-// Strangers, each with a port of its own, that send once and take the place of another.
+// Unknown senders, each with its own port, that send once and replace another peer.
 class Strangers {
 public:
     explicit Strangers(const Daemon& daemon) : daemon_{daemon}, ground_{daemon.port("ground")}, air_{daemon.port("air")} {}
 
-    // Each becomes a peer before the next one comes, and is sent telemetry. Now and then the status is read, so that its memory
-    // lies between that of peers.
+    // Each one is registered before the next sends, and telemetry is sent to it. The status is read now and then, so that its
+    // memory lies between that of peers.
     bool come(int count) {
         for (int i = 0; i < count; ++i) {
             here_.emplace_back();
@@ -66,7 +66,7 @@ TEST(Memory, who_takes_the_place_of_another_takes_no_more) {
     EXPECT_EQ(daemon.link("ground").at("channels").size(), std::size_t{places});
 }
 
-// The thread of the log takes memory when it begins, for a moment a hundred megabytes of addresses.
+// When the thread of the log starts, it reserves some hundred megabytes of addresses for a moment.
 bool has_started(Daemon& daemon) { return daemon.until_says("ground: up"); }
 
 TEST(Memory, what_the_system_does_not_give_is_a_peer_refused) {
@@ -96,7 +96,7 @@ anogate::UniqueFd connected_to(const std::string& path) {
     return fd;
 }
 
-// Everything that was sent has been read, or the other end has closed.
+// Everything sent was read, or the other end has closed.
 bool was_heard(int fd) {
     int waiting = 0;
     char byte;
@@ -104,7 +104,7 @@ bool was_heard(int fd) {
     return closed || (::ioctl(fd, SIOCOUTQ, &waiting) == 0 && waiting == 0);
 }
 
-// Requests that come in pieces and are never complete use up the memory.
+// Requests that arrive in pieces and are never complete use up the memory.
 TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
@@ -129,7 +129,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
     }
 }
 
-// Each of these clients needs a channel, or what it watches.
+// Each of these clients needs a channel, or memory for the frames that it watches.
 TEST(Memory, what_the_system_does_not_give_is_a_web_socket_refused) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
@@ -165,7 +165,7 @@ TEST(Memory, who_asks_while_it_is_short_is_told_so) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(has_started(daemon));
-    const rlim_t some = 128 * 1024;    // to say so in, and not to answer
+    const rlim_t some = 128 * 1024;    // enough to refuse, not to answer
     const rlimit little{static_cast<rlim_t>(daemon.proc_status("VmSize")) * 1024 + some, RLIM_INFINITY};
     const rlimit any{RLIM_INFINITY, RLIM_INFINITY};
     ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &little, nullptr), 0);
@@ -201,7 +201,8 @@ TEST(Memory, what_the_system_does_not_give_is_a_reload_refused) {
     }
 }
 
-// Rooms are mostly never touched. A huge page would be touched as a whole, and the kernel may join pages to one later.
+// Most of each reserved buffer is never touched. A huge page would be touched as a whole, and the kernel may join pages into one
+// later.
 TEST(Memory, has_no_huge_pages) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};

@@ -1,4 +1,4 @@
-// The network namespaces that tests make are gone when they end.
+// The network namespaces made by tests are removed when they end.
 #include <support/namespaces.hpp>
 #include <support/temp_dir.hpp>
 
@@ -36,7 +36,7 @@ TEST(Namespaces, none_is_left_behind_when_ip_fails) {
     ANOGATE_NEEDS_NAMESPACES();
     const auto before = named_namespaces();
     const TempDir dir;
-    // A program `ip` that can do everything except bring a link up.
+    // A program `ip` that supports everything except bringing a link up.
     std::ofstream{dir / "ip"} << "#!/bin/sh\ncase \"$*\" in *\" up\") exit 1;; esac\nPATH=${PATH#*:} exec ip \"$@\"\n";
     std::filesystem::permissions(dir / "ip", std::filesystem::perms::owner_all);
     const auto home = std::filesystem::read_symlink("/proc/thread-self/ns/net");

@@ -1,5 +1,5 @@
-// A kind of link is one file and one row: a toy kind is read, printed, explained, checked and runs, without a word about it
-// anywhere else.
+// A link kind is one file and one row: a test kind is read, printed, explained, checked and run without any other code that
+// mentions it.
 #include <config/config.hpp>
 #include <config/help.hpp>
 #include <link/kinds.hpp>

@@ -1,4 +1,4 @@
-// Devices of the oldest libraries, which act on every frame that reaches their port, beside others.
+// Devices with the oldest libraries, which act on every frame that reaches their port, next to others.
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -28,7 +28,7 @@ struct OldDevices : testing::Test {
     void send(std::uint8_t to, std::uint8_t id, const Bytes& data) {
         host.send(daemon->port("ground"), frame(0xFE, to, id, data));
     }
-    /// A frame of this id came from `source`, for which `fits` holds, since forget().
+    /// Whether a frame with this id from `source` for which `fits` holds was received since forget().
     template <class Fits>
     bool came(std::uint8_t source, std::uint8_t id, Fits fits) {
         for (const Bytes& f : split(host.heard()).frames)
@@ -53,7 +53,7 @@ struct OldDevices : testing::Test {
     UdpPeer host;
 };
 
-// One alone does it, as its link is the only one with devices: it takes off though it is not meant.
+// It acts when it is alone, as its link is the only one with devices: it takes off although the command is for another address.
 TEST_F(OldDevices, the_simulated_one_acts_on_what_is_for_others) {
     start({"sim:fc,dev_id=1,any_address"});
     ASSERT_TRUE(until_heard(1));
@@ -104,7 +104,7 @@ TEST_F(OldDevices, with_their_profile_get_nothing_for_others) {
     EXPECT_EQ(daemon->link("old").at("hint"), "");
 }
 
-// The device fell silent for longer than forget_after, beside one that would act in its place.
+// The device was silent for longer than forget_after; the other device would act in its place.
 TEST_F(OldDevices, a_command_for_a_silent_device_goes_where_it_was_heard_last) {
     TempDir dir;
     PtyDevice silent{dir / "fc"};
@@ -135,7 +135,7 @@ TEST_F(OldDevices, frames_for_a_host_that_nobody_heard_do_not_reach_them) {
     };
     const auto sum = [&](const char* counter) { return daemon->count("old", counter) + daemon->count("imu", counter); };
     ASSERT_TRUE(daemon->until([&] { return daemon->count("old", "frames_in") > 0 && daemon->count("imu", "frames_in") > 0; }));
-    ASSERT_TRUE(daemon->until([&] { return sum("waiting") == 0; }));    // what each got of the other until then
+    ASSERT_TRUE(daemon->until([&] { return sum("waiting") == 0; }));    // frames of the other that each received
     const auto before = sum("frames_out");
     ASSERT_TRUE(until_more(50));
     EXPECT_EQ(sum("frames_out"), before);

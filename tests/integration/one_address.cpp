@@ -23,7 +23,7 @@ std::size_t times(const Bytes& stream, const Bytes& frame) {
 }
 
 struct OneAddress : testing::Test {
-    /// `from` sends it, and it was forwarded.
+    /// `from` sends the frame; true: it was forwarded.
     bool say(PtyDevice& from, const std::string& link, const Bytes& bytes) {
         const auto before = daemon->count(link, "bytes_in");
         from.write(bytes);
@@ -46,7 +46,7 @@ TEST_P(OfTwoBoards, the_same_bytes_all_get_through) {
     const Bytes telemetry = frame(address, 0xFE, 0x03, Bytes(7));
     for (int n = 0; n < 20; ++n) {
         ASSERT_TRUE(say(one, "one", telemetry));
-        for (int often = 0; often < 3; ++often) ASSERT_TRUE(say(two, "two", telemetry));    // not as often as the other
+        for (int often = 0; often < 3; ++often) ASSERT_TRUE(say(two, "two", telemetry));    // at another rate than the other
     }
     EXPECT_TRUE(daemon->until([&] { return times(host.heard(), telemetry) == 80; })) << times(host.heard(), telemetry);
     EXPECT_EQ(daemon->count("one", "looped") + daemon->count("two", "looped"), 0u);
@@ -82,7 +82,7 @@ TEST_F(OneAddress, a_board_without_an_address_gets_one_by_an_alias) {
     EXPECT_EQ(daemon->link("one").at("hint"), "");
 }
 
-// The device reads a parameter back after each write: the same bytes as the host's. A second device is there too.
+// The device reads a parameter back after each write with the same bytes as the host. A second device is connected too.
 class OfHostAndDevice : public OneAddress, public testing::WithParamInterface<std::tuple<std::uint8_t, bool>> {};
 
 TEST_P(OfHostAndDevice, what_the_device_sends_back_arrives) {

@@ -1,4 +1,4 @@
-// What the gateway tells Prometheus, read by Prometheus itself; the dashboard and the alert rules, tried on it.
+// The metrics of the gateway, read by a real Prometheus; the dashboard and the alert rules, run on them.
 #include <support/http.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -25,7 +25,7 @@ namespace {
 using namespace support;
 using nlohmann::json;
 
-/// A program of the package prometheus, which tools/test unpacks; empty: it is not here.
+/// A program of the package prometheus, which tools/test unpacks; empty: not available.
 std::string program(const std::string& name) {
     std::istringstream path{std::string{std::getenv("PATH") ? std::getenv("PATH") : ""} + ":" ANOGATE_SOURCE_DIR
                                                                                           "/build/prometheus/usr/bin"};
@@ -39,7 +39,7 @@ std::string text_of(const std::string& path) {
     return {std::istreambuf_iterator<char>{file}, {}};
 }
 
-/// What a command line of the shell writes; its exit status is not asked for.
+/// The output of a shell command; its exit status is ignored.
 std::string output_of(const std::string& command) {
     Shell shell{command};
     shell.wait();
@@ -56,7 +56,7 @@ protected:
     const std::string dashboard = ANOGATE_SOURCE_DIR "/config/prometheus/anogate.json";
 };
 
-/// With a gateway that has something to tell, and names that need care.
+/// With a gateway that has metrics to report, and names that need escaping.
 class PrometheusAndGateway : public Prometheus {
 protected:
     void SetUp() override {
@@ -86,7 +86,7 @@ TEST_F(PrometheusAndGateway, finds_nothing_wrong_with_the_text) {
     EXPECT_NE(output_of(promtool + " check metrics < " + wrong), "") << "it would say so";
 }
 
-/// The first words behind "NAME" in what a process says, which may come in its time.
+/// The first words after "NAME" in the output of a process; waits for them.
 std::string word_behind(Process& process, const std::string& words) {
     EXPECT_TRUE(process.until_says(words)) << process.output();
     const std::regex word{words + "(\\S+)"};
@@ -95,7 +95,7 @@ std::string word_behind(Process& process, const std::string& words) {
     return found.size() == 2 ? found[1].str() : "";
 }
 
-/// A real Prometheus, which speaks TCP only, so that a relay stands before the socket.
+/// A real Prometheus, which supports only TCP, so a relay in front of the socket is needed.
 class PrometheusScrapes : public PrometheusAndGateway {
 protected:
     void SetUp() override {
@@ -112,14 +112,14 @@ protected:
                                                             "--web.listen-address=127.0.0.1:0"});
         address = word_behind(*prometheus, "msg=\"Listening on\" address=");
     }
-    /// The values of a query, null when it is none.
+    /// The values of a query; null: it is invalid.
     json query(const std::string& expression) const {
         const json answer = json::parse(output_of("curl -s -G --data-urlencode \"query@-\" http://" + address +
                                                   "/api/v1/query <<'END'\n" + expression + "\nEND\n"),
                                         nullptr, false);
         return answer.is_object() && answer.value("status", "") == "success" ? answer.at("data").at("result") : json{};
     }
-    /// The value of a query that has one; empty: it has none or several.
+    /// The value of a query; empty: it has none or several.
     std::string value(const std::string& expression) const {
         const json result = query(expression);
         return result.size() == 1 ? result.at(0).at("value").at(1).get<std::string>() : "";
@@ -139,7 +139,7 @@ TEST_F(PrometheusScrapes, counters_under_the_names_that_links_have) {
     EXPECT_EQ(query("process_open_fds").size(), 1u);
 }
 
-// What PromQL's expressions name as a metric.
+// The names of metrics in PromQL expressions.
 std::set<std::string> metrics_in(const std::string& text) {
     const std::regex name{"\\b(anogate|process)_[a-z_]+"};
     return {std::sregex_token_iterator{text.begin(), text.end(), name}, {}};

@@ -25,7 +25,7 @@ using nlohmann::json;
 
 Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
-// What passed in one direction, without the times.
+// The bytes that passed in one direction, without their times.
 Bytes passed(const Ear& ear, char direction) {
     Bytes all;
     for (const std::string& message : ear.messages())
@@ -88,7 +88,7 @@ TEST_F(RawBytes, in_exclusive_use_no_frame_is_forwarded_until_the_client_is_gone
         EXPECT_EQ(second.ended->answer.status, 409u);
         Ear looks{door, "/links/fc/raw"};
         EXPECT_TRUE(until_begins(looks)) << "others may look";
-    }    // its connection ends without a word
+    }    // its connection ends without a closing message
     EXPECT_TRUE(until([&] {
         send_command();
         return device.heard().size() > 4;
@@ -123,7 +123,7 @@ TEST_F(RawBytes, who_does_not_send_to_a_link_that_is_down_is_told_so) {
     EXPECT_TRUE(until([&] { return passed(raw, '<') == bytes_of("again\n"); }));
 }
 
-// A client that reads nothing: traffic goes on, what it misses is bounded, and told when it reads again.
+// A client that reads nothing: traffic continues, the loss is bounded, and reported when it reads again.
 TEST(RawBytesOfASlowClient, are_left_out_and_counted_while_frames_pass) {
     const TempDir dir;
     PtyDevice device{dir / "fc"};
@@ -193,7 +193,7 @@ TEST(Terminal, shows_lines_harmless_sends_lines_and_gives_the_link_back_when_it_
     EXPECT_NE(unknown.output().find("only those of serial, pty and udp links"), std::string::npos) << unknown.output();
 }
 
-// When each frame was written, as the link itself tells it: a device that is read late proves nothing.
+// The time at which each frame was written, reported by the link itself: a device that is read late proves nothing.
 class Times final : public anogate::RawTap {
 public:
     void received(std::span<const std::uint8_t>) override {}

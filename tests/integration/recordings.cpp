@@ -1,4 +1,4 @@
-// What the gateway records itself: by its configuration, when asked, of the last while; and what it leaves alone.
+// Recordings of the gateway: by its configuration, on request, of the most recent frames; and the files that it leaves alone.
 #include <support/pty_device.hpp>
 #include <support/recorded.hpp>
 #include <support/recorded_files.hpp>
@@ -32,11 +32,11 @@ using nlohmann::json;
 
 const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
 
-constexpr auto told_within = std::chrono::seconds{2} * (sanitized ? 5 : 1);    // one, and what a busy machine needs
+constexpr auto told_within = std::chrono::seconds{2} * (sanitized ? 5 : 1);    // one second, plus a margin for a busy machine
 
 class Recordings : public RecordingGateway {
 protected:
-    /// Of what is recorded, the first.
+    /// The first of the running recordings.
     json running() const { return gateway->status().at("recording").at("running").at(0); }
     bool until_error(const std::string& words) const {
         return gateway->until([&](const json& status) {
@@ -215,7 +215,7 @@ TEST_F(Recordings, begin_with_the_gateway_and_end_with_it_where_the_configuratio
 TEST_F(Recordings, lose_a_second_at_most_when_the_gateway_is_killed_and_are_made_whole_at_the_next_start) {
     start(R"(, "record": {})");
     send_numbered(30);
-    std::this_thread::sleep_for(std::chrono::seconds{1});    // of what came before that nothing may be missing
+    std::this_thread::sleep_for(std::chrono::seconds{1});    // until no earlier frame can be missing
     send_numbered(10);
     gateway->signal(SIGKILL);
     gateway->wait();
@@ -328,7 +328,7 @@ TEST_F(Recordings, of_a_disk_that_is_full_are_told_of_within_a_second_and_what_i
 
 TEST_F(Recordings, are_ended_and_begun_anew_and_deleted_by_their_size_as_the_configuration_says) {
     start(R"(, "record": {"rotate": {"size": "20kB"}, "keep": {"size": "100kB"}})");
-    // The first look takes what it finds for files of before.
+    // The first look treats the files that it finds as older ones.
     ASSERT_TRUE(until([](const json& all) { return !all.at("free_bytes").is_null(); }));
     const auto gone = [&] { return gateway->output().find(" as configured by \"keep\"") != std::string::npos; };
     for (int round = 0; round < 50 && !gone(); ++round) {
@@ -487,7 +487,7 @@ TEST_F(Recordings, of_the_minute_before_a_restart_stay_also_when_keep_is_added_l
         end(name);
     }
     stop();
-    for (const char* name : {"/last.pcapng", "/newest.pcapng"})    // not in the second of the start
+    for (const char* name : {"/last.pcapng", "/newest.pcapng"})    // not in the same second as the start
         fs::last_write_time(folder + name, fs::file_time_type::clock::now() - std::chrono::seconds{10});
     start(R"(, "record": {"start": false})");
     ASSERT_TRUE(until([](const json& all) { return all.at("recordings").size() == 2; }));

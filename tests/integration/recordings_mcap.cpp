@@ -1,4 +1,4 @@
-// What the gateway records itself as MCAP: by its configuration, when asked, of the last while, and cut by force.
+// MCAP recordings of the gateway: by its configuration, on request, of the most recent frames, and after SIGKILL.
 #include <record/mcap/mcap_format.hpp>
 #include <support/recorded.hpp>
 #include <support/recording_gateway.hpp>
@@ -20,7 +20,7 @@ namespace {
 using namespace support;
 namespace mcap = anogate::mcap;
 
-/// How many messages each topic has, as the summary of the file tells: without an end it tells nothing.
+/// The number of messages of each topic according to the summary of the file; a file without an end has no summary.
 std::map<std::string, std::uint64_t> messages_of(std::string_view file) {
     std::map<std::uint16_t, std::string> topics;
     std::map<std::string, std::uint64_t> messages;
@@ -41,7 +41,7 @@ std::map<std::string, std::uint64_t> messages_of(std::string_view file) {
     return messages;
 }
 
-/// How the messages of each topic are encoded, as the summary of the file tells.
+/// The encoding of the messages of each topic according to the summary of the file.
 std::map<std::string, std::string> encodings_of(std::string_view file) {
     std::map<std::string, std::string> encodings;
     std::string_view rest = file.substr(mcap::magic.size());
@@ -55,7 +55,7 @@ std::map<std::string, std::string> encodings_of(std::string_view file) {
 
 class RecordingsAsMcap : public RecordingGateway {
 protected:
-    /// So many of them, behind which the gateway has taken `all` frames.
+    /// Sends `count` of them; returns when the gateway has received `all` frames in total.
     void send_eulers(int count, std::uint64_t all) {
         for (int i = 0; i < count; ++i) send(euler);
         ASSERT_TRUE(gateway->until([&](const json&) { return gateway->count("a", "frames_in") == all; }));
@@ -160,7 +160,7 @@ TEST_F(RecordingsAsMcap, lose_a_second_at_most_when_the_gateway_is_killed_and_ar
     start(R"(, "record": {"format": "mcap"})");
     send_numbered(30);
     send_eulers(5, 35);
-    std::this_thread::sleep_for(std::chrono::seconds{1});    // of what came before that nothing may be missing
+    std::this_thread::sleep_for(std::chrono::seconds{1});    // until no earlier frame can be missing
     send_numbered(10);
     gateway->signal(SIGKILL);
     gateway->wait();

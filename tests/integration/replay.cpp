@@ -1,4 +1,4 @@
-// replay:FILE: what devices said is said again, beside those who speak now.
+// replay:FILE: the frames of recorded devices are sent again, next to those of live devices.
 #include <link/replay_file.hpp>
 #include <link/serial/serial_settings.hpp>
 #include <status/status.hpp>
@@ -57,7 +57,7 @@ protected:
     std::string link(const std::vector<KeptItem>& items, const std::string& keys = "") {
         return "replay:" + recording(items) + keys;
     }
-    /// Until the gateway says that all was said; then all that the ground heard.
+    /// Waits until the gateway reports the end of the replay; returns all frames that the ground received.
     static Frames all_heard(RunningGateway& daemon, UdpPeer& ground) {
         Frames heard;
         EXPECT_TRUE(daemon.until([&] {
@@ -139,7 +139,7 @@ TEST_F(Replay, goes_on_behind_a_damaged_chunk_and_tells_it) {
     const auto format = anogate::RecordingFormat::mcap;
     std::string damaged = write_recording(format, items, {"anogate 0.1.0"}, true, 50);    // two chunks
     const std::size_t first_chunk = write_recording(format, {}, {"anogate 0.1.0"}, false).size();
-    damaged[first_chunk + 100] ^= 0x55;    // in what is packed
+    damaged[first_chunk + 100] ^= 0x55;    // in the compressed data
     RunningGateway daemon{settings_of_texts({"replay:" + dir.write("flight.mcap", damaged), ground.link("ground")})};
     EXPECT_EQ(all_heard(daemon, ground), expected);
     EXPECT_EQ(daemon.link("flight")["error_id"], "recording_damaged") << daemon.status();
@@ -232,7 +232,7 @@ TEST_F(Replay, a_device_that_is_alive_keeps_its_address_and_one_that_comes_later
         {link({said(numbered(7), 0s), said(numbered(7), 20ms)}, ",loop"), ground.link("ground"), vehicle.link("vehicle")})};
     ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= 10; }));
     EXPECT_TRUE(daemon.route("0xDC").is_null()) << daemon.status();
-    vehicle.send(daemon.port("vehicle"), numbered(7));    // the very same
+    vehicle.send(daemon.port("vehicle"), numbered(7));    // identical to a recorded one
     ASSERT_TRUE(daemon.until([&] { return daemon.count("vehicle", "frames_in") == 1; }));
     EXPECT_EQ(daemon.route("0xDC")["links"], json{"vehicle"});
     const auto before = daemon.count("flight", "frames_in");
@@ -330,7 +330,7 @@ TEST_F(Replay, a_gateway_ends_while_its_disk_hangs) {
     EXPECT_LT(daemon.stop(), 5s);
 }
 
-// More than is read ahead, by a line that takes 11,520 bytes a second.
+// More than is read ahead, over a line of 11,520 bytes/s.
 TEST_F(Replay, at_rate_0_a_slow_line_gets_every_frame) {
     std::vector<KeptItem> items;
     Frames expected;
@@ -400,8 +400,8 @@ TEST_F(Replay, names_of_links_are_shown_without_what_a_terminal_or_a_log_obeys_a
     EXPECT_EQ(told[2]["peer"], std::string(64, 'L') + "...");
 }
 
-// Packed frames that are alike are a thousand times as small: one read of the file has megabytes of them. Every second is kept back, which
-// tells how far it was read.
+// Compressed equal frames take a thousandth of their size, so one read of the file contains megabytes of them. Every second one
+// is left out, and that count shows how far the file was read.
 TEST_F(Replay, of_frames_that_were_packed_well_no_more_are_unpacked_than_are_read_ahead) {
     std::vector<KeptItem> items;
     const Bytes wanted = frame(fc, all, 0xF1, Bytes(4000, 0)), kept_back = frame(fc, 0xDD, 0x40, Bytes(4000, 0));
@@ -433,7 +433,7 @@ TEST_F(Replay, of_frames_that_were_packed_well_no_more_are_unpacked_than_are_rea
     EXPECT_EQ(file.kept_back().commands, 2000u);
 }
 
-// By the real programs.
+// With the real programs.
 TEST_F(Replay, what_was_recorded_replayed_and_recorded_again_is_the_same) {
     std::vector<KeptItem> items;
     Frames expected;
@@ -449,7 +449,7 @@ TEST_F(Replay, what_was_recorded_replayed_and_recorded_again_is_the_same) {
     Daemon gateway{ANOGATED, socket, {"replay:" + later + ",name=again", ground.link("ground")}};
     ASSERT_TRUE(gateway.until_answers()) << gateway.output();
     Process recorder{ANOCTL, {"record", second, "--control", socket}};
-    ASSERT_TRUE(wait_until([&] {    // before it is attached it sees nothing
+    ASSERT_TRUE(wait_until([&] {    // it sees nothing before it is attached
         ground.send(gateway.port("ground"), question);
         return !read_pcapng(text_of(second)).items.empty();
     })) << recorder.output();

@@ -1,4 +1,4 @@
-// A service that is restarted: its wires stay open, and who was behind them stays known.
+// Restart of a service: its ports stay open, and its peers and devices stay known.
 #include <support/numbered_frames.hpp>
 #include <support/pty_device.hpp>
 #include <support/service_manager.hpp>
@@ -93,7 +93,7 @@ TEST_F(Restart, five_times_loses_none_of_ten_thousand_frames_each_way) {
     UdpPeer peer;
     Stream up{fc, host}, down{host, fc};
     Bytes rest;
-    peer.send(to, down.next());    // a peer from here on
+    peer.send(to, down.next());    // registered as a peer from here on
     ASSERT_TRUE(wait_until([&] { return service->count("ground", "frames_in") == 1; }));
     int restarted = 0;
     const auto exchange = [&] {
@@ -192,7 +192,7 @@ TEST_F(Restart, a_frame_that_was_half_there_is_whole_afterwards) {
     EXPECT_TRUE(hears(peer, whole));
 }
 
-// What waits on a wire may be as old as the restart. A wire that was silent has nothing old.
+// Bytes that wait on a wire may be as old as the restart. A wire that was silent has no old bytes.
 TEST_F(Restart, the_first_frame_on_a_silent_line_is_as_young_as_it_is) {
     PtyDevice device{dir / "fc"};
     configure({"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground,age.rest=50ms"});
@@ -203,7 +203,7 @@ TEST_F(Restart, the_first_frame_on_a_silent_line_is_as_young_as_it_is) {
     ASSERT_TRUE(knows("0xFE"));
     ASSERT_TRUE(restart());
     ASSERT_TRUE(service->until_up("fc"));
-    std::this_thread::sleep_for(std::chrono::milliseconds{100});    // older than a frame may be, were it as old as the start
+    std::this_thread::sleep_for(std::chrono::milliseconds{100});    // too old, if its age were counted from the start
     const Bytes first = frame(fc, host, 0xF1, Bytes(20, 7));
     device.write(first);
     EXPECT_TRUE(hears(peer, first));

@@ -1,4 +1,4 @@
-// Where frames go, over real links: the Router's rules as users see them.
+// The paths of frames over real links: the Router's rules as users see them.
 #include <link/udp/udp_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
@@ -23,13 +23,13 @@ protected:
         daemon.emplace(settings_of({a_link, b_link, c_link}, gateway, std::move(routes)));
         ASSERT_TRUE(daemon->until_up("a") && daemon->until_up("b") && daemon->until_up("c"));
     }
-    /// `from` sends it; true when it has been routed.
+    /// `from` sends the frame; true: it was routed.
     bool say(PtyDevice& from, const std::string& link, const Bytes& bytes) {
         const auto before = daemon->count(link, "bytes_in");
         from.write(bytes);
         return daemon->until([&] { return daemon->count(link, "bytes_in") == before + bytes.size(); });
     }
-    /// What each received since the last call, after waiting until everything has left.
+    /// The frames received by each since the last call, after everything was sent.
     struct Heard {
         Bytes a, b, c;
     };
@@ -194,7 +194,7 @@ TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
     EXPECT_EQ(daemon->link("c").at("hint"), "");
 }
 
-// Its frames reach the host once; a broadcast command reaches it by both cables, and a hint must say so.
+// Its frames reach the host once; a broadcast command reaches it over both cables, and a hint must report it.
 TEST_F(Routing, one_device_on_two_cables_is_told_to_be_one_group) {
     start();
     ASSERT_TRUE(say(c, "c", vendor::who_are_you));
@@ -277,7 +277,7 @@ TEST_F(Routing, present_as_goes_with_an_alias) {
     EXPECT_EQ(heard().a, frame(31, 0xD2, 0x00, {0xE1, sent[n - 2], sent[n - 1]}));
 }
 
-// The question may leave by one link and its answer come back by both.
+// The question may be sent on one link and its answer be received on both.
 TEST_F(Routing, present_as_holds_for_a_group_as_a_whole) {
     b_link.present_as = c_link.present_as = 0xFE;
     b_link.group = c_link.group = "fc";
@@ -383,7 +383,7 @@ TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_is_told_when_nobody_els
     EXPECT_EQ(daemon.link("fc").at("hint_args").at("link"), "radio");
 }
 
-// At each link one hint: where it is of another address than at the other link, it says so.
+// Each link has one hint. It names its address if the hint of the other link is about a different address.
 TEST(Gateway, hints_of_two_conflicts_name_the_address_and_those_of_one_are_the_same) {
     TempDir dir;
     PtyDevice a{dir / "a"}, b{dir / "b"}, c{dir / "c"};
@@ -413,7 +413,7 @@ TEST(Gateway, hints_of_two_conflicts_name_the_address_and_those_of_one_are_the_s
     EXPECT_TRUE(hint("b").starts_with("the same frames arrive on two links: if it is one device")) << hint("b");
 }
 
-// While no host is known, frames from one cable go out by the other: that can't be told from a ring.
+// While no host is known, frames from one cable are sent to the other, which looks the same as a ring.
 TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
     TempDir dir;
     PtyDevice one{dir / "one"}, two{dir / "two"};
@@ -430,7 +430,7 @@ TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
         return by_one.starts_with(words) && by_two.starts_with(words);
     })) << daemon.link("one").at("hint")
         << " / " << daemon.link("two").at("hint");
-    for (int i = 0; i < 100; ++i) {    // it stays like this
+    for (int i = 0; i < 100; ++i) {    // this state lasts
         one.write(frame(0xDC, 0xFE, 0x03, {count}));
         two.write(frame(0xDC, 0xFE, 0x03, {count++}));
         daemon.run_for(20ms);

@@ -1,4 +1,4 @@
-// Serial ports with all that happens in use: pseudo-terminals stand for the devices, everything else is real.
+// Serial ports in all situations of their use: pseudo-terminals replace the devices, everything else is real.
 #include <link/serial/serial_settings.hpp>
 #include <support/child.hpp>
 #include <support/pty_device.hpp>
@@ -143,7 +143,7 @@ TEST(SerialLink, a_port_that_another_program_has_locked_is_waited_for_and_the_st
     EXPECT_TRUE(daemon.until_up("fc")) << "it is free now";
 }
 
-// socat may have both sides of a pseudo-terminal: it is what the port leads to, and takes nothing away.
+// socat may have both sides of a pseudo-terminal open: that is the device of the port, and does not take its bytes.
 TEST(SerialLink, who_has_the_other_side_of_the_port_is_no_program_that_reads_along) {
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
@@ -168,7 +168,7 @@ TEST(SerialLink, a_program_that_has_the_port_open_without_a_lock_is_named_until_
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     Child other{[&] {
-        ::close(fc.fd());    // who has the other side as well takes nothing away
+        ::close(fc.fd());    // a process that has the other side open as well takes no bytes
         const PortUser reads{fc.path()};
         return ::pause();
     }};
@@ -213,7 +213,7 @@ TEST(SerialLink, a_port_that_another_program_holds_exclusively_is_waited_for) {
     EXPECT_EQ(child.wait(), 0);
 }
 
-/// A gateway run by root has the port; other gateways are run by the user nobody.
+/// A gateway run by root has the port open; other gateways are run by the user nobody.
 class SerialLinkOfRoot : public testing::Test {
 protected:
     void SetUp() override {
@@ -228,7 +228,7 @@ protected:
                }}
             .wait();
     }
-    /// Runs a gateway as the user nobody; the child exits with 0 when its status for the port says `expected`.
+    /// Runs a gateway as the user nobody; the child exits with 0 if its status for the port is `expected`.
     int gateway_of_nobody(const std::string& state, const std::string& error) {
         return Child{[&] {
                    if (!become_nobody()) return 1;
@@ -252,7 +252,7 @@ TEST_F(SerialLinkOfRoot, no_other_gateway_has_the_port_while_it_is_ours_and_any_
     EXPECT_EQ(gateway_of_nobody("up", ""), 0);
 }
 
-// The master of a pseudo-terminal keeps it, with its settings, when its last user is gone.
+// The master of a pseudo-terminal keeps the terminal and its settings after its last user has closed it.
 TEST_F(SerialLinkOfRoot, who_is_killed_leaves_a_pseudo_terminal_to_everybody) {
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
@@ -299,11 +299,11 @@ TEST(SerialLink, the_line_is_raw_8n1_unless_told_otherwise) {
     EXPECT_EQ(raw.c_iflag & (ICRNL | IXON | IXOFF | INLCR | ISTRIP | PARMRK), 0u);
     EXPECT_EQ(raw.c_oflag & OPOST, 0u);
     EXPECT_EQ(raw.c_cflag & (CSTOPB | PARENB | CRTSCTS), 0u);
-    // A pty can't do parity: the kernel shows 8 bits without it whatever was asked for.
+    // A pty does not support parity: the kernel shows 8 bits without parity, whatever was requested.
     EXPECT_EQ(raw.c_cflag & CSIZE, static_cast<tcflag_t>(CS8));
     EXPECT_NE(b.settings().c_cflag & CSTOPB, 0u);
 
-    // Every byte there is, control characters too.
+    // Every byte value, including control characters.
     Bytes all(256);
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
     a.write(frame(0xDC, 0xFE, 0xF1, all));

@@ -1,4 +1,4 @@
-// sim:fc, as a ground station sees it.
+// sim:fc as seen by a ground station.
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>
 #include <support/vendor_frames.hpp>
@@ -49,7 +49,7 @@ TEST_P(SimulatorRate, is_never_above_what_was_set) {
     host.send(daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(daemon.until([&] { return count_by_id(host.heard())[0x03] > 0; }));
     host.forget();
-    // Whole periods of its clock, counted by frames of the slowest stream.
+    // Whole periods of its clock, measured by the frames of the slowest stream.
     const auto begin = anogate::Clock::now();
     ASSERT_TRUE(daemon.until([&] { return count_by_id(host.heard())[0x03] >= std::max<int>(rate, 2); }));
     const double seconds = std::chrono::duration<double>(anogate::Clock::now() - begin).count();
@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(Simulator, SimulatorRate, testing::Values(1, 20, 100));
 
 std::int16_t i16(const Bytes& f, std::size_t at) { return static_cast<std::int16_t>(f[6 + at] | f[7 + at] << 8); }
 
-// What a host hears, and the frames of one id among it.
+// The frames that a host receives, and those of one id among them.
 struct Listener {
     explicit Listener(RunningGateway& gateway) : daemon{gateway} { host.send(daemon.port("ground"), vendor::who_are_you); }
     bool hears(std::uint8_t id, const std::function<bool(const Bytes&)>& fits) {

@@ -1,5 +1,5 @@
-// Recordings on a disk that really is slow, a file system by FUSE: what status, metrics and log tell of it, and when, by the clock of
-// the gateway.
+// Recordings on a disk that really is slow, a FUSE file system: the reports in status, metrics and log, and their times by the
+// clock of the gateway.
 #include <support/recorded_files.hpp>
 #include <support/recording_gateway.hpp>
 #include <support/sanitized.hpp>
@@ -29,10 +29,10 @@ using namespace support;
 using nlohmann::json;
 using LogTime = std::chrono::system_clock::time_point;
 
-constexpr auto slow_told_within = 1500ms * (sanitized ? 3 : 1);    // one second, and what a busy machine needs
+constexpr auto slow_told_within = 1500ms * (sanitized ? 3 : 1);    // one second, plus a margin for a busy machine
 constexpr int large_at_once = 10;                                  // in a datagram
 
-/// The largest that the default of max_data lets pass.
+/// The largest frame that the default of max_data accepts.
 Bytes large_numbered(int number) {
     Bytes data(4096, 0x55);
     for (std::size_t i = 0; i < 4; ++i) data[i] = static_cast<std::uint8_t>(number >> 8 * i);
@@ -50,7 +50,7 @@ protected:
         ASSERT_TRUE(until_heard([&] { return take_frames() == 20; }));
     }
     void TearDown() override {
-        disk.be_fast();    // else the gateway can't be killed as long as a write lasts
+        disk.be_fast();    // otherwise the gateway can't be killed during a write
         gateway.reset();
     }
     json running() const { return gateway->status().at("recording").at("running").at(0); }
@@ -60,7 +60,7 @@ protected:
     bool until_error(const std::string& words) const {
         return until([&](const json& running) { return running.at("error").get<std::string>().starts_with(words); });
     }
-    /// Large frames from one link to the other, as fast as they come out there.
+    /// Large frames from one link to the other, as fast as they are received there.
     void send_large(int count) {
         for (const int end = sent_ + count; came < end;) {
             if (sent_ < end && sent_ - came < large_at_once) {
@@ -78,7 +78,7 @@ protected:
             ::poll(&datagram, 1, 10);
         });
     }
-    /// How many came until now, each in its order.
+    /// Returns the number of frames received so far; checks their order.
     int take_frames() {
         for (const Bytes& frame : b.frames()) {
             EXPECT_EQ(number_of(frame), came);
@@ -91,7 +91,7 @@ protected:
         const std::size_t at = all.find("\n" + metric + " ");
         return at == std::string::npos ? -1 : std::stod(all.substr(at + metric.size() + 2));
     }
-    /// When the gateway logged the line with these words.
+    /// The time at which the gateway logged the line with these words.
     LogTime logged(const std::string& words) const {
         if (!gateway->until_says(words)) {
             ADD_FAILURE() << "not logged: " << words << '\n' << gateway->output();
@@ -115,13 +115,13 @@ protected:
     SlowDisk disk{SLOW_DISK, folder};
     UdpPeer b;
     std::string name;
-    int came = 0;    // at b
+    int came = 0;    // received at b
 };
 
 TEST_F(SlowDisks, that_take_less_than_comes_are_told_of_within_a_second_and_what_is_missing_is_counted) {
     disk.take_a_write_in(200ms);
     const auto lost = [&] { return running().at("not_written").get<int>(); };
-    while (sent_ < 12'000 && lost() == 0) ASSERT_NO_FATAL_FAILURE(send_large(500));    // 17 MiB have room, 50 MB at most are sent
+    while (sent_ < 12'000 && lost() == 0) ASSERT_NO_FATAL_FAILURE(send_large(500));    // 17 MiB fit; at most 50 MB are sent
     ASSERT_TRUE(until_error("the disk is too slow; frames are being lost")) << running();
     EXPECT_EQ(metric("anogate_recording_failing"), 1);
     EXPECT_GT(metric("anogate_recording_not_written_total"), 0);

@@ -1,4 +1,4 @@
-// After a standstill the gateway does not send old commands that had waited for it.
+// After a stall the gateway does not send old commands that had waited for it.
 #include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
@@ -32,7 +32,7 @@ protected:
         app.emplace(dir / "app");
         ASSERT_TRUE(daemon.until_up("app"));
         ground.send(ground_port,
-                    numbered(0xFE, command, 250));    // no bytes that come again by another link: a probe would follow
+                    numbered(0xFE, command, 250));    // no bytes that are repeated on another link: they would cause a probe
         other.send(ground_port, numbered(40, telemetry, 250));
         app->write(numbered(0xFE, command, 251));
         ASSERT_TRUE(wait_until([&] { return split(taker.heard()).frames.size() == 3; }));
@@ -90,7 +90,7 @@ TEST_F(Standstill, what_came_meanwhile_by_udp_is_as_old_as_it_is) {
 TEST_F(Standstill, what_came_meanwhile_by_a_terminal_is_as_old_as_the_standstill) {
     std::uint64_t sent = 0;
     stand_still_with([&] {
-        for (std::uint8_t n = 0; n < 200; ++n)    // more than a terminal gives by one read
+        for (std::uint8_t n = 0; n < 200; ++n)    // more than one read of a terminal returns
             for (const std::uint8_t id : {command, sticks, telemetry})
                 if (const Bytes f = numbered(0xFE, id, n); app->write(f) == f.size()) ++sent;
     });
@@ -154,7 +154,7 @@ TEST_F(Standstill, of_half_a_second_is_told_where_datagrams_waited) {
 TEST_F(Standstill, makes_nobody_who_spoke_meanwhile_a_peer_that_is_gone) {
     stand_still_with(
         [&] {
-            for (int n = 0; n < 100; ++n) ground.send(ground_port, numbered(0xFE, command, 1));    // more than one read takes
+            for (int n = 0; n < 100; ++n) ground.send(ground_port, numbered(0xFE, command, 1));    // more than one read accepts
             other.send(ground_port, numbered(40, telemetry, 1));
         },
         2100ms);

@@ -1,4 +1,4 @@
-// GET /status: its shape is an interface, and its hints are what a user reads first.
+// GET /status: its format is a public interface, and its hints are the first thing that a user reads.
 #include <link/link_error.hpp>
 #include <status/status.hpp>
 #include <support/pty_device.hpp>
@@ -208,7 +208,7 @@ TEST_F(Hints, silence_is_told_with_its_length) {
 TEST_F(Hints, a_baud_rate_that_was_changed_is_no_silence) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
-    fc.write(Bytes(500, 0xF8));    // before the frames: an earlier fault, which does not count
+    fc.write(Bytes(500, 0xF8));    // before the frames: an earlier fault, which is ignored
     for (int i = 0; i < 40; ++i) fc.write(vendor::i_am_an_mcu);
     ASSERT_TRUE(daemon->until([&] { return daemon->link("fc").at("frames_in") == 40; }));
     EXPECT_EQ(daemon->link("fc").at("hint"), "");

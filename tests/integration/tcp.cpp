@@ -1,4 +1,4 @@
-// Links by TCP with real sockets: bridges, connections that end, go silent or do not read, wires that are cut, names.
+// TCP links over real sockets: bridges, connections that end, stay silent or are not read, cut wires, names.
 #include <link/tcp/connector.hpp>
 #include <support/link_host.hpp>
 #include <support/namespaces.hpp>
@@ -99,7 +99,7 @@ TEST_F(Tcp, a_lost_connection_comes_back_without_what_waited_and_without_half_a_
     fc.close();
     ASSERT_TRUE(daemon->until([&] { return !daemon->up("fc"); }));
     EXPECT_EQ(daemon->link("fc").at("error_id"), "closed_by_peer");
-    ground.send(port("ground"), vendor::command);    // for nobody: the wire is gone
+    ground.send(port("ground"), vendor::command);    // lost: the connection is closed
     ASSERT_TRUE(accepts(bridge, fc));
     ASSERT_TRUE(daemon->until_up("fc"));
     fc.send(std::span{vendor::i_am_an_mcu}.subspan(9));    // the other half is no frame
@@ -124,7 +124,7 @@ TEST_F(Tcp, a_peer_that_refuses_and_a_name_that_is_none_are_named_and_tried_agai
     EXPECT_TRUE(daemon->until_up("fc"));
 }
 
-// The kernel joins a socket to itself when the port that it gives to who connects is the one that is wanted.
+// The kernel connects a socket to itself if the port chosen for the connecting socket equals the destination port.
 TEST(TcpConnector, does_not_connect_to_itself) {
     ANOGATE_NEEDS_NAMESPACES();
     const Namespace space;
@@ -135,7 +135,7 @@ TEST(TcpConnector, does_not_connect_to_itself) {
     anogate::Connector connector{host.context(), *anogate::HostSpec::parse("127.0.0.1:40000"), 1min,
                                  [&](anogate::UniqueFd, const anogate::Endpoint&) { ended = "connected"; },
                                  [&](const anogate::LinkError& why) { ended = why.id; }};
-    for (int i = 0; i < 30; ++i) {    // every second one gets the port itself
+    for (int i = 0; i < 30; ++i) {    // every second one is assigned that port
         ended.clear();
         connector.start();
         ASSERT_TRUE(host.until([&] { return !ended.empty(); }));
@@ -163,7 +163,7 @@ TEST_F(Tcp, a_device_that_connects_anew_takes_over_from_its_silent_connection) {
     TcpPeer before{port("air")};
     before.send(telemetry);
     ASSERT_TRUE(daemon->until([&] { return ground.heard() == telemetry; }));
-    daemon->run_for(1100ms);    // it restarts: the old connection stands, and nobody is behind it
+    daemon->run_for(1100ms);    // it restarts: the old connection stays open without a peer
     TcpPeer after{port("air")};
     after.send(telemetry);
     EXPECT_TRUE(daemon->until([&] { return before.is_closed(); }));
@@ -212,7 +212,7 @@ TEST_F(Tcp, a_peer_that_reads_nothing_costs_the_others_nothing_and_is_closed) {
     const Bytes image = frame(0xDC, 0xFE, 0xF1, Bytes(200));
     std::size_t heard = 0;
     EXPECT_TRUE(daemon->until([&] {
-        for (int n = 0; n < 20; ++n) listener.send(image);    // to every host: more than its buffers take
+        for (int n = 0; n < 20; ++n) listener.send(image);    // to every host: more than their buffers can store
         const std::size_t now = listener.heard().size();
         EXPECT_GE(now, heard);
         heard = now;
@@ -293,7 +293,7 @@ TEST_F(Tcp, fail_over_between_serial_and_tcp_loses_and_duplicates_no_command) {
     }
 }
 
-// A cut wire: the peer's end of the veth goes down, so that nothing is refused and nothing is reset.
+// A cut wire: the peer's end of the veth is set down, so that nothing is refused and nothing is reset.
 TEST_F(Tcp, a_cut_wire_is_noticed_by_the_end_that_writes_and_by_the_one_that_reads) {
     ANOGATE_NEEDS_NAMESPACES();
     NetworkNamespace here;

@@ -1,4 +1,4 @@
-// TCP links beside programs and hardware that others made: socat, ser2net, stunnel, and Wi-Fi bridges as ESP8266 boards are.
+// TCP links with programs and hardware of other makers: socat, ser2net, stunnel, and Wi-Fi bridges such as ESP8266 boards.
 #include <http/client/certificate.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
@@ -28,12 +28,12 @@ using anogate::http::CertificateFiles;
 std::uint16_t free_port() { return TcpListener{}.port(); }
 bool is_installed(const std::string& program) { return std::system(("command -v " + program + " >/dev/null").c_str()) == 0; }
 
-// Behind the bytes that a terminal echoes before a program has opened it.
+// Whether `frame` arrived, possibly after bytes that a terminal echoed before a program opened it.
 bool has(const Bytes& heard, const Bytes& frame) {
     return std::search(heard.begin(), heard.end(), frame.begin(), frame.end()) != heard.end();
 }
 
-// A device at a pseudo-terminal, which a program joins to a TCP port.
+// A device at a pseudo-terminal, which a program connects to a TCP port.
 struct TcpBridges : testing::Test {
     void exchange(RunningGateway& daemon, const std::string& link) {
         ASSERT_TRUE(daemon.until_up(link));
@@ -83,7 +83,7 @@ TEST_F(TcpBridges, a_ser2net) {
     exchange(daemon, "bridge");
 }
 
-// stunnel in front of a plain TCP link, at either end of an encrypted one.
+// stunnel before a plain TCP link, at either end of an encrypted one.
 struct Stunnel : testing::Test {
     Stunnel() {
         EXPECT_TRUE(make_authority("ours", of("ca")));
@@ -139,8 +139,8 @@ TEST_F(Stunnel, is_connected_to) {
     exchange(daemon, far);
 }
 
-/// An ESP8266 with a transparent bridge: it listens, gives each of at most six connections every byte of its serial port, in segments of
-/// one byte and with pauses, and has small buffers.
+/// An ESP8266 with a transparent bridge: it listens, sends every byte of its serial port to each of at most six connections, in
+/// segments of one byte with pauses, and has small buffers.
 class WifiBridge {
 public:
     explicit WifiBridge(std::uint32_t seed) : chance_{seed} {
@@ -151,14 +151,14 @@ public:
     std::string address() const { return listener_.address(); }
     /// The device behind it sends.
     void write(const Bytes& bytes) { out_ = std::move(out_) + bytes; }
-    /// What the device has received from all.
+    /// The bytes that the device has received from all connections.
     Bytes heard() {
         Bytes all = heard_before_;
         for (TcpPeer& one : connections_) all = std::move(all) + one.heard();
         return all;
     }
     std::size_t connections() const { return connections_.size(); }
-    /// One turn of its loop.
+    /// One turn of the bridge's loop.
     void turn() {
         for (TcpPeer fresh; listener_.accept(fresh);)
             if (connections_.size() < 6) connections_.push_back(std::move(fresh));
@@ -189,7 +189,7 @@ private:
 TEST(WifiBridges, lose_nothing_but_what_was_on_the_way_when_they_close) {
     WifiBridge bridge{7};
     RunningGateway daemon{settings_of_texts({bridge.link("bridge"), "udp-listen:127.0.0.1:0,name=ground"})};
-    std::vector<TcpPeer> others(5);    // five more programs at the same bridge
+    std::vector<TcpPeer> others(5);    // five more programs connected to the same bridge
     UdpPeer host;
     const auto turn = [&] {
         bridge.turn();

@@ -1,4 +1,4 @@
-// Encrypted links: who is accepted, certificates that change, handshakes that never end, programs of others.
+// Encrypted links: accepted certificates, certificates that change, handshakes that never end, programs of other makers.
 #include <http/client/certificate.hpp>
 #include <link/tcp/tls_context.hpp>
 #include <support/http.hpp>
@@ -46,7 +46,7 @@ struct Tls : testing::Test {
         return ",certificate=" + (dir / (name + ".pem")) + ",key=" + (dir / (name + "-key.pem"));
     }
     std::string ca(const std::string& name = "ca") const { return ",ca=" + (dir / (name + ".pem")); }
-    /// A gateway that listens, and the LINK text by which another one reaches it.
+    /// Starts the listening gateway; to() returns the LINK text by which another one connects to it.
     void listen(const std::string& more) {
         ground.emplace(
             loop, std::vector<std::string>{"tls-listen:127.0.0.1:0,name=l" + pair("gateway") + more, "sim:fc,hz=50,name=fc"});
@@ -154,7 +154,8 @@ TEST_F(Tls, connections_that_never_shake_hands_keep_nobody_out_for_long) {
     EXPECT_TRUE(ground->until([&] { return silent.front().is_closed(); })) << "after 10 s";
 }
 
-/// More than may wait, of a hundred addresses with a few each, which stop within the handshake and connect again when they are closed.
+/// More connections than may wait, from a hundred addresses with a few each, which stop within the handshake and reconnect when
+/// they are closed.
 struct Crowd {
     Crowd(RunningGateway& at, Bytes words) : gateway{at}, says{std::move(words)}, all(100 * 4) {}
     void come() {
@@ -214,7 +215,7 @@ TEST_F(Tls, junk_instead_of_a_handshake_ends_that_connection_alone) {
     EXPECT_EQ(ground->count("l", "frames_in"), 0u);
 }
 
-// 48 KiB of it were sent, and the rest with the next frame, if one came.
+// 48 KiB of it were sent; the rest is sent with the next frame, if there is one.
 TEST_F(Tls, the_end_of_a_frame_that_a_slow_wire_does_not_take_at_once_arrives) {
     ANOGATE_NEEDS_NAMESPACES();
     make("gateway", "ca", {{"localhost"}, {"10.78.0.1"}});
@@ -279,7 +280,7 @@ TEST_F(Tls, a_connection_that_ends_within_a_record_is_told) {
     EXPECT_TRUE(wait_until([&] { return (*tls)->has_record(); }));
 }
 
-// Passes each byte on by itself.
+// Forwards each byte separately.
 TEST_F(Tls, a_handshake_of_single_bytes_succeeds) {
     listen(ca());
     TcpListener between;
@@ -358,7 +359,7 @@ TEST_F(Tls, socat_as_the_listening_end) {
     })) << socat.output();
     air.emplace(loop, std::vector<std::string>{"tls:localhost:" + port + ",name=t,hello=on" + pair("vehicle") + ca()});
     EXPECT_TRUE(air->until([&] { return air->count("t", "bytes_in") > 0; }))
-        << air->link("t") << socat.output();    // its echo of the hello
+        << air->link("t") << socat.output();    // the echo of the hello
 }
 
 TEST_F(Tls, its_days_are_counted) {

@@ -111,7 +111,8 @@ TEST_F(Alias, both_sensors_say_who_they_are_and_are_told_apart) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-// At rest they do: the frame of the one, sent on to the other's link, is not what comes from there.
+// Sensors at rest send equal frames: a frame of one, forwarded to the other's link, is not counted as a copy when the other sends
+// it.
 TEST_F(Alias, both_sensors_may_say_the_very_same) {
     const Bytes flow = frame(sensor, 0xFF, 0x51, {0, 0, 0, 0, 255});
     for (std::size_t n = 0; n < 3; ++n) {
@@ -135,7 +136,7 @@ protected:
         EXPECT_TRUE(daemon->until_up("air"));
     }
     void say(const Bytes& bytes) { air.send(daemon->port("air"), bytes); }
-    /// Sends it and waits until the gateway has read it.
+    /// Sends the bytes and waits until the gateway has read them.
     void in(const Bytes& bytes) {
         total += split(bytes).frames.size();
         say(bytes);
@@ -176,7 +177,7 @@ TEST_F(Traffic, a_limit_spaces_its_id_and_no_other) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-// 1000 bytes/s offered 40 times that, for as long as it takes to get 300 bytes out.
+// 1000 bytes/s offered 40 times that, for as long as 300 bytes take to be sent.
 TEST_F(Traffic, a_rate_holds_for_udp_and_what_is_urgent_overtakes) {
     LinkSettings to = udp("to", peer.local().text());
     to.rate = 1000;
@@ -251,7 +252,7 @@ TEST_F(Traffic, one_frame_a_datagram_where_packing_is_off) {
     }));
 }
 
-// A line of 11520 bytes/s with a fast reader: only the pacing limits it.
+// A line of 11520 bytes/s with a fast reader: only pacing limits it.
 TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
     PtyDevice device{dir / "port"};
     LinkSettings to = serial("to", device.path());
@@ -268,7 +269,7 @@ TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-// 9600 baud, and frames of two hosts for three seconds are waiting already.
+// At 9600 baud, frames of two hosts for three seconds already wait.
 TEST_F(Traffic, a_third_host_does_not_wait_for_two_that_flood_a_line) {
     PtyDevice device{dir / "port"};
     LinkSettings to = serial("to", device.path());

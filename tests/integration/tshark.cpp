@@ -64,7 +64,7 @@ std::string pcap_of(const std::vector<support::Vector>& vectors) {
     return file;
 }
 
-/// Every value of `key` in `tree`, but not those of frames inside this one.
+/// All values of `key` in `tree`, except those of frames inside this one.
 void collect(const Json& tree, const std::string& key, std::vector<std::string>& values) {
     for (const auto& [name, value] : tree.items()) {
         if (name == "ano") continue;
@@ -144,7 +144,7 @@ private:
         default: return numbers(f, expected.is_array() ? expected : Json::array({expected}), values_of(shown, key));
         }
     }
-    // How broken UTF-8 is shown is up to tshark.
+    // tshark decides how it shows invalid UTF-8.
     void text(const std::string& expected, const std::vector<std::string>& shown) {
         if (expected.find("\xEF\xBF\xBD") != std::string::npos) return;
         EXPECT_EQ(shown.empty() ? "" : shown[0], expected) << name_;
@@ -178,7 +178,7 @@ private:
     std::size_t compared_ = 0;
 };
 
-/// What tshark shows of each datagram.
+/// The output of tshark for each datagram.
 Json dissected(const support::TempDir& folder, const std::string& lua, const std::vector<support::Vector>& vectors) {
     const std::string script = folder.write("ano.lua", lua);
     const std::string capture = folder.write("frames.pcap", pcap_of(vectors));
@@ -187,7 +187,7 @@ Json dissected(const support::TempDir& folder, const std::string& lua, const std
     std::ifstream errors{(folder.path() / "errors").string()};
     for (std::string line; std::getline(errors, line);)
         if (line.find("Lua") != std::string::npos || line.find("lua") != std::string::npos) ADD_FAILURE() << line;
-    // tshark passes on text that is not UTF-8.
+    // tshark prints text that is not UTF-8 unchanged.
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
     return text.empty() ? Json::array() : Json::parse(ano::to_utf8({bytes, text.size()}, ano::Encoding::utf8));
 }

@@ -1,4 +1,4 @@
-// Two gateways in two network namespaces joined by a cable, a device on a pty behind each.
+// Two gateways in two network namespaces connected by a cable, a device on a pty at each.
 #include <gateway/tunnel/tunnel.hpp>
 #include <support/namespaces.hpp>
 #include <support/pty_device.hpp>
@@ -39,7 +39,7 @@ Bytes b2(std::uint8_t destination, std::uint16_t to_port, const Bytes& inner, st
     return frame(host, radio, 0xB2, Bytes{source, destination} + le16(to_port) + inner);
 }
 
-// A gateway with a device behind it.
+// A gateway and its device.
 struct Site {
     const Namespace space;
     const TempDir dir;
@@ -64,7 +64,7 @@ struct Site {
         const Inside inside{space};
         if (gateway) gateway->run_for(1ms);
     }
-    /// The device is the MCU: it gives its parameter and acknowledges what is written.
+    /// The device is the MCU: it answers with its parameter and acknowledges writes.
     void answer() {
         const auto heard = split(device.heard()).frames;
         for (; answered < heard.size(); ++answered) {
@@ -105,14 +105,14 @@ protected:
             b->step();
         });
     }
-    /// Waits for a time: only to show that something does not happen.
+    /// Waits for a time; used only to show that something does not happen.
     void let_pass(anogate::Duration time) {
         for (const auto end = anogate::Clock::now() + time; anogate::Clock::now() < end;) {
             a->step();
             b->step();
         }
     }
-    /// The device behind `a` sends a request and a write inside tunnel frames; the answers come back.
+    /// The device at `a` sends a request and a write inside tunnel frames; the answers return.
     void talk(const std::function<Bytes(const Bytes&)>& wrap) {
         a->device.write(wrap(ask_parameter));
         EXPECT_TRUE(until([&] {
@@ -245,7 +245,7 @@ TEST_F(TwoGateways, the_short_form_of_a_sender_in_another_network_is_not_for_us)
     EXPECT_TRUE(until([&] { return b->device.heard() == command; }));
 }
 
-// Repeated bytes cause a probe (0xFB) that tells whether there is a ring; joined gateways receive it.
+// Repeated bytes cause a probe (0xFB) that detects a ring; connected gateways receive it.
 Bytes but_probes(const Bytes& heard) {
     Bytes rest;
     for (const Bytes& one : split(heard).frames)
@@ -314,7 +314,7 @@ TEST_F(TwoGateways, what_matches_a_rule_is_wrapped_for_the_device) {
     EXPECT_EQ(a->count("in"), 1u);
     a->device.write(b1("10.77.0.2", 7001, parameter));    // to the address in the frame
     EXPECT_TRUE(until([&] { return ground->heard() == parameter; }));
-    // A tunnel frame to us is opened before it is wrapped anew.
+    // A tunnel frame addressed to us is unwrapped before its content is wrapped again.
     const auto other = a->peer("10.77.0.1:7002");
     other->send(endpoint("10.77.0.2:12333"), b1("10.77.0.2", 0, ask_parameter, "1.1.1.1"));
     EXPECT_TRUE(until([&] { return b->device.heard() == frame(0xE7, mcu, 0xB2, Bytes{1, 2} + le16(7002) + ask_parameter); }));
@@ -345,7 +345,7 @@ TEST_F(TwoGateways, a_wrapped_datagram_is_split_by_the_links_max_data) {
     EXPECT_EQ(a->count("tunnel_too_big"), 1u);
 }
 
-// The rules of the link hold for wrapped frames too.
+// The rules of the link apply to wrapped frames too.
 
 TEST_F(TwoGateways, frames_inside_pass_the_filters_of_the_link_they_came_by) {
     a->settings.links[0].rules.receive.deny = {{0xF0, 0xF0}};
@@ -393,7 +393,7 @@ TEST_F(TwoGateways, what_is_wrapped_for_a_device_passes_the_filters_of_its_link)
     EXPECT_EQ(a->gateway->count("fc", "limited"), 1u);
 }
 
-// What an attacker may try.
+// Attacks.
 
 TEST_F(TwoGateways, a_device_reaches_nobody_who_is_not_allowed) {
     start();
@@ -440,7 +440,7 @@ TEST_F(TwoGateways, a_gateway_is_no_relay) {
     EXPECT_TRUE(until([&] { return a->count("tunnel_other_ip") == 5; }));
     EXPECT_EQ(a->peers(), 0u) << "no channel for that";
     EXPECT_EQ(a->gateway->count("tunnel", "denied_in"), 5u);
-    // As a peer it can do no more: the inner frames are for our devices, and a tunnel frame inside is data.
+    // A peer can do no more than this: the inner frames are for our devices, and a tunnel frame inside is data.
     attacker->send(gateway, b1("10.77.0.1", 0, b1("10.77.0.2", 7002, command)) + b1("10.77.0.2", 7002, command));
     EXPECT_TRUE(until([&] { return a->device.heard() == b1("10.77.0.2", 7002, command); }));
     EXPECT_EQ(a->count("tunnel_other_ip"), 6u);
@@ -492,7 +492,8 @@ TEST_F(TwoGateways, a_storm_of_nested_tunnels_dies_down) {
     a->tunnel().deliver = b->tunnel().deliver = Deliver::tunnel;
     start();
     const auto attacker = b->peer("10.77.0.2:7001");
-    // Once something arrived, both ends of the cable know each other's hardware address: until then the kernel holds datagrams back.
+    // After the first arrival, both ends of the cable know each other's hardware address; until then the kernel holds datagrams
+    // back.
     attacker->send(endpoint("10.77.0.1:12333"), command);
     ASSERT_TRUE(until([&] { return a->count("in") == 1; }));
     Bytes nested = command;
@@ -529,7 +530,7 @@ TEST_F(TwoGateways, a_storm_of_nested_tunnels_dies_down) {
     EXPECT_TRUE(a->gateway->counters_add_up() && b->gateway->counters_add_up());
 }
 
-// Each gateway has a link to the other's tunnel: what one sends by its tunnel comes back to it by the other's link.
+// Each gateway has a link to the other's tunnel: frames that one sends through its tunnel return to it on the other's link.
 class Ring : public TwoGateways, public testing::WithParamInterface<Combination> {
 protected:
     void start_ring() {
@@ -545,7 +546,7 @@ protected:
             rule.to = radio;
             for (Site* site : {a.get(), b.get()}) {
                 site->tunnel().wrap = {rule};
-                site->tunnel().ip = IpAddress::parse("10.77.0.9");    // otherwise neither accepts what the other wraps
+                site->tunnel().ip = IpAddress::parse("10.77.0.9");    // otherwise neither accepts the frames wrapped by the other
             }
         }
         start();

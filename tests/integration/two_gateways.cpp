@@ -1,5 +1,5 @@
-// Two gateways joined by two UDP links, each direction with its own delay: every broadcast arrives, nothing goes round, and
-// with the links in one group a command arrives exactly once.
+// Two gateways connected by two UDP links, each direction with its own delay: every broadcast arrives, no frame loops, and with
+// the links in one group a command arrives exactly once.
 #include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/relay.hpp>
@@ -33,7 +33,7 @@ struct Delays {
 using Times = std::map<std::string, int>;
 std::string key(const Bytes& frame) { return {frame.begin(), frame.end()}; }
 
-// What a failure tells of frames that should not be there.
+// The description of unexpected frames in a failure message.
 std::string in_hex(const Times& frames) {
     std::string text;
     for (const auto& [frame, times] : frames) {
@@ -59,8 +59,8 @@ protected:
         ASSERT_TRUE(until([&] { return a->link("device").at("state") == "up" && b->link("device").at("state") == "up"; }));
         const auto from_a = [](int n) { return frame(0xDC, 0xFF, 0x01, {static_cast<std::uint8_t>(n)}); };
         const auto from_b = [](int n) { return frame(0xDD, 0xFF, 0x01, {static_cast<std::uint8_t>(n)}); };
-        // A relay that does not know both of its sides yet loses some. When one has arrived nothing before it is in a pty any more,
-        // which keeps the order. On a busy machine a pty may take longer than it is quiet.
+        // A relay loses some frames until it knows both of its sides. After the first frame has arrived, no earlier one is still
+        // in a pty, which keeps the order. On a busy machine a pty may delay bytes longer than the quiet time.
         Times got_a, got_b;
         bool have_met = false;
         for (int i = 0; i < 20 && !have_met; ++i) {
@@ -105,13 +105,13 @@ protected:
     // The result of a run.
     struct Seen {
         Times at_a, at_b;
-        int first = 0, end = 0;    // the commands that had to arrive
+        int first = 0, end = 0;    // the numbers of the commands that had to arrive
         std::size_t carried = 0;
-        bool came = true;    // all that had to come, and then it was quiet
+        bool came = true;    // all required frames arrived, and then it was quiet
         bool adds_up = false;
-        bool disturbed = false;    // the run proves nothing
+        bool disturbed = false;    // the machine stalled: the run proves nothing
     };
-    /// Copies are recognised within 2 s: when the machine stood still for long, a run proves nothing. Then it is repeated, at
+    /// Copies are recognised within 2 s: if the machine stalled for a long time, a run proves nothing. It is then repeated, at
     /// most twice.
     template <class Run>
     Seen undisturbed(Run run) {
@@ -124,8 +124,8 @@ protected:
             if (HasFailure() || !seen.disturbed || runs == 3) return seen;
         }
     }
-    /// Until `device` has the frames first to end - 1 of those that `make` numbers, which are added to `got`. A pty passes on what was
-    /// written at a time that the kernel chooses, so a fixed number of turns would not be enough.
+    /// Waits until `device` has received the frames first to end - 1 numbered by `make`, and adds them to `got`. The kernel
+    /// chooses when a pty forwards the written bytes, so a fixed number of turns would not be enough.
     template <class Make>
     bool until_heard(PtyDevice& device, Times& got, int first, int end, Make make) {
         return until([&] {
@@ -134,7 +134,7 @@ protected:
             return first == end;
         });
     }
-    /// Until nothing is on its way and nothing comes for a while.
+    /// Until no frame is on its way and none arrives for a while.
     bool until_quiet() {
         constexpr int turns = 50;
         int quiet = 0;
@@ -146,8 +146,8 @@ protected:
             return quiet == turns;
         });
     }
-    /// How often each frame arrived at the device since the last call. A frame of which the pty has passed on a part counts when it
-    /// is whole.
+    /// How often each frame arrived at the device since the last call. A frame that the pty has forwarded partly is counted when
+    /// it is complete.
     Times heard(PtyDevice& device) {
         Times times;
         Bytes& stream = unfinished[&device];
@@ -218,7 +218,7 @@ TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
     }
 }
 
-// The ring is recognised by the frames of devices; the hint names the links.
+// The ring is recognised by frames of devices; the hint names the links.
 TEST_P(JoinedGateways, a_hosts_command_to_everybody_arrives_once) {
     start("");
     if (HasFatalFailure()) return;
@@ -251,7 +251,7 @@ TEST_P(JoinedGateways, a_command_over_a_group_arrives_exactly_once) {
         start("vehicle");
         if (HasFatalFailure()) return run;
         for (int n = 0; n < count; ++n) {
-            at_b.write(numbered(0xDD, 0xFE, 0x03, n));    // the vehicle talks all the time
+            at_b.write(numbered(0xDD, 0xFE, 0x03, n));    // the vehicle sends all the time
             at_a.write(command(n));
             for (int i = 0; i < 5; ++i) turn();
         }
@@ -267,7 +267,7 @@ TEST_P(JoinedGateways, a_command_over_a_group_arrives_exactly_once) {
     EXPECT_TRUE(seen.adds_up);
 }
 
-// The link in use falls silent: frames on their way are lost, and those sent until the silence is noticed; no frame comes
+// The link in use falls silent: frames on their way are lost, and those sent until the silence is noticed; no frame arrives
 // twice.
 TEST_P(JoinedGateways, when_a_link_of_a_group_falls_silent_the_other_takes_over) {
     const auto command = [](int n) { return numbered(0xFE, 0xDD, 0xC0, n); };

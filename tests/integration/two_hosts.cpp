@@ -1,4 +1,4 @@
-// Two hosts that send the same bytes: the frames of a peer arrive, however often somebody else sent the same before.
+// Two hosts that send the same bytes: a peer's frames arrive, however often another sender has sent the same before.
 #include <link/serial/serial_settings.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
@@ -23,10 +23,10 @@ using namespace support;
 
 const Bytes lock = frame(0xFE, 0xFF, 0xC0, {0x10, 0, 2});
 const Bytes unlock = frame(0xFE, 0xFF, 0xC0, {0x10, 0, 1});
-const Bytes addressed = frame(0xFE, 0xDC, 0xC0, {0x10, 0, 2});    // to a device that nobody has heard
+const Bytes addressed = frame(0xFE, 0xDC, 0xC0, {0x10, 0, 2});    // to an unknown device
 const Bytes question = frame(0xFE, 0xFF, 0xE0, {0, 0, 0});
 
-// Both as peers of one link, or each with a link of its own; the device is on a cable.
+// Both are peers of one link, or each has its own link; the device is on a cable.
 class TwoHosts : public testing::TestWithParam<bool> {
 protected:
     TwoHosts() {
@@ -90,7 +90,7 @@ TEST_P(TwoHosts, see_of_the_gateways_own_at_most_a_question_a_second) {
     for (const Bytes& heard : split(device.heard()).frames) EXPECT_NE(heard[3], 0xFB) << "never on a cable";
 }
 
-// The vendor's bridges forward only what 0xFE sends to 0xFF: one of them joins two links of ours.
+// The vendor's bridges forward only frames from 0xFE to 0xFF: one of them connects two of our links.
 class Bridged : public testing::Test {
 protected:
     Bridged() {
@@ -162,7 +162,7 @@ TEST_F(Bridged, a_command_passes_three_times_at_most_and_then_once) {
     EXPECT_TRUE(gateway->counters_add_up());
 }
 
-// Two serial ports whose lines are joined: no probe leaves by them.
+// Two serial ports with connected lines: no probe is sent on them.
 class Cabled : public testing::Test {
 protected:
     Cabled() {
@@ -208,7 +208,7 @@ protected:
     std::unique_ptr<RunningGateway> gateway;
 };
 
-// So many commands that any machine brings 200 copies in a second.
+// Enough commands for 200 copies in a second on any machine.
 TEST_F(Cabled, a_loop_is_cut_and_named_and_then_a_command_passes_once) {
     for (std::uint8_t n = 0; n < 100; ++n) host.send(gateway->port("ground"), order(n));
     ASSERT_TRUE(until([&] { return std::string{gateway->link("wifi").at("hint")}.starts_with("loop: frames sent to "); }));

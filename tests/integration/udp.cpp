@@ -1,4 +1,4 @@
-// The UDP link with one fixed peer, a broadcast address and a multicast group included.
+// The UDP link with one fixed peer, which may be a broadcast address or a multicast group.
 #include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/open_network_beside.hpp>
@@ -142,7 +142,7 @@ TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
     const std::string group = "239.1.2.3:" + std::to_string(member.port());
     join(member, group);
     auto link = udp("group", group);
-    link.as<anogate::UdpSettings>().bind = endpoint("0.0.0.0:0");    // a port of its own: `member` uses the port of the group
+    link.as<anogate::UdpSettings>().bind = endpoint("0.0.0.0:0");    // its own port: `member` uses the port of the group
     RunningGateway daemon{link, udp_listen("air", "127.0.0.1:0")};
     ASSERT_TRUE(daemon.until_up("group")) << daemon.link("group");
     air.send(daemon.port("air"), telemetry);
@@ -161,7 +161,7 @@ TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
     const NetworkNamespace network;
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
                 network.run("link set va up") && network.run("link set vb up"));
-    // bind= names the interface by its address: there is no route for the group here.
+    // bind= selects the interface by its address: there is no route for the group here.
     auto one = udp("group", "239.1.2.3:17000");
     one.as<anogate::UdpSettings>().bind = endpoint("10.9.0.1:17000");
     RunningGateway daemon{one, udp_listen("air")};
@@ -302,7 +302,7 @@ TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_
         ASSERT_TRUE(daemon.until_up("far") && daemon.until_up("near")) << round;
         {
             UdpPeer far{"[fe80::2%va]:17000"}, air;
-            // The link may be up before the second address is: what it sends then goes to the wire.
+            // The link may be up before the second address exists: until then its datagrams are sent to the wire.
             EXPECT_TRUE(daemon.until([&] {
                 air.send(daemon.port("air"), telemetry);
                 const Bytes& heard = far.heard();
@@ -330,12 +330,12 @@ TEST(UdpLink, an_interface_may_become_another_one_again_and_again) {
     RunningGateway daemon{udp("far", "[fe80::2%va]:17000"), udp_listen("near", "[fe80::1%va]:17001")};
     ASSERT_TRUE(daemon.until_up("far") && daemon.until_up("near"));
     for (int round = 0; round < 3; ++round) {
-        ASSERT_TRUE(network.run("link del va") && plug_in());    // between two looks: it is never seen absent
+        ASSERT_TRUE(network.run("link del va") && plug_in());    // between two checks: it is never seen absent
         UdpPeer peer{"[fe80::2%va]:17000"};
         for (const char* link : {"near", "far"}) {
             const auto before = daemon.count(link, "frames_in");
             EXPECT_TRUE(daemon.until([&] {
-                const std::string there = daemon.link(link).value("address", "");    // the kernel chooses among both
+                const std::string there = daemon.link(link).value("address", "");    // the kernel chooses one of them
                 if (!there.empty()) peer.send(endpoint(there), vendor::who_are_you);
                 return daemon.count(link, "frames_in") > before;
             })) << round
@@ -351,7 +351,7 @@ TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {
                 network.run("link set va up") && network.run("link set vb up"));
     UdpPeer listener{"0.0.0.0:0"}, air;
     for (const char* address : {"10.9.0.255", "255.255.255.255"}) {
-        network.run("route replace default dev va");    // 255.255.255.255 leaves by it
+        network.run("route replace default dev va");    // 255.255.255.255 is sent on it
         auto link = udp("all", std::string{address} + ":" + std::to_string(listener.port()));
         link.as<anogate::UdpSettings>().bind = endpoint("0.0.0.0:0");
         RunningGateway daemon{link, udp_listen("air")};
@@ -410,7 +410,7 @@ TEST(UdpListenLink, a_network_that_an_interface_gets_later_is_allowed_then) {
     const NetworkNamespace network;
     RunningGateway daemon{udp_listen("ground", "0.0.0.0:0")};
     ASSERT_TRUE(network.run("addr add 192.0.2.1/24 dev lo"));
-    UdpPeer host{"192.0.2.77:0"};    // the whole net is local on lo
+    UdpPeer host{"192.0.2.77:0"};    // the whole network is local on lo
     host.send(endpoint("192.0.2.1:" + std::to_string(daemon.port("ground"))), vendor::who_are_you);
     EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
 }

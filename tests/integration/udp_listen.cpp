@@ -1,4 +1,4 @@
-// The listening UDP link: who becomes a peer, for how long, and what each one gets.
+// The listening UDP link: which senders are accepted as peers, for how long, and the frames that each receives.
 #include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/open_network_beside.hpp>
@@ -22,7 +22,7 @@ std::size_t peers(RunningGateway& daemon, const std::string& link = "ground") { 
 
 const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
 
-// Frames for the peers of the first listening link come in by a second one.
+// Frames for the peers of the first listening link are received on a second one.
 struct TwoLinks {
     RunningGateway daemon{udp_listen("ground"), udp_listen("air")};
     UdpPeer air;
@@ -71,7 +71,7 @@ TEST(UdpListenLink, every_peer_has_a_channel_of_its_own) {
     for (UdpPeer* p : {&first, &second, &third}) p->send(port, frame(0xFE, 0xDC, 0xE0, {1, 0, 0}));
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 3; }));
     for (UdpPeer* p : {&first, &second, &third}) p->forget();
-    // Three hosts, all 0xFE: each gets a frame for 0xFE once.
+    // Three hosts, all 0xFE: each receives a frame for 0xFE once.
     t.say(telemetry);
     for (UdpPeer* p : {&first, &second, &third}) EXPECT_TRUE(t.daemon.until([&] { return p->heard() == telemetry; }));
     const auto link = t.daemon.link("ground");
@@ -118,7 +118,7 @@ TEST(UdpListenLink, what_became_of_frames_for_a_peer_that_is_gone_stays_counted)
     for (UdpPeer* peer : {&first, &second}) peer->send(daemon.port("ground"), vendor::i_am_an_mcu);
     ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 2; }));
     air.send(daemon.port("air"), frame(0xDC, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 0}) + frame(0xDC, 0xFF, 0x06, Bytes(4, 0)));
-    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "denied_out") >= 2; }));    // what was sent before it has left
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "denied_out") >= 2; }));    // all earlier frames were sent
     const auto link_then = daemon.link("ground");
     ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 0; }));
     for (const char* counter : {"frames_in", "bytes_in", "frames_out", "bytes_out", "denied_out"})
@@ -127,7 +127,7 @@ TEST(UdpListenLink, what_became_of_frames_for_a_peer_that_is_gone_stays_counted)
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-// The one that is due first is looked at first, whoever came last.
+// The peer that is due first is checked first, in whatever order they joined.
 TEST(UdpListenLink, half_frames_of_several_peers_expire_each_in_its_own_time) {
     TwoLinks t;
     UdpPeer one, two, host;
@@ -178,7 +178,7 @@ TEST(UdpListenLink, a_host_that_only_listens_goes_on_hearing) {
     EXPECT_FALSE(daemon.route("0xFE").is_null());
 }
 
-// Without the new peer, the next look would have been in an hour.
+// Without the new peer, the next check would be an hour later.
 TEST(UdpListenLink, who_comes_after_a_silent_host_is_forgotten_in_its_own_time) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().peer_timeout = 200ms;
@@ -309,7 +309,7 @@ TEST(UdpListenLink, what_stands_behind_a_false_header_of_one_peer_does_not_wait_
     ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 2 && daemon.count("ground", "frames_in") == 2; }));
     const Bytes false_header = hex("AB 01 02 03 FF 00");
     first.send(daemon.port("ground"), false_header + telemetry);
-    // As long as it speaks, the second has no quiet moment of its own.
+    // While it sends, the second has no quiet moment.
     auto again = std::chrono::steady_clock::now();
     EXPECT_TRUE(daemon.until([&] {
         if (const auto now = std::chrono::steady_clock::now(); now >= again) {
@@ -346,7 +346,7 @@ TEST(UdpListenLink, the_largest_datagram_there_is) {
 }
 
 TEST(UdpListenLink, a_frame_too_large_for_any_datagram_is_counted_and_the_next_one_leaves) {
-    // Two datagrams make it a peer; no datagram can remove it.
+    // Two datagrams register a peer; no datagram can remove it.
     auto ground = udp_listen("ground"), air = udp_listen("air");
     ground.max_data = air.max_data = 65535;
     ground.queue = air.queue = 256 * 1024;
@@ -467,7 +467,7 @@ TEST(UdpListenLink, a_peer_that_is_gone_disturbs_nobody) {
     EXPECT_TRUE(t.daemon.counters_add_up());
 }
 
-// Loopback answers at once: the error for a datagram to a closed port is reported by the next call.
+// Loopback answers at once: the error for a datagram to a closed port is returned by the next call.
 TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_another) {
     TwoLinks t;
     UdpPeer host;
@@ -491,7 +491,7 @@ TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_anothe
     EXPECT_TRUE(t.daemon.counters_add_up());
 }
 
-// The only wait by the clock here: a program has five seconds to start again on its port.
+// The only wait by the clock in this file: a program has five seconds to restart on its port.
 TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_network_said_so_for_five_seconds) {
     RunningGateway daemon{udp_listen("four"), udp_listen("six", "[::1]:0"), udp_listen("both", "[::]:0"), udp_listen("air")};
     UdpPeer air, host4, host6{"[::1]:0"}, host_both;
@@ -514,7 +514,7 @@ TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_netwo
         EXPECT_EQ(daemon.link(link).at("channels").at(0).at("peer"), host->local().text()) << link;
 }
 
-// Then every refusal is told while alarms ring.
+// Then every refusal is reported while alarms are handled.
 TEST(UdpListenLink, hosts_whose_ports_are_closed_are_gone_also_when_an_alarm_does_the_sending) {
     const support::TempDir folder;
     support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(), {"sim:fc", "udp-listen:127.0.0.1:0,name=ground"}};

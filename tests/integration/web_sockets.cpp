@@ -16,7 +16,7 @@ std::string upgrade(const std::string& more = "Sec-WebSocket-Version: 13\r\nSec-
     return "GET /socket HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n" + more + "\r\n";
 }
 
-/// As RFC 6455 has it, from a client.
+/// A client's frame according to RFC 6455.
 std::string frame(std::uint8_t opcode, const std::string& data, bool last = true, bool masked = true) {
     const auto byte = [](std::size_t value) { return static_cast<char>(value & 0xFF); };
     std::string bytes{byte(opcode | (last ? 0x80u : 0u))};
@@ -32,7 +32,7 @@ std::string frame(std::uint8_t opcode, const std::string& data, bool last = true
 std::string close_frame(std::uint16_t code, const std::string& reason = {}) {
     return frame(said_close, std::string{static_cast<char>(code >> 8), static_cast<char>(code & 0xFF)} + reason);
 }
-/// Of the server: not masked.
+/// A server's frame, which is not masked.
 std::string from_server(std::uint8_t opcode, const std::string& data) { return frame(opcode, data, true, false); }
 std::string closed_with(std::uint16_t code, const std::string& reason = {}) {
     return from_server(said_close, std::string{static_cast<char>(code >> 8), static_cast<char>(code & 0xFF)} + reason);
@@ -55,7 +55,7 @@ protected:
         if (said) client.heard().erase(0, bytes.size());
         return said;
     }
-    /// What closed it is told to the client, then it ends, and its user is gone.
+    /// The client receives the reason for the close, then the connection ends and its user is destroyed.
     bool ends_with(Client& client, const std::string& bytes) {
         return says(client, bytes) && until([&] { return client.is_closed() && echo.gone; }) && client.heard().empty();
     }
@@ -214,7 +214,7 @@ TEST_P(ImpatientWebSockets, stay_while_the_client_answers_our_pings_and_no_longe
 TEST_P(ImpatientWebSockets, are_cut_when_the_client_takes_nothing) {
     Client client = open(GetParam());
     const auto message = std::make_shared<const std::string>(64 * 1024, 'x');
-    // It says something all the time: that it does not read is another matter.
+    // The client sends all the time; that it does not read is independent.
     EXPECT_TRUE(until([&] {
         if (!echo.gone) echo.socket->send(message, WebSocket::Kind::binary);
         client.send(frame(said_pong, ""));
@@ -230,8 +230,8 @@ TEST_P(ImpatientWebSockets, whose_client_does_not_say_goodbye_are_closed_without
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
 }
 
-// The deadline of the request expires in the turn of the loop in which the request is answered: its timer is late then, and is not to
-// count for the WebSocket.
+// The deadline of the request expires in the turn of the loop in which the request is answered. Its timer is late then, and must
+// not apply to the WebSocket.
 TEST_F(WebSockets, stay_that_were_opened_when_the_time_for_the_request_was_just_over) {
     ServerLimits limits;
     limits.session.patience = 60ms;
@@ -244,7 +244,7 @@ TEST_F(WebSockets, stay_that_were_opened_when_the_time_for_the_request_was_just_
         client.send(upgrade());
         io.restart();
         for (int i = 0; i < turns; ++i) io.poll_one();
-        std::this_thread::sleep_until(connected + limits.session.patience + 5ms);    // the loop stands still
+        std::this_thread::sleep_until(connected + limits.session.patience + 5ms);    // the loop stalls
         settle();
         if (!client.has_heard("101")) continue;
         ++opened;
@@ -256,7 +256,7 @@ TEST_F(WebSockets, stay_that_were_opened_when_the_time_for_the_request_was_just_
     EXPECT_GT(opened, 3);
 }
 
-// Who looks, as many as there are places: each holds his as long as he takes what he is sent.
+// Viewers occupy all places; each one keeps its place as long as it reads what it is sent.
 TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
     const auto watch = [this](const std::string& headers) {
         Client client{UniqueFd{support::connect_tcp(port)}};
@@ -270,7 +270,7 @@ TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
     std::vector<Client> watchers;
     for (int i = 0; i < 40; ++i) watchers.push_back(watch(bearer("only-looks")));
     settle();
-    constexpr std::ptrdiff_t viewers = 15;    // 20 places for streams, of which a quarter is kept for who controls
+    constexpr std::ptrdiff_t viewers = 15;    // 20 places for streams, of which a quarter is reserved for control clients
     for (std::size_t i = 0; i < watchers.size(); ++i) EXPECT_EQ(watchers[i].has_heard("101"), i < viewers) << i;
     EXPECT_TRUE(watchers.back().has_heard("too many streams and WebSockets")) << watchers.back().heard();
     const auto gone = [&] {
@@ -286,7 +286,7 @@ TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
     for (Client& pilot : pilots) EXPECT_TRUE(pilot.has_heard("101") && !pilot.is_closed());
 }
 
-// Each message takes as long as a large one with thousands of names.
+// Each message takes as long to handle as a large one with thousands of names.
 TEST_F(JudgingHttpServer, between_messages_of_web_sockets_that_look_a_command_has_its_turn) {
     std::vector<Client> crowd;
     for (int i = 0; i < 12; ++i) {
@@ -313,7 +313,7 @@ TEST_F(JudgingHttpServer, between_messages_of_web_sockets_that_look_a_command_ha
     EXPECT_TRUE(until([&] { return heard == 24; })) << heard;
 }
 
-// As many as there are places for streams, of one user: their places are taken as long as they take what they are sent.
+// One user occupies all places for streams: they stay occupied as long as each client reads what it is sent.
 TEST_F(WebSockets, keep_their_places_while_they_are_used) {
     std::vector<Client> watchers;
     for (int i = 0; i < 20; ++i) {
