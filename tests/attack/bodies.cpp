@@ -1,4 +1,4 @@
-// Bodies of requests that mean something else than they seem to.
+// Request bodies whose content differs from what they appear to be.
 #include <support/token_door.hpp>
 
 #include <thread>
@@ -13,7 +13,7 @@ class Bodies : public TokenDoor {
 protected:
     Bodies() : TokenDoor{R"("sim:fc")"} {}
 
-    /// The end of the upgrade job that a file begins, or the answer that begins none.
+    /// The end of the upgrade job that a file starts, or the answer that starts none.
     nlohmann::json flashed(const std::string& file, const std::string& type = "application/octet-stream",
                            const std::string& query = {}) {
         const std::string answer = http(socket, "POST /devices/0xDC/firmware" + query + " HTTP/1.0\r\nContent-Type: " + type +

@@ -1,4 +1,4 @@
-// Who speaks in the name of a device, and what it gets. tests/README.md has the figures.
+// Senders that use the address of a device, and the frames that they get. tests/README.md has the figures.
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -21,7 +21,7 @@ using namespace support;
 Bytes broadcast(std::uint8_t n) { return frame(0xDC, 0xFF, 0x03, {n, 1, 2, 3, 4, 5, 6}); }
 Bytes command(std::uint8_t n) { return frame(0xFE, 0xDC, 0xC0, {16, 1, n}); }
 
-/// The warnings of the log, as long as it lives.
+/// Collects the warnings of the log while it exists.
 class LogLines {
 public:
     LogLines() {
@@ -33,7 +33,7 @@ public:
     ~LogLines() { spdlog::set_default_logger(before_); }
     LogLines(const LogLines&) = delete;
     LogLines& operator=(const LogLines&) = delete;
-    /// Since the last call, without what the gateway says of a machine that is too busy.
+    /// Returns the lines since the last call, without those about a busy machine.
     std::string take() const {
         std::istringstream told{told_.str()};
         told_.str({});
@@ -56,7 +56,7 @@ protected:
         ASSERT_TRUE(
             daemon.until([&] { return daemon.count("air", "frames_in") == 1 && daemon.count("ground", "frames_in") == 1; }));
     }
-    /// `from` says it on the ground; true when it has been routed.
+    /// `from` sends the frame to the ground link; true: it was routed.
     bool say(UdpPeer& from, const Bytes& bytes) { return said(from, "ground", bytes); }
     bool device_says(const Bytes& bytes) { return said(fc, "air", bytes); }
     bool said(UdpPeer& from, const std::string& link, const Bytes& bytes) {
@@ -69,7 +69,7 @@ protected:
         for (const Bytes& one : split(who.heard()).frames) n += one[3] == id;
         return n;
     }
-    /// As a device does that was asked who it is, and says nothing else.
+    /// Answers like a device that was asked who it is and sends nothing else.
     void answer() {
         for (const std::size_t asked = questions(); answered < asked; ++answered)
             fc.send(daemon.port("air"), frame(0xDC, 0xFE, 0xE3, Bytes(15, 1)));
@@ -120,7 +120,7 @@ TEST_F(Claims, peer_of_its_own_link_takes_nothing_either) {
               "(0xDC)");
 }
 
-// It says always the same, and the attacker was first.
+// The device always sends the same bytes, and the attacker sent them first.
 TEST_F(Claims, who_repeats_a_device_from_new_ports_takes_nothing_from_it) {
     std::vector<std::unique_ptr<UdpPeer>> ports;
     for (std::uint8_t n = 0; n < 70; ++n) {
@@ -137,7 +137,7 @@ TEST_F(Claims, who_repeats_a_device_from_new_ports_takes_nothing_from_it) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-// The attacker sent it first; it passes, and it answers nothing.
+// The attacker sent the frame first; the device's own is forwarded, and the device answers no question.
 TEST_F(Claims, what_another_sent_before_is_a_sign_of_life) {
     ASSERT_TRUE(say(attacker, broadcast(200)) && device_says(broadcast(200)));
     EXPECT_EQ(daemon.count("air", "looped"), 0u);
@@ -174,7 +174,7 @@ TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
                               "): if these are two devices, change the id of one; or pin it: --route 0xDC=LINK\n");
 }
 
-// It answers no question, so that it loses its address; but not without a word.
+// It answers no question, so it loses its address, but with a log line.
 TEST_F(Claims, device_that_answers_nothing_loses_its_address_with_a_log_line) {
     const LogLines log;
     ASSERT_TRUE(say(attacker, broadcast(1)));
@@ -198,7 +198,7 @@ TEST_F(Claims, host_is_reached_at_once_wherever_it_speaks) {
     EXPECT_TRUE(daemon.status().at("conflicts").empty());
 }
 
-// Its old port is gone: nobody is there to be asked.
+// Its old port is closed, so there is nothing to ask.
 TEST(Replugged, device_is_reached_at_its_new_port_at_once) {
     const TempDir dir;
     PtyDevice fc{dir / "ttyUSB0"}, again{dir / "ttyUSB1"};

@@ -1,4 +1,4 @@
-// Who may only view, or of whom there are many, delays and refuses no command, and takes nobody's place.
+// Viewers and large numbers of clients delay and refuse no command, and take no place of another client.
 #include <support/child.hpp>
 #include <support/pty_device.hpp>
 #include <support/sanitized.hpp>
@@ -21,7 +21,7 @@ namespace {
 
 using namespace support;
 
-/// A client that sends, and reads only what it must not leave unread.
+/// Clients that send, and read only what they must not leave unread.
 class Crowd {
 public:
     void add(int fd, const std::string& request) {
@@ -30,7 +30,7 @@ public:
         ::send(fd, request.data(), request.size(), MSG_NOSIGNAL);
         all_.emplace_back(fd);
     }
-    /// Those who were answered, or sent away.
+    /// The number of clients that were answered or rejected.
     std::size_t answered() const {
         return static_cast<std::size_t>(std::count_if(all_.begin(), all_.end(), [](const anogate::UniqueFd& fd) {
             pollfd look{fd.get(), POLLIN, 0};
@@ -51,7 +51,7 @@ class ControlRights : public TokenDoor {
 protected:
     ControlRights() : TokenDoor{R"("sim:fc")"} {}
 
-    /// Codes of 20 calls of a command by the network, and 20 by the socket, which are not "200".
+    /// Sends a command 20 times over the network and 20 times over the socket; returns the codes that are not "200".
     std::vector<std::string> refused_commands() {
         std::vector<std::string> refused;
         for (int i = 0; i < 20; ++i)
@@ -83,7 +83,7 @@ TEST_F(ControlRights, viewers_that_read_parameters_refuse_no_command) {
     EXPECT_EQ(refused_commands(), std::vector<std::string>{}) << command;
 }
 
-// An upgrade or a calibration, which is begun without waiting for it.
+// An upgrade or a calibration; does not wait for its end.
 TEST_F(ControlRights, who_may_only_view_or_is_of_another_site_ends_no_job_by_leaving) {
     const std::string begin = R"({"what": "accelerometer"})", lines = "Accept: application/x-ndjson\r\n";
     ASSERT_EQ(code("POST /devices/0xDC/calibration", bearer(control_token), begin), "202");
@@ -121,7 +121,7 @@ TEST_F(ControlRights, thirty_two_web_sockets_of_one_user_leave_room_for_status_r
     Crowd lines;
     for (int i = 0; i < 50; ++i) lines.add(connect_unix(socket), "GET /frames HTTP/1.1\r\nHost: x\r\n\r\n");
     ASSERT_TRUE(wait_until([&] { return lines.answered() == lines.size(); }, std::chrono::minutes{1}));
-    Crowd readers;    // some wait for the device, before those who ask next
+    Crowd readers;    // some wait for the device before the next ones ask
     for (int i = 0; i < 50; ++i)
         readers.add(connect_unix(socket), "GET /devices/0x33/parameters/" + std::to_string(i) + " HTTP/1.1\r\nHost: x\r\n\r\n");
     for (int i = 0; i < 20; ++i) {
@@ -131,7 +131,8 @@ TEST_F(ControlRights, thirty_two_web_sockets_of_one_user_leave_room_for_status_r
     EXPECT_EQ(code("GET /status", bearer(control_token)), "200");
 }
 
-/// Somebody who connects with 70 requests at once, again and again, and does not read the answers. `connect` makes the n-th connection.
+/// A client that connects with 70 requests at once, again and again, and does not read the answers. `connect` makes the n-th
+/// connection.
 class Bursts {
 public:
     Bursts(std::function<int(int n)> connect, std::string request)
@@ -173,7 +174,7 @@ TEST_F(ControlRights, bursts_of_one_users_requests_at_the_socket_refuse_neither_
 }
 
 TEST_F(ControlRights, who_takes_one_users_places_for_good_leaves_room_for_status_and_reload) {
-    Crowd readers;    // more than the sockets hold, and nothing is read
+    Crowd readers;    // more than the sockets can store; nothing is read
     std::string many;
     for (int i = 0; i < 50; ++i) many += "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n";
     for (int i = 0; i < 60; ++i) readers.add(connect_unix(socket), many);
@@ -183,7 +184,7 @@ TEST_F(ControlRights, who_takes_one_users_places_for_good_leaves_room_for_status
     }
 }
 
-// With so few that links have left nothing of what is kept for them.
+// So few that the links have used all of those reserved for them.
 TEST(FewDescriptors, leave_some_for_status_and_reload) {
     constexpr int ports = 6;
     TempDir dir;
@@ -205,7 +206,7 @@ TEST(FewDescriptors, leave_some_for_status_and_reload) {
     }
 }
 
-// The links' ports come when all clients are there.
+// The ports of the links appear when all clients are connected.
 TEST(FewDescriptors, go_to_links_first) {
     constexpr int ports = 8;
     TempDir dir;
@@ -226,7 +227,7 @@ TEST(FewDescriptors, go_to_links_first) {
         return std::all_of(status.at("links").begin(), status.at("links").end(),
                            [](const auto& link) { return link.at("state") == "up"; });
     })) << daemon.status()["links"];
-    // The last words to those who were refused take descriptors for a second at most.
+    // The final responses to rejected clients use descriptors for at most a second.
     const auto status = [&] { return http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n").starts_with("HTTP/1.0 200"); };
     ASSERT_TRUE(wait_until(status));
     for (int i = 0; i < 20; ++i) EXPECT_TRUE(status()) << i;

@@ -1,4 +1,4 @@
-// Files that are something else than they should be, damaged or left half written.
+// Files with unexpected types, damaged files, and files that were written halfway.
 #include <http/client/certificate.hpp>
 #include <support/process.hpp>
 #include <support/small_disk.hpp>
@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using namespace support;
 namespace fs = std::filesystem;
 
-constexpr auto soon = 20s;    // a start takes a moment; what hangs never ends
+constexpr auto soon = 20s;    // a start takes a moment; a hanging one never ends
 
 class Files : public testing::Test {
 protected:
@@ -82,7 +82,7 @@ TEST_F(Files, a_damaged_note_of_a_flash_is_reported_and_in_nobodys_way) {
     EXPECT_NE(said.find("FC (0xDE)) is not used: it is of an older version"), std::string::npos) << said;
 }
 
-// What is kept of a device: alarm limits, and each kind of note.
+// The stored state of a device: alarm limits, and each kind of note.
 constexpr const char* of_devices[] = {"limits-0xDC.json", "firmware-0xDC-12ab34cd.json", "type7-0xDC-12ab34cd.json",
                                       "calibration-0xDC-12ab34cd-compass.json", "calibration-0xDC-12ab34cd-accelerometer.json"};
 

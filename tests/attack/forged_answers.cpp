@@ -1,4 +1,5 @@
-// Who answers in the name of a device that is at home elsewhere, or writes to it in that of a host. tests/README.md has the figures.
+// Answers sent with the address of a device that is on another link, and writes sent with that of a host. tests/README.md has the
+// figures.
 #include <support/asked.hpp>
 #include <support/fake_device.hpp>
 #include <support/process.hpp>
@@ -23,7 +24,7 @@ using namespace std::chrono_literals;
 using namespace support;
 using nlohmann::json;
 
-/// Sends its frames every few milliseconds, as long as it lives.
+/// Sends its frames every few milliseconds while it exists.
 class Forger {
 public:
     Forger(std::uint16_t port, std::vector<Bytes> frames, std::chrono::milliseconds pause = 3ms)
@@ -77,7 +78,7 @@ protected:
     static inline const Bytes write = frame(0xFE, 0xDC, 0xE1, {0, 0, 5});
     static inline const Bytes red_line = frame(0xDC, 0xFF, 0xA0, {1, 'r', 'e', 'a', 'l'});
     std::atomic<bool> ignores_writes = false;
-    std::atomic<bool> logs_an_error = false;    // in the place of the next answer to a write
+    std::atomic<bool> logs_an_error = false;    // instead of the next answer to a write
     TempDir dir;
     std::string socket = dir / "control.sock";
     VendorDevice device{dir / "fc"};
@@ -94,7 +95,7 @@ TEST_P(ForgedAnswers, of_a_value_is_not_believed_and_the_job_reports_it) {
         ASSERT_EQ(answer.status, 200u) << answer.body;
         EXPECT_EQ(json::parse(answer.body).at("value"), 0) << answer.body;
     }
-    EXPECT_TRUE(wait_until([&] {    // a job may be over before one comes
+    EXPECT_TRUE(wait_until([&] {    // a job may be over before one arrives
         const std::string lines = asked(socket, "GET", "/devices/0xDC/parameters", {}, as_lines).body;
         return lines.find("answers with the address 0xDC were received on net (127.0.0.1:") != std::string::npos;
     }));
@@ -102,7 +103,7 @@ TEST_P(ForgedAnswers, of_a_value_is_not_believed_and_the_job_reports_it) {
     EXPECT_EQ(conflict().at("claimed_by").at("link"), "net");
 }
 
-// In the name of the device, and in that of a port, by which some devices acknowledge.
+// With the address of the device, and with that of a port, by which some devices acknowledge.
 TEST_P(ForgedAnswers, to_a_write_is_not_believed) {
     ignores_writes = true;
     const auto check = [](std::uint8_t source) {
@@ -139,7 +140,7 @@ TEST_P(ForgedAnswers, get_into_no_log_of_the_device_and_count_as_no_error) {
     EXPECT_EQ(asked(socket, "GET", "/devices").body.find("red_lines"), std::string::npos);
 }
 
-// Under an address of his own, he is at home in the network: his lines can be read, and make no alarm.
+// With an address of its own the sender belongs to the network: its log lines can be read, and cause no alarm.
 TEST_P(ForgedAnswers, under_other_addresses_displace_no_line_of_a_device_and_count_as_no_error) {
     logs_an_error = true;
     asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
@@ -172,7 +173,7 @@ TEST_P(ForgedAnswers, are_told_as_what_they_are) {
     }
 }
 
-// Whoever reaches a link can send them in any host's name.
+// Any sender that reaches a link can use the address of any host.
 TEST_P(ForgedAnswers, and_writes_of_other_hosts_refuse_no_command_and_no_other_work) {
     std::vector<Bytes> writes;
     for (const std::uint8_t host : {std::uint8_t{0xD2}, std::uint8_t{0x33}, std::uint8_t{0xFE}})
@@ -196,7 +197,8 @@ TEST_P(ForgedAnswers, and_writes_of_other_hosts_refuse_no_command_and_no_other_w
 INSTANTIATE_TEST_SUITE_P(At, ForgedAnswers, testing::Values(true, false),
                          [](const auto& pinned) { return pinned.param ? "a_pinned_address" : "a_learned_address"; });
 
-// What is for the ground only, such as an upgrade, a calibration and the return to default values, needs a device without doubt.
+// Actions that are permitted on the ground only, such as an upgrade, a calibration and the restore of defaults, need a device
+// without conflict.
 class ForgedClaims : public ForgedAnswers {};
 TEST_P(ForgedClaims, of_a_pinned_address_block_nothing) {
     const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0x03, Bytes(7, 1)), frame(0xDC, 0xFF, 0x06, {0, 2, 0, 0, 0})}};
@@ -209,7 +211,7 @@ TEST_P(ForgedClaims, of_a_pinned_address_block_nothing) {
 }
 INSTANTIATE_TEST_SUITE_P(At, ForgedClaims, testing::Values(true), [](const auto&) { return "a_pinned_address"; });
 
-/// A flight controller in the network, whose address is pinned to the link where others may send as well, or not. PAR_0 is 0.
+/// A flight controller in the network, whose address is pinned to a link on which others may send as well, or not. PAR_0 is 0.
 class ForgedBeside : public testing::TestWithParam<bool> {
 protected:
     void SetUp() override {
@@ -267,7 +269,7 @@ TEST_P(ForgedBeside, answers_of_a_value_and_to_a_write_are_not_believed) {
 INSTANTIATE_TEST_SUITE_P(At, ForgedBeside, testing::Values(true, false),
                          [](const auto& pinned) { return pinned.param ? "a_pinned_address" : "a_learned_address"; });
 
-/// A vehicle in the network, lost in flight, and a stranger on another link or on the same one.
+/// A vehicle in the network, lost in flight, and another sender on another link or on the same one.
 class LostVehicle : public testing::TestWithParam<const char*> {
 protected:
     void SetUp() override {
@@ -280,7 +282,7 @@ protected:
         to.port = daemon.port(link);
         from.send(to, frame(0xDC, 0xFF, 0x06, {1, state, 0, 0, 0}));
     }
-    /// Until the gateway has an opinion of what it sends.
+    /// Waits until the gateway has evaluated the frames that `who` sends.
     json lost_while_it_sends(UdpPeer& who, const std::string& link) {
         json all;
         daemon.until([&](const json&) {
@@ -330,7 +332,7 @@ TEST_P(LostVehicle, is_heard_at_another_port_of_its_own_host) {
     EXPECT_TRUE(lost_while_it_sends(again, "air").empty()) << "its program has begun again";
 }
 
-// It gets the commands there, so its limits hold; what makes it look well is not believed.
+// Commands are sent there, so its limits apply; values that would clear an alarm are ignored.
 TEST_P(LostVehicle, is_in_alarm_by_what_it_sends_from_elsewhere) {
     const std::string body = R"({"limits": [{"field": "power.voltage", "side": "below", "red": 13.6}]})";
     ASSERT_EQ(asked(socket, "PUT", "/devices/0xDC/limits", body).status, 200u);

@@ -1,4 +1,4 @@
-// What a release's programs have against faults of memory.
+// The hardening of a release's programs against memory errors.
 #include <support/process.hpp>
 
 #include <gtest/gtest.h>

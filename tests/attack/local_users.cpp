@@ -1,5 +1,5 @@
-// Who shares the machine with the gateway: greedy and idle clients of the control socket, other users' clients, folders that belong to
-// others. tests/README.md has the figures.
+// Other local processes: greedy and idle clients of the control socket, clients of other users, folders of other users.
+// tests/README.md has the figures.
 #include <http/server.hpp>
 #include <status/status.hpp>
 #include <support/child.hpp>
@@ -69,7 +69,7 @@ public:
         return count;
     }
     bool is_closed() { return heard(), closed_; }
-    /// Before the end could be read: what was not read yet may be lost.
+    /// Checked before the end could be read: the rest may be lost.
     bool is_cut_off() { return heard(), cut_off_; }
 
 private:
@@ -79,7 +79,7 @@ private:
     bool cut_off_ = false;
 };
 
-/// A gateway with its control socket, in the test's own thread.
+/// A gateway with its control socket, in the thread of the test.
 class LocalUsers : public testing::Test {
 protected:
     void SetUp() override {
@@ -88,7 +88,7 @@ protected:
             response.body = std::move(body);
             return response;
         };
-        // More than a client's socket holds.
+        // More than the socket of a client can store.
         control.routes().add("GET", "/big", [=](const Request&) { return with_body(std::string(1 << 20, ' ')); });
         control.routes().add("GET", "/status", [=, this](const Request&) {
             on_request();
@@ -121,7 +121,7 @@ protected:
     std::function<void()> on_request = [] {};
 };
 
-/// With every request a command is sent; how many of those of earlier requests had not arrived when the next was answered.
+/// A command is sent with every request; counts the commands of earlier requests that had not arrived when the next was answered.
 class GreedyClients : public LocalUsers {
 protected:
     void SetUp() override {
@@ -229,7 +229,7 @@ TEST_F(LocalUsers, those_who_are_refused_and_stay_cost_little_and_not_for_long) 
     EXPECT_TRUE(gateway.until([&] { return open() - before - 300 <= places; }));
 }
 
-/// Somebody of the same user floods us: he connects, says half a request, and goes on with the next.
+/// A process of the same user floods the gateway: it connects, sends half a request, and repeats that.
 class Flooded : public LocalUsers {
 protected:
     int flood() {
@@ -240,7 +240,7 @@ protected:
             if (held.size() > 64) held.pop_front();
         }
     }
-    /// How many of 60 whole requests, one after the other, are not answered.
+    /// How many of 60 complete requests, sent one after the other, are not answered.
     int failures() {
         int failed = 0;
         for (int i = 0; i < 60; ++i) failed += http(socket, "GET /status HTTP/1.0\r\n\r\n").starts_with("HTTP/1.0 200") ? 0 : 1;
@@ -259,14 +259,14 @@ TEST_F(Flooded, every_whole_request_is_answered) {
     EXPECT_EQ(asks.wait(), 0);
 }
 
-/// With clients of another user, in a process of their own.
+/// With clients of another user, in a separate process.
 class TwoUsers : public LocalUsers {
 protected:
     void SetUp() override {
         if (::geteuid() != 0) GTEST_SKIP() << "needs root, to be another user as well";
         LocalUsers::SetUp();
         fs::permissions(dir.path(), fs::perms{0711});
-        fs::permissions(socket, fs::perms{0666});    // as if all were in the group
+        fs::permissions(socket, fs::perms{0666});    // as if all users were in the group
         ASSERT_EQ(::pipe(ready), 0);
     }
     void TearDown() override {
@@ -275,7 +275,8 @@ protected:
         ::close(ready[0]);
         ::close(ready[1]);
     }
-    /// `clients` of them ask and don't read; then one asks and reads, and the process exits with 0 if it is answered.
+    /// `clients` of them send requests and don't read; then one sends a request and reads, and the process exits with 0 if it is
+    /// answered.
     int theirs(int clients) {
         if (!become_nobody()) return 1;
         std::vector<int> fds;
@@ -322,7 +323,7 @@ TEST_F(TwoUsers, ours_leave_another_his_share) {
     EXPECT_EQ(other.wait(), 0);
 }
 
-/// Root makes what it makes in a folder that belongs to another user.
+/// Root creates its files in a folder that belongs to another user.
 class ForeignFolder : public testing::Test {
 protected:
     void SetUp() override {
@@ -340,7 +341,7 @@ protected:
         return info.st_mode & 0777;
     }
     std::string swap() { return theirs + "/swap"; }
-    /// Whatever root makes at `path` becomes a link to the precious file, as soon as it is there.
+    /// Whatever root creates at `path` is replaced at once by a link to the precious file.
     int swap_for_ever(const std::string& path) {
         const int made = ::inotify_init1(IN_CLOEXEC);
         if (!become_nobody() || ::inotify_add_watch(made, theirs.c_str(), IN_CREATE) < 0) return 1;
@@ -442,7 +443,7 @@ TEST_F(ForeignFolder, what_was_put_beside_a_ptys_path_is_left_alone) {
     EXPECT_TRUE(fs::is_regular_file(theirs + "/app.anogate-new"));
 }
 
-// As every user can have it: a name in the kernel that belongs to who is first.
+// Any user can have it: a name in the kernel that belongs to its first user.
 TEST_F(ForeignFolder, a_ptys_path_is_not_blocked_by_a_name_that_anybody_can_have) {
     struct stat folder {};
     ASSERT_EQ(::stat(theirs.c_str(), &folder), 0);
@@ -458,7 +459,7 @@ TEST_F(ForeignFolder, a_ptys_path_is_not_blocked_by_a_name_that_anybody_can_have
     EXPECT_TRUE(fs::is_symlink(theirs + "/app")) << gateway.link("app").at("error");
 }
 
-// Without /run/anogate and $XDG_RUNTIME_DIR the lock is beside the path, where others may have put something.
+// Without /run/anogate and $XDG_RUNTIME_DIR the lock is beside the path, where other users may have created files.
 TEST_F(ForeignFolder, nobody_is_kept_from_a_path_by_what_others_put_in_the_place_of_its_lock) {
     fs::create_directory(dir / "tmp");
     ASSERT_EQ(::chmod((dir / "tmp").c_str(), 01777), 0);
@@ -512,7 +513,7 @@ TEST_F(ForeignFolder, a_users_locks_are_in_his_own_runtime_folder_and_in_no_othe
     EXPECT_EQ(as_nobody(ours), 11) << "another user's is not used: the lock is beside the path";
 }
 
-/// Where a user's gateways keep their locks.
+/// The locations of a user's lock files.
 class LockFiles : public testing::Test {
 protected:
     void SetUp() override {
@@ -522,7 +523,7 @@ protected:
             ASSERT_EQ(::chown(own.c_str(), nobody, nobody), 0);
         }
     }
-    /// What `work` returns, done by a user who has his locks in a folder of his own; 100: there is no such user here.
+    /// The result of `work`, run by a user whose locks are in a folder of its own; 100: there is no such user here.
     int as_user(const std::function<int()>& work) {
         return Child{[&] {
                    if (::geteuid() == 0 && !become_nobody()) return 100;
@@ -532,7 +533,7 @@ protected:
             .wait();
     }
     auto locks() { return std::distance(fs::directory_iterator{own + "/anogate"}, fs::directory_iterator{}); }
-    /// Takes `name` and ends as if killed; what it returns says whether it had it, and `inside` what it did with it.
+    /// Locks `name` and ends as if killed. Its result is whether it had the lock, and that of `inside`, which ran with the lock.
     int killed_with(
         const std::string& name, const std::function<int()>& inside = [] { return 0; }) {
         return Child{[&]() -> int {
@@ -550,7 +551,7 @@ TEST_F(LockFiles, what_killed_ones_left_is_taken_away_and_what_is_held_is_not) {
         anogate::PathClaim held, next;
         if (!held.take(dir / "held")) return 1;
         if (killed_with("a", [&] { return killed_with("b") + killed_with("held"); }) != 50)
-            return 2;    // a is held while b is taken
+            return 2;    // a is held while b is locked
         std::ofstream{own + "/anogate/notes"} << "no lock of ours";
         if (locks() != 4) return 3;
         if (!next.take(dir / "next")) return 4;
@@ -590,7 +591,7 @@ TEST_F(LockFiles, two_never_have_one_name_whoever_takes_old_ones_away) {
     EXPECT_EQ(result, 0) << "1: two had it at once; 2: somebody never had it";
 }
 
-/// Several of the same user.
+/// Several gateways of the same user.
 class Instances : public testing::Test {
 protected:
     TempDir dir;
@@ -628,7 +629,7 @@ TEST_F(Instances, of_three_that_start_at_once_over_a_stale_socket_one_has_it) {
                 ::close(go[1]);
                 char none;
                 Server control{io};
-                static_cast<void>(::read(go[0], &none, 1));    // all at once
+                static_cast<void>(::read(go[0], &none, 1));    // all at the same time
                 const char has = control.start(socket).error.empty() ? 'y' : 'n';
                 return ::write(said[1], &has, 1) == 1 ? ::pause() : 1;
             }));

@@ -1,4 +1,4 @@
-// The control interface over TCP, as strangers and browsers reach it.
+// The control interface over TCP, as other hosts and browsers use it.
 #include <http/client/certificate.hpp>
 #include <support/child.hpp>
 #include <support/process.hpp>
@@ -27,7 +27,7 @@ using namespace support;
 
 const std::string looks = "view-token-0123456789", acts = "control-token-0123456789";
 
-/// Behind a proxy, so that a token is needed whoever runs the test.
+/// Sent through a proxy, so that a token is needed whichever user runs the test.
 std::string request(const std::string& line, const std::string& headers = {}, const std::string& body = {}) {
     return line + " HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\nConnection: close\r\nContent-Length: " +
            std::to_string(body.size()) + "\r\n" + headers + "\r\n" + body;
@@ -112,7 +112,7 @@ TEST_F(NetworkDoor, refuses_other_names_pages_and_forms) {
     EXPECT_EQ(asked("localhost", "Content-Type: text/plain\r\n", "POST /gpio"), "415");
 }
 
-// A browser opens them for a page of another site, with what it has of ours.
+// A browser opens them for a page of another site, with our cookies.
 TEST_F(NetworkDoor, streams_of_pages_of_other_sites_leave_some_to_our_own) {
     const auto first_line = [&](int fd, const std::string& headers) {
         const std::string asked = request("GET /frames", bearer(acts) + headers);
@@ -200,7 +200,7 @@ TEST(NetworkDoorPort, that_is_taken_is_waited_for) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    // Above the ports that the kernel chooses: once free, it is nobody else's.
+    // Above the ports that the kernel chooses: once free, no other program gets it.
     std::uint16_t port = 61000;
     do {
         address.sin_port = htons(++port);
@@ -235,7 +235,7 @@ protected:
         port = daemon->output().substr(daemon->output().rfind(before) + before.size());
         port = port.substr(0, port.find(':'));
     }
-    /// The status code that curl sees, "000" when it gets none.
+    /// The status code that curl receives; "000": none.
     std::string curl(const std::string& arguments) {
         Shell shell{"curl -sS -m 20 -o /dev/null -w '%{http_code}' " + arguments};
         shell.wait();
@@ -247,14 +247,14 @@ protected:
     std::string port;
 };
 
-/// `text` behind its length in `bytes` bytes.
+/// `text` after its length in `bytes` bytes.
 std::string sized(int bytes, const std::string& text) {
     std::string length;
     for (int i = bytes - 1; i >= 0; --i) length += static_cast<char>(text.size() >> (8 * i));
     return length + text;
 }
 
-/// The first message of a client of TLS 1.2, which the server answers with a signature (RFC 5246, 7.4.1.2).
+/// The first message of a TLS 1.2 client, which the server answers with a signature (RFC 5246, 7.4.1.2).
 std::string hello_of_client() {
     const std::string groups{"\0\x0A\0\x06\0\x04\0\x1D\0\x17", 10}, points{"\0\x0B\0\x02\x01\0", 6};
     const std::string signatures{"\0\x0D\0\x0A\0\x08\x04\x03\x08\x04\x04\x01\x05\x03", 14}, ciphers = "\xC0\x2F\xC0\x2B";
@@ -287,7 +287,7 @@ TEST_F(EncryptedDoor, stands_junk_and_silence) {
     EXPECT_TRUE(daemon->until_answers());
 }
 
-// They are all there at once, as the gateway was stopped meanwhile.
+// All are pending at once, as the gateway was stopped meanwhile.
 TEST_F(EncryptedDoor, few_handshakes_of_one_client_wait) {
     const auto number = static_cast<std::uint16_t>(std::stoi(port));
     const std::string hello = hello_of_client();
@@ -311,7 +311,7 @@ TEST_F(EncryptedDoor, few_handshakes_of_one_client_wait) {
     EXPECT_EQ(curl("-k -H 'Authorization: Bearer " + acts + "' https://localhost:" + port + "/status"), "200");
 }
 
-// Each hello costs us a signature, and its sender nothing.
+// Each hello costs the gateway a signature, and its sender nothing.
 TEST_F(EncryptedDoor, a_flood_of_hellos_refuses_nobody_who_controls) {
     if (sanitized) GTEST_SKIP() << "with a sanitizer the gateway is ten times slower than those who flood it";
     const auto number = static_cast<std::uint16_t>(std::stoi(port));

@@ -1,5 +1,6 @@
-// Peers of a listening UDP port that send more to everybody than the gateway can copy, and what that does to the commands of others.
-// tests/README.md has the figures; ANOGATE_FLOOD=50000 is the rate of each peer in frames a second, ANOGATE_COMMANDS=1000 how many.
+// Peers of a listening UDP port that send more broadcasts than the gateway can copy, and the effect on the commands of others.
+// tests/README.md has the figures; ANOGATE_FLOOD=50000 is the rate of each peer in frames a second, ANOGATE_COMMANDS=1000 the
+// number of commands.
 #include <link/udp/udp_settings.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>
@@ -27,7 +28,7 @@ int from_environment(const char* name, int otherwise) {
     return text ? std::atoi(text) : otherwise;
 }
 
-/// Telemetry of one address for everybody, each frame different.
+/// Broadcast telemetry of one address, each frame different.
 class Talker {
 public:
     explicit Talker(std::uint8_t source) : source_{source} {}
@@ -51,7 +52,7 @@ private:
 
 anogate::LinkSettings ground_link() {
     auto link = udp_listen("ground");
-    link.as<anogate::UdpListenSettings>().max_peers = 24;    // a quarter is kept for others
+    link.as<anogate::UdpListenSettings>().max_peers = 24;    // a quarter is reserved for others
     return link;
 }
 anogate::LinkSettings air_link() {
@@ -73,7 +74,7 @@ struct Flood : testing::Test {
     void command(std::uint16_t n) {
         pilot.send(ground, frame(0xFE, 0xDC, 0xC0, {16, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)}));
     }
-    /// The numbers of commands that have come since the last call.
+    /// The numbers of the commands received since the last call.
     std::vector<std::uint16_t> carried_out() {
         std::vector<std::uint16_t> numbers;
         for (const Bytes& one : fc.frames())

@@ -1,4 +1,4 @@
-// Who holds the places of peers, and who gets one later. tests/README.md has the figures.
+// Which senders hold the places of peers, and which get one later. tests/README.md has the figures.
 #include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/running_gateway.hpp>
@@ -59,7 +59,7 @@ protected:
         return *peers.back();
     }
     std::size_t places() { return daemon->link("ground").at("channels").size(); }
-    /// How many of seven commands of somebody who came late are carried out.
+    /// How many of seven commands of a host that joined late are carried out.
     std::size_t seven_commands(UdpPeer& pilot) {
         for (std::uint8_t n = 0; n < 7; ++n) {
             pilot.send(to(), command(n));

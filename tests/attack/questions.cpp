@@ -1,4 +1,4 @@
-// Who asks a device what it never answers, and what others get to ask meanwhile. tests/README.md has the figures.
+// A sender of questions that a device never answers, and the answers that others get meanwhile. tests/README.md has the figures.
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace support;
 
-// Values of parameters that the device does not have: it answers none.
+// Values of parameters that the device does not have, so that it does not answer.
 Bytes nonsense(std::uint16_t n) {
     return frame(0xFE, 0xDC, 0xE0, {2, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(0xC0 | n >> 8)});
 }
@@ -58,7 +58,7 @@ TEST(Questions, of_one_peer_that_are_never_answered_hold_one_place_while_another
             return answers == n;
         })) << int{n};
     }
-    // 100 questions in eights, each for half a second, are 6 s.
+    // 100 questions in groups of eight, half a second for each group, are 6 s.
     EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds{5});
 }
 

@@ -1,4 +1,4 @@
-// One-time codes: used again, guessed, too late, and by pages of other sites.
+// One-time codes: reused, guessed, expired, and sent by pages of other sites.
 #include <control/login_route.hpp>
 #include <support/http.hpp>
 #include <support/token_door.hpp>
@@ -67,7 +67,7 @@ TEST_F(SignInCodes, are_made_by_who_controls_alone) {
         EXPECT_EQ(code("POST /login/code", bearer(control_token), wrong), "400") << wrong;
 }
 
-// Whoever guesses at the digits has three tries, from however many addresses.
+// The digits can be tried three times, from any number of addresses.
 TEST_F(SignInCodes, of_digits_are_void_after_three_wrong_tries_of_anybody) {
     const std::string right = digits();
     EXPECT_EQ(use(other_than(right, 0), "127.9.0.1"), "401");
@@ -100,7 +100,7 @@ TEST_F(SignInCodes, are_guessed_as_slowly_as_tokens) {
     EXPECT_EQ(use(right), "200") << "a right one is always taken";
 }
 
-// Else a stranger who is slowed down would end every code that is made, or try all digits without losing one.
+// Otherwise a blocked address could end every code that is made, or try all digits without ending one.
 TEST_F(SignInCodes, of_digits_are_not_tried_from_an_address_that_is_slowed_down) {
     for (int i = 0; i < 11; ++i) use("000000", "127.9.0.1");
     for (int round = 0; round < 3; ++round) {
@@ -127,7 +127,7 @@ TEST_F(SignInCodes, are_not_used_by_pages_of_other_sites_or_forms) {
     }
 }
 
-// A browser that fetches a link in advance, or an app that shows a preview of it, sends a GET, and no part behind the #.
+// A browser that prefetches a link, or an app that shows a preview of it, sends a GET without the part after the #.
 TEST_F(SignInCodes, are_not_used_by_a_prefetch) {
     const std::string there = link(), page = "Accept: text/html\r\nAccept-Encoding: gzip\r\n";
     for (const std::string target : {"/", "/?once=", "/login?code=", "/login/code?code="})
@@ -140,7 +140,7 @@ TEST_F(SignInCodes, are_not_used_by_a_prefetch) {
     EXPECT_EQ(use(there), "200");
 }
 
-// Whoever made one with a stolen token gets no cookie with the new one.
+// A code made with a stolen token gets no cookie with the new one.
 TEST_F(SignInCodes, end_with_the_tokens_that_they_were_made_with) {
     const std::string one = link(), other = digits();
     dir.write("token", "view another-view-token-0123\ncontrol another-control-token-0123\n");
@@ -156,7 +156,7 @@ TEST_F(SignInCodes, are_not_made_of_tokens_that_are_not_there) {
     EXPECT_EQ(code_at_socket("POST /login/code", {}, R"({"access": "view"})"), "200");
 }
 
-// In simulated time, by what the route calls.
+// In simulated time, through the functions that the route calls.
 class LateCodes : public testing::Test {
 protected:
     LateCodes() {
@@ -193,7 +193,7 @@ TEST_F(LateCodes, are_refused_after_five_minutes) {
     EXPECT_EQ(codes.state(anogate::SignInCodes::Form::digits, now), anogate::SignInCodes::State::expired);
 }
 
-// A million digits, three tries for each code: as many codes as the owner makes, and each is void at once.
+// A million digits, three tries for each code: the owner makes any number of codes, and each is void at once.
 TEST_F(LateCodes, are_not_found_by_guessing_at_every_one_that_is_made) {
     unsigned tries = 0;
     for (int i = 0; i < 200; ++i) {

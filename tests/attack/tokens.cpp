@@ -1,4 +1,4 @@
-// Tokens, cookies, and what browsers send for pages of other sites.
+// Tokens, cookies, and the requests that browsers send for pages of other sites.
 #include <support/http.hpp>
 #include <support/token_door.hpp>
 #include <sys/unique_fd.hpp>
@@ -93,7 +93,7 @@ TEST_F(Tokens, signing_out_takes_the_cookie_back) {
     EXPECT_EQ(cookie_in(out), in.substr(0, in.find('=')) + "=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0");
 }
 
-// Who may only view can sign in for more: the cookie that it has is no part of that.
+// A viewer can sign in for control: its cookie does not count in that request.
 TEST_F(Tokens, whoever_views_can_sign_in_to_control) {
     const std::string in = cookie_in(http(port, request("POST /login", {}, login)));
     const std::string more = http(port, request("POST /login", sent_back(in), R"({"token": ")" + control_token + "\"}"));
@@ -166,7 +166,7 @@ TEST_F(Reloaded, tokens_that_are_gone_are_refused_and_new_ones_taken) {
     EXPECT_TRUE(std::filesystem::exists(tokens));
 }
 
-// Who looked on with a stolen token looks on no more; the others stay.
+// The streams of a stolen token end; the others stay.
 TEST_F(Reloaded, streams_of_tokens_that_are_gone_end) {
     const anogate::UniqueFd gone{connect_tcp(port)}, stays{connect_tcp(port)};
     const auto ask = [&](const anogate::UniqueFd& fd, const std::string& token) {

@@ -1,4 +1,5 @@
-// Who attacks a listening UDP port with forged sources, new ports and closed ones, and what it gets. tests/README.md has the figures.
+// Attacks on a listening UDP port with forged sources, new ports and closed ones, and their effect. tests/README.md has the
+// figures.
 #include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/running_gateway.hpp>
@@ -15,7 +16,7 @@
 
 namespace {
 
-std::size_t max_allocation = SIZE_MAX;    // memory is short above it
+std::size_t max_allocation = SIZE_MAX;    // larger allocations fail
 
 }    // namespace
 
@@ -40,7 +41,7 @@ using anogate::Endpoint;
 Bytes telemetry(std::uint8_t source, std::uint8_t n) { return frame(source, 0xFE, 0xF1, {n, 1, 2, 3, 4, 5, 6, 7, 8, 9}); }
 Bytes command(std::uint8_t to, std::uint8_t n, std::uint8_t pilot = 0) { return frame(0xFE, to, 0xC0, {16, pilot, n}); }
 
-/// One datagram in an IPv4 packet that names any sender; from the namespace that the thread is in.
+/// One datagram in an IPv4 packet with any sender address, sent from the namespace of the thread.
 void send_forged(const Endpoint& from, const Endpoint& to, const Bytes& datagram) {
     const anogate::UniqueFd raw{::socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC, IPPROTO_RAW)};
     ASSERT_TRUE(raw) << "forging needs root";
@@ -64,7 +65,7 @@ void send_forged(const Endpoint& from, const Endpoint& to, const Bytes& datagram
               static_cast<ssize_t>(packet.size()));
 }
 
-/// A gateway with its flight controller and its operator, in a namespace of its own.
+/// A gateway with its flight controller and its operator, in its own namespace.
 class Vehicle {
 public:
     Vehicle(const Namespace& space, const std::string& address, std::vector<anogate::LinkSettings> links)
@@ -97,14 +98,14 @@ public:
 
     void fc_says(const Bytes& bytes) { fc_->send(gateway_->port("air"), bytes); }
     void pilot_says(const Bytes& bytes) { pilot_->send(gateway_->port("ground"), bytes); }
-    /// Its loop runs where its interfaces are.
+    /// Its loop runs in the namespace of its interfaces.
     void turn() {
         const Inside inside{space_};
         gateway_->io().restart();
         gateway_->io().poll();
         gateway_->io().run_one_for(200us);
     }
-    /// How many frames of an id its flight controller has been given; of commands, those of a pilot.
+    /// How many frames of an id its flight controller has received; of commands, only those of one pilot.
     std::size_t carried_out(std::uint8_t id, std::uint8_t pilot = 0) {
         std::size_t count = 0;
         for (const Bytes& one : split(fc_->heard()).frames)
@@ -164,7 +165,7 @@ protected:
         const Inside inside{*there};
         send_forged(two->ground(), one->ground(), bytes);
     }
-    // As the figures of the attack were: 79 commands of the first operator, while both vehicles talk.
+    // The scenario of the figures: 79 commands of the first operator, while both vehicles send.
     void fly() {
         for (std::uint8_t n = 0; n < 79; ++n) {
             one->pilot_says(command(n % 2 == 0 ? 0xFF : 0xDD, n, 1));
@@ -245,7 +246,7 @@ TEST_F(TwoVehicles, the_first_command_of_all_is_carried_out_at_home_only) {
     EXPECT_EQ(one->peers(), 1u);
 }
 
-// Who forges the question can't forge the answer: it does not see the number.
+// A sender that forges the question can't forge the answer: it does not see the number.
 TEST_F(TwoVehicles, nobody_says_in_the_name_of_another_that_it_is_a_gateway) {
     start();
     UdpPeer* ground = nullptr;
@@ -270,7 +271,7 @@ TEST_F(TwoVehicles, nobody_says_in_the_name_of_another_that_it_is_a_gateway) {
     })) << "heard again after a second";
 }
 
-// Questions of so many strangers that nobody remembers when the operator was last suspended.
+// Questions of so many unknown senders that the time of the operator's last suspension is forgotten.
 TEST_F(TwoVehicles, who_asks_in_an_operators_name_silences_it_for_one_second_in_sixty_whoever_else_asks) {
     start();
     UdpPeer* pilot = nullptr;
@@ -339,11 +340,11 @@ TEST_F(Attack, a_socket_of_our_own_is_no_peer) {
     EXPECT_EQ(vehicle.peers("air"), 0u);
 }
 
-// 16 hosts of four addresses, and one address with a new port for every frame.
+// 16 hosts on four addresses, and one address with a new port for every frame.
 TEST_F(Attack, strangers_drive_nobody_out) {
     for (int i = 0; i < 4; ++i) there->ip("address add 10.0.0.1" + std::to_string(i) + "/24 dev eth0");
     auto link = udp_listen("ground", "0.0.0.0:0");
-    link.as<anogate::UdpListenSettings>().max_peers = 21;    // five of them are kept for hosts that send commands
+    link.as<anogate::UdpListenSettings>().max_peers = 21;    // five of them are reserved for hosts that send commands
     Vehicle vehicle{*here, "10.0.0.1", {link}};
     const auto until = [&](const std::function<bool()>& holds) { return wait_until(holds, patience, [&] { vehicle.turn(); }); };
     std::vector<std::unique_ptr<UdpPeer>> hosts;
@@ -374,7 +375,7 @@ TEST_F(Attack, strangers_drive_nobody_out) {
     EXPECT_TRUE(vehicle.gateway().counters_add_up());
 }
 
-// The victim is outside the networks of the vehicle; what reaches it is what the attack is worth.
+// The victim is outside the networks of the vehicle; the traffic that reaches it is the gain of the attack.
 class Reflector : public Attack {
 protected:
     void start(const std::vector<anogate::Network>& trusted = {}) {
