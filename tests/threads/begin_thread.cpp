@@ -1,4 +1,4 @@
-// Threads that leave the program's signals to the loop.
+// Threads that leave the signals of the program to the loop.
 #include <sys/thread_signals.hpp>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The control socket of a running daemon, under good and bad clients.
+// The control socket of a running daemon, with correct and faulty clients.
 #include <support/child.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -31,7 +31,7 @@ protected:
         daemon.signal(SIGTERM);
         EXPECT_EQ(daemon.wait(), 0) << daemon.output();
     }
-    /// Frames still go from peer to peer.
+    /// Whether frames are still forwarded from peer to peer.
     bool forwards() {
         const auto before = b.heard().size();
         a.send(daemon.port("ground"), frame(0xFE, 0xFF, 0xE0, {0, ++question, 0}));    // a repeat could count as a loop
@@ -120,7 +120,7 @@ TEST_F(ControlSocket, slow_and_silent_clients_disturb_nobody) {
     }
     EXPECT_TRUE(forwards());
     EXPECT_TRUE(nlohmann::json::accept(body_of(http(socket, get_status))));
-    // A client that asks much and never reads the answers.
+    // A client that sends many requests and never reads the answers.
     const int greedy = connect_unix(socket);
     ::fcntl(greedy, F_SETFL, O_NONBLOCK);
     std::string many;
@@ -217,7 +217,7 @@ TEST(ControlSocketAtStart, one_that_is_named_and_cannot_be_is_an_error) {
         EXPECT_EQ(daemon.wait(), 78);
         EXPECT_TRUE(daemon.output().starts_with("anogated: --control: " + (dir / path) + ": " + words)) << daemon.output();
     }
-    Daemon nowhere{ANOGATED, "/proc/control.sock", {"sim:fc"}};    // where even root can't make a socket; only trying shows it
+    Daemon nowhere{ANOGATED, "/proc/control.sock", {"sim:fc"}};    // even root can't create a socket there; only trying shows it
     EXPECT_EQ(nowhere.wait(), 78);
     EXPECT_NE(nowhere.output().find("--control: /proc/control.sock: "), std::string::npos) << nowhere.output();
     EXPECT_TRUE(std::filesystem::is_regular_file(dir / "file"));

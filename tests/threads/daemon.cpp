@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 using namespace support;
 
 constexpr int config_fault = 78;
-constexpr auto at_once = 5s;    // a second, and what a busy machine needs; who waits for the stuck one waits for ever
+constexpr auto at_once = 5s;    // a second, plus a margin for a busy machine; a wait for the stuck one never ends
 const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
 
 struct Ended {
@@ -245,10 +245,10 @@ TEST(Daemon, what_it_says_elsewhere_than_to_the_journal_has_times) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
-// Root on a machine where nothing is installed: all is well, so there is no warning.
+// Root on a machine with nothing installed: there is no problem, so there is no warning.
 TEST(Daemon, a_first_run_by_root_warns_of_nothing) {
     const TempDir dir;
-    std::filesystem::permissions(dir.path(), std::filesystem::perms{0755});    // as /run/anogate is
+    std::filesystem::permissions(dir.path(), std::filesystem::perms{0755});    // like /run/anogate
     Daemon daemon{ANOGATED, dir / "control", {"sim:fc", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(daemon.until_up("ground")) << daemon.output();
     EXPECT_EQ(terminate(daemon).status, 0);
@@ -369,7 +369,7 @@ TEST(Daemon, the_folder_of_a_log_file_that_was_mistyped_is_not_made) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
-// Takes the ten seconds that the interface promises.
+// Takes the ten seconds that the interface guarantees.
 TEST(Daemon, a_required_link_that_is_missing_ends_it_with_1_after_ten_seconds) {
     const TempDir dir;
     const auto begin = std::chrono::steady_clock::now();
@@ -429,13 +429,13 @@ TEST(Daemon, sleeps_when_there_is_nothing_to_do) {
     UdpPeer host;
     host.send(daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(wait_until([&] { return daemon.count("ground", "frames_in") == 1; }));
-    std::this_thread::sleep_for(2s);    // until retries have reached their longest pause; a rate is measured
+    std::this_thread::sleep_for(2s);    // until retries have reached their longest pause, as a rate is measured
     const long before = daemon.proc_status("voluntary_ctxt_switches");
     std::this_thread::sleep_for(5s);
     EXPECT_LE(daemon.proc_status("voluntary_ctxt_switches") - before, 3 * 5 + 2);
 }
 
-// 1.7 of them are OpenSSL's, which TCP doors need.
+// 1.7 MB of them are OpenSSL's, which listening on TCP needs.
 TEST(Daemon, stays_below_14_megabytes) {
     if (sanitized) GTEST_SKIP() << "a sanitizer's own memory is counted too";
     const TempDir dir;

@@ -1,4 +1,4 @@
-// What is asked of a disk that may hang.
+// Requests to a disk that may hang.
 #include <http/disk_works.hpp>
 #include <support/loop.hpp>
 
@@ -19,7 +19,7 @@ namespace {
 using anogate::DiskWorks;
 using support::Loop;
 
-/// Who reads hangs until it is let go.
+/// Reads hang until they are released.
 class HangingDisk {
 public:
     HangingDisk() { EXPECT_EQ(::pipe(pipe_.data()), 0); }

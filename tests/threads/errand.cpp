@@ -1,4 +1,4 @@
-// Work that may block, in a thread of its own.
+// Work that may block, in its own thread.
 #include <support/loop.hpp>
 #include <sys/errand.hpp>
 

@@ -1,4 +1,4 @@
-// A transceiver is turned back by a thread that waits for the last bit; here the port is a pty, which has nothing to wait for.
+// A thread waits for the last bit and then switches the transceiver back; here the port is a pty, which has nothing to wait for.
 #include <link/serial/half_duplex.hpp>
 #include <support/loop.hpp>
 #include <support/pty_device.hpp>
@@ -25,7 +25,7 @@ protected:
         line.written();
         device.heard();
     }
-    /// Whether a pair of turns is whole: to sending, and back.
+    /// Whether each switch to sending was followed by one back.
     bool is_back() const { return turns.size() % 2 == 0; }
     void expect_turns_in_order() const {
         for (std::size_t i = 0; i < turns.size(); ++i) ASSERT_EQ(turns[i], i % 2 == 0) << i;
@@ -54,7 +54,7 @@ TEST_F(Transceiver, is_not_turned_back_before_what_was_written_meanwhile) {
     open();
     write();
     write();
-    loop.io.run_one_for(support::patience);    // the first is out
+    loop.io.run_one_for(support::patience);    // the first one was sent
     EXPECT_TRUE(line.is_sending());
     EXPECT_EQ(turns, std::vector{true});
     EXPECT_TRUE(loop.until([&] { return !line.is_sending(); }));

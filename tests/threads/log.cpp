@@ -1,4 +1,5 @@
-// A log that can't be written: a pipe that nobody reads, a stopped terminal, a file whose disk hangs. The gateway goes on, and can end.
+// A log that can't be written: a pipe without a reader, a stopped terminal, a file whose disk hangs. The gateway continues, and
+// can be stopped.
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/sanitized.hpp>
@@ -21,7 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 using namespace support;
 
-// Not the program: without it, and with AddressSanitizer, it ends.
+// ThreadSanitizer, not the program, prevents the end: without it, and with AddressSanitizer, the program ends.
 constexpr char no_end_with_it[] = "a program that ThreadSanitizer watches does not end while a thread of it hangs in a write";
 
 /// A named pipe that is full from the start.
@@ -54,7 +55,7 @@ private:
     std::string heard_;
 };
 
-/// A terminal at which somebody pressed Ctrl-S.
+/// A terminal stopped with Ctrl-S.
 class StoppedTerminal {
 public:
     explicit StoppedTerminal(const std::string& path) : terminal_{path}, user_{path} {
@@ -78,7 +79,7 @@ private:
     PortUser user_;
 };
 
-/// A device, a ground station, and the gateway between them; its standard error is what `path` names.
+/// A device, a ground station, and the gateway between them; its standard error is the file `path`.
 class Joined {
 public:
     explicit Joined(const TempDir& dir, const std::string& path, std::vector<std::string> arguments = {})
@@ -95,7 +96,7 @@ public:
     void ends() {
         const auto begin = std::chrono::steady_clock::now();
         EXPECT_TRUE(wait_until([&] {
-            daemon.signal(SIGTERM);    // several signals are the same as one
+            daemon.signal(SIGTERM);    // several signals have the same effect as one
             return !daemon.is_running();
         }));
         EXPECT_EQ(daemon.wait(), 0);
@@ -152,7 +153,7 @@ TEST(BlockedLog, a_terminal_that_stays_stopped_holds_up_no_end) {
     joined.ends();
 }
 
-// A terminal in the place of a file: it exists, and writing to it blocks as on a disk that hangs.
+// A terminal instead of a file: it exists, and writing to it blocks like a disk that hangs.
 TEST(BlockedLog, a_file_that_takes_nothing_holds_up_nothing) {
     if (thread_sanitized) GTEST_SKIP() << no_end_with_it;
     const TempDir dir;
@@ -162,7 +163,7 @@ TEST(BlockedLog, a_file_that_takes_nothing_holds_up_nothing) {
     joined.ends();
 }
 
-// Opening a file on which another process has a lease blocks until the lease is given back.
+// Opening a file on which another process has a lease blocks until the lease is released.
 TEST(BlockedLog, a_file_that_cannot_be_opened_yet_holds_up_nothing) {
     const TempDir dir;
     const std::string path = dir / "file";

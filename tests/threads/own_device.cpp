@@ -1,4 +1,5 @@
-// The gateway as a device, from outside: a host that knows the protocol text alone, our own host engine, and what a restart finds.
+// The gateway as a device, from outside: a host that follows only the protocol text, our own host engine, and the state after a
+// restart.
 #include <ano/hex.hpp>
 
 #include <support/asked.hpp>
@@ -30,7 +31,7 @@ using nlohmann::json;
 
 constexpr std::uint8_t host = 0xFE, self = 21;
 
-/// A host behind a listening UDP link, which keeps what it hears.
+/// A host of a listening UDP link, which stores the frames that it receives.
 struct Host {
     explicit Host(std::uint16_t gateway) : port{gateway} {}
 
@@ -53,7 +54,7 @@ struct Host {
         read();
         return static_cast<std::size_t>(std::count_if(heard.begin(), heard.end(), [id](const Bytes& f) { return f[3] == id; }));
     }
-    /// What was said before has been heard: the gateway takes one after the other.
+    /// Everything sent before was received: the gateway handles frames in order.
     void settle() {
         const std::size_t before = count(0xE3);
         say(frame(host, self, 0xE0, {0, 0, 0}));
@@ -310,7 +311,7 @@ TEST_F(OwnDevice, is_not_changed_by_the_control_interface_that_may_not) {
     EXPECT_EQ(parameter("FORGET_AFTER").at("value"), 30'000);
 }
 
-// A question to everybody goes round, is answered once by each, and no answer is taken for another question.
+// A broadcast question is forwarded, each device answers it once, and no answer is treated as another question.
 TEST_F(OwnDevice, and_another_one_do_not_talk_for_ever) {
     TempDir there;
     json others = {{"gateway", {{"id", 22}}},

@@ -13,7 +13,7 @@
 #include <fstream>
 #include <optional>
 
-// Replaces libc's: a user has some 128 instances of inotify, and other programs may have taken them all.
+// Replaces libc's function: a user has about 128 instances of inotify, and other programs may use all of them.
 static bool inotify_instances_left = true;
 static int inotify_instances_made = 0;
 
@@ -97,7 +97,7 @@ TEST(PtyLink, is_not_up_without_a_user_nor_without_inotify) {
     UdpPeer ground;
     ground.send(daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "link_down") == 1; }));
-    { PortUser{dir / "app"}.write(vendor::i_am_an_mcu); }    // opened and closed between two looks
+    { PortUser{dir / "app"}.write(vendor::i_am_an_mcu); }    // opened and closed between two checks
     EXPECT_TRUE(daemon.until([&] { return daemon.count("app", "frames_in") == 1; }));
     fs::remove(dir / "app");
     EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); }));
@@ -110,7 +110,7 @@ TEST(PtyLink, watches_again_when_there_is_inotify) {
     const int made_before = inotify_instances_made;
     without.reset();
     ASSERT_TRUE(daemon.until([&] { return inotify_instances_made > made_before; }));
-    without.emplace();    // an inotify instance that it has is kept
+    without.emplace();    // it keeps an inotify instance that it has
     PortUser app{dir / "app"};
     EXPECT_TRUE(daemon.until_up("app"));
 }
@@ -200,7 +200,7 @@ TEST(PtyLink, a_user_who_reads_gets_what_waits_at_the_end) {
     ASSERT_TRUE(daemon.until_up("app"));
     ground.send(daemon.port("ground"), vendor::i_am_an_mcu);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "frames_out") == 1; }));
-    bool late = false;    // it reads a little after the signal
+    bool late = false;    // it reads shortly after the signal
     daemon.stop(500ms, [&] {
         if (std::exchange(late, true)) app.heard();
     });
@@ -235,7 +235,7 @@ TEST(PtyLink, the_path_of_a_gateway_that_was_killed_is_made_anew) {
     const TempDir dir;
     Daemon killed{ANOGATED, dir / "control", {"pty:" + (dir / "app")}};
     ASSERT_TRUE(killed.until_answers());
-    PtyDevice others{dir / "others"};    // its terminal may get the number of the one that is gone
+    PtyDevice others{dir / "others"};    // its terminal may reuse the number of the closed one
     killed.signal(SIGKILL);
     killed.wait();
     ASSERT_TRUE(fs::is_symlink(dir / "app"));

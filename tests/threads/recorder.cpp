@@ -1,4 +1,5 @@
-// The recorder of a gateway: frames by the loop, files by its thread, and a disk that is well, full, read-only, or hangs.
+// The recorder of a gateway: frames are taken by the loop, files are written by its thread; the disk works, is full, is
+// read-only, or hangs.
 #include <record/recording_repair.hpp>
 #include <recording/recorder.hpp>
 #include <sys/thread_queue.hpp>
@@ -58,7 +59,7 @@ TEST(ThreadQueue, is_for_two_threads) {
     other.join();
 }
 
-/// A numbered frame with more bytes.
+/// A numbered frame with additional bytes.
 Bytes large(int number) {
     Bytes data(1000, 0x55);
     for (int i = 0; i < 4; ++i) data[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(number >> 8 * i);
@@ -80,7 +81,7 @@ protected:
         EXPECT_TRUE(gateway.until([&] { return !recorder->report().file.empty() || !recorder->report().error.empty(); }));
         return *recorder;
     }
-    /// Frames that come, several with each datagram.
+    /// Sends frames, several with each datagram.
     void send(int frames, bool are_large = false) {
         for (const int end = sent + frames; sent < end;) {
             Bytes datagram;
@@ -186,7 +187,7 @@ TEST_F(RecorderOfGateway, that_is_destroyed_has_written_what_waited) {
 }
 
 TEST_F(RecorderOfGateway, its_thread_stands_behind_the_loop_and_leaves_it_the_signals) {
-    ::setpriority(PRIO_PROCESS, 0, 0);    // a test that is nice itself, and may not be otherwise, shows nothing
+    ::setpriority(PRIO_PROCESS, 0, 0);    // if the test runs nice and may not change that, it proves nothing
     start();
     std::string found;
     for (const auto& task : fs::directory_iterator{"/proc/self/task"}) {
@@ -224,7 +225,7 @@ TEST_F(RecorderOfGateway, a_disk_that_hangs_is_told_within_a_second_and_holds_up
 TEST_F(RecorderOfGateway, what_does_not_fit_while_a_disk_hangs_is_counted_and_told_in_the_file) {
     start();
     failing_disk.hangs = true;
-    send(25'000, true);    // 25 MB, where 17 MiB have room
+    send(25'000, true);    // 25 MB, while 17 MiB can be queued
     const std::uint64_t lost = recorder->report().not_written;
     EXPECT_GT(lost, 5000u);
     EXPECT_LT(lost, 10'000u);
@@ -239,7 +240,7 @@ TEST_F(RecorderOfGateway, what_does_not_fit_while_a_disk_hangs_is_counted_and_to
     EXPECT_EQ(recorder->report().not_written, lost);
     EXPECT_EQ(recorder->report().frames, static_cast<std::uint64_t>(sent) - lost);
     EXPECT_TRUE(written.are_whole());
-    std::vector<int> wanted = support::numbers_to(sent);    // one stretch is missing
+    std::vector<int> wanted = support::numbers_to(sent);    // one range is missing
     const auto gap = wanted.begin() + (sent - 300 - static_cast<int>(lost));
     wanted.erase(gap, gap + static_cast<int>(lost));
     EXPECT_EQ(written.numbers, wanted);
@@ -273,7 +274,7 @@ TEST_F(RecorderOfGateway, a_disk_that_takes_less_than_comes_is_told_and_what_is_
 
 TEST_F(RecorderOfGateway, a_disk_that_falls_a_second_behind_is_told_before_a_frame_is_lost) {
     start();
-    failing_disk.slowness = 600;    // less than what is told as a disk that takes nothing
+    failing_disk.slowness = 600;    // less than the time after which a disk is reported as hanging
     const auto begin = ano::Clock::now();
     while (recorder->report().error.empty() && ano::Clock::now() - begin < 20s) send(3);
     EXPECT_EQ(recorder->report().error, "the disk is too slow; frames are waiting");
@@ -337,7 +338,7 @@ TEST_F(RecorderOfGateway, a_full_disk_is_told_and_what_came_meanwhile_is_written
         std::ofstream filler{settings.folder + "/filler"};
         while (filler << std::string(65536, '.') << std::flush) {}
         filler.clear();
-        while (filler << std::string(512, '.') << std::flush) {}    // the rest
+        while (filler << std::string(512, '.') << std::flush) {}    // uses the rest of the space
     }
     const auto begin = ano::Clock::now();
     const int changes_before = changes;
@@ -442,7 +443,7 @@ TEST_F(RecorderOfGateway, what_waited_through_a_fault_is_no_sign_of_a_slow_disk)
     EXPECT_EQ(files().numbers, support::numbers_to(sent));
 }
 
-/// A process with a gateway that records what comes to the port that it says.
+/// A process with a gateway that records the frames received on the port that it reports.
 class OtherProcess {
 public:
     explicit OtherProcess(const std::string& folder) {

@@ -1,4 +1,4 @@
-// What the program asks of its recorders: recordings that begin, end and are saved, on a disk that hangs.
+// Requests of the program to its recorders: recordings that start, end and are saved, on a disk that hangs.
 #include <config/difference.hpp>
 #include <http/response.hpp>
 #include <recording/recordings.hpp>
@@ -30,7 +30,6 @@ using namespace anogate;
 using namespace std::chrono_literals;
 using support::failing_disk;
 
-/// What the program asks of its recorders, on a disk that hangs.
 class RecordingsOfGateway : public testing::Test {
 protected:
     RecordingsOfGateway() { recordings.start(); }
@@ -41,10 +40,10 @@ protected:
         settings.record->start = false;
         settings.record->keep_last = 60s;
         settings.record->free = 0;
-        settings.routes = {{0xDC, 0xDC, "a"}};    // by a network only a pinned device's faults count
+        settings.routes = {{0xDC, 0xDC, "a"}};    // in a network only the faults of a pinned device count
         return settings;
     }
-    /// What is answered; 0 until then.
+    /// The status of the answer; 0 until it arrives.
     std::shared_ptr<unsigned> save(const std::string& name = {}) {
         const auto status = std::make_shared<unsigned>(0);
         const http::Response response = recordings.save_last(name, {});
@@ -75,7 +74,7 @@ protected:
         static_cast<RecordingService&>(recordings).describe(recording);
         return recording.at("keep_last").at("error") != "";
     }
-    /// The memory has the next `count` frames.
+    /// The memory receives the next `count` frames.
     void hear(std::uint64_t count) {
         for (std::uint64_t i = 0; i < count; ++i)
             a.send(gateway.port("a"), support::frame(0xDC, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 0}));

@@ -1,4 +1,4 @@
-// The program reads its configuration again: SIGHUP, POST /reload, and what a restart runs.
+// The program reloads its configuration: SIGHUP, POST /reload, and the configuration after a restart.
 #include <support/numbered_frames.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 using namespace support;
 using nlohmann::json;
 
-/// What systemd would be told.
+/// Receives the messages to systemd.
 class NotifySocket {
 public:
     explicit NotifySocket(const std::string& path) : fd_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)} {
@@ -35,7 +35,7 @@ public:
     ~NotifySocket() { ::close(fd_); }
     NotifySocket(const NotifySocket&) = delete;
     NotifySocket& operator=(const NotifySocket&) = delete;
-    /// All messages since the last call, a line each.
+    /// All messages since the last call, one per line.
     std::string heard() {
         std::string all;
         char buffer[4096];
@@ -219,7 +219,7 @@ TEST_F(Reload, that_is_not_confirmed_in_time_is_undone) {
     EXPECT_TRUE(wait_until([&] { return state() == "not the file"; }));
     EXPECT_TRUE(daemon->until_says("not confirmed in time; the previous configuration is restored"));
     EXPECT_EQ(post("/reload/confirm").status, 409) << "too late";
-    daemon->signal(SIGKILL);    // the power fails
+    daemon->signal(SIGKILL);    // simulates a power failure
     daemon->wait();
     ASSERT_TRUE(start());
     EXPECT_EQ(names(), (std::vector<std::string>{"fc", "old"})) << "and again";
@@ -244,7 +244,7 @@ TEST_F(Reload, that_was_not_confirmed_before_a_restart_is_undone_by_it) {
     EXPECT_EQ(post("/reload/confirm").status, 409) << "nobody waits for it any more";
     daemon->signal(SIGTERM);
     EXPECT_EQ(daemon->wait(), 0);
-    write({"sim:fc,name=newest"});    // what somebody wrote since then is what he wants
+    write({"sim:fc,name=newest"});    // a file written since then has priority
     ASSERT_TRUE(start());
     EXPECT_EQ(names(), std::vector<std::string>{"newest"});
     EXPECT_EQ(state(), "file");
@@ -294,7 +294,7 @@ TEST_F(Reload, of_no_file_finds_nothing_new) {
     EXPECT_EQ(json::parse(body_of(answer)).at("changed"), false);
 }
 
-// Frames go on while many ask for reloads at once, by signals and by requests.
+// Frames are forwarded while many clients request reloads at once, by signals and by requests.
 TEST_F(Reload, storms_disturb_no_frame) {
     stay_on_one_processor();
     PtyDevice device{dir / "fc"};
@@ -319,7 +319,7 @@ TEST_F(Reload, storms_disturb_no_frame) {
         for (int i = 0; i < storms % 4; ++i) links.push_back("sim:fc,name=sim" + std::to_string(i) + ",broadcast=no,flood=no");
         write(links);
         daemon->signal(SIGHUP);
-        for (const int fd : asking) ::close(fd);    // some have their answer, some leave before it
+        for (const int fd : asking) ::close(fd);    // some have their answer, some disconnect before it
         asking.clear();
         for (int i = 0; i < 3; ++i) {
             const int fd = connect_unix(dir / "control");
@@ -360,7 +360,7 @@ TEST_F(Reload, at_the_end_is_no_more_than_an_end) {
     }));
     write({"udp-listen:127.0.0.1:0,name=ground"});
     daemon->signal(SIGHUP);
-    std::this_thread::sleep_for(20ms);    // while it waits for the link that goes
+    std::this_thread::sleep_for(20ms);    // while it waits for the removed link
     daemon->signal(SIGTERM);
     EXPECT_EQ(daemon->wait(), 0) << daemon->output();
 }
