@@ -1,5 +1,5 @@
-// The cost of a byte from the read to the frame: good frames, noise, and input crafted to be slow. Crafted input should
-// not cost more than twice what good frames of 21 bytes cost. Input goes in by reads of 4096 bytes, the copy included.
+// The cost of a byte from the read to the frame: valid frames, noise, and input crafted to be slow. Crafted input should cost at
+// most twice as much as valid frames of 21 bytes. Input arrives in reads of 4096 bytes; the copy is included.
 #include <ano/parser.hpp>
 #include <support/crafted.hpp>
 

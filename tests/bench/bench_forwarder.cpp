@@ -1,4 +1,4 @@
-// What a frame costs from its arrival to the outboxes: to one learned address and to everybody, without and with an observer.
+// The cost of a frame from its arrival to the outboxes: to one learned address and to all, without and with an observer.
 #include <gateway/forwarder.hpp>
 
 #include <support/bytes.hpp>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t in_a_batch = 32;
 
-// Counts, and no more.
+// Counts only.
 class Counting final : public Forwarder::Observer {
 public:
     void received(const Channel&, ano::FrameView, TimePoint) override { ++told; }
@@ -51,7 +51,7 @@ public:
     TimePoint now{1h};
 };
 
-// 21 bytes each, and no two alike.
+// 21 bytes each, no two equal.
 std::vector<support::Bytes> frames(std::uint8_t source, std::uint8_t destination) {
     std::vector<support::Bytes> all;
     for (unsigned n = 0; n < 4096; ++n) {

@@ -1,5 +1,5 @@
-// Decoding by the table compared with code written by hand: a packed struct where the message is known when compiling, a loop
-// over a table of offsets where it is not.
+// Decoding by the table compared with code written by hand: a packed struct if the message is known when compiling, otherwise a
+// loop over a table of offsets.
 #include <benchmark/benchmark.h>
 #include <ano/reading.hpp>
 #include <ano/typed.hpp>
@@ -57,7 +57,7 @@ void typed(benchmark::State& state) {
     state.SetItemsProcessed(state.iterations() * 256);
 }
 
-// The same table as rows of offsets, as one would write it for this alone.
+// The same table as rows of offsets, as code for this purpose alone would have it.
 struct Row {
     std::uint8_t offset;
     Type type;

@@ -21,7 +21,7 @@ std::array<support::Bytes, 16> sixteen_kinds() {
     return frames;
 }
 
-// Frames are offered `offered` at a time, of which at most `taken` leave.
+// Frames are offered `offered` at a time, and at most `taken` of them are sent.
 void through(benchmark::State& state) {
     const auto offered = static_cast<std::size_t>(state.range(0));
     const auto taken = static_cast<std::size_t>(state.range(1));
@@ -43,7 +43,7 @@ void through(benchmark::State& state) {
 }
 BENCHMARK(through)->ArgNames({"offered", "taken"})->Args({1, 1})->Args({32, 32})->Args({8, 2});
 
-// Nothing is replaced: the queue is full, and each frame pushes the oldest out.
+// Without replacement: the queue is full, and each frame displaces the oldest.
 void full(benchmark::State& state) {
     const auto frames = sixteen_kinds();
     Outbox outbox{{}};
@@ -54,7 +54,7 @@ void full(benchmark::State& state) {
 }
 BENCHMARK(full);
 
-// The same with eight senders on four channels, as on a port by which all telemetry leaves.
+// The same with eight senders on four channels, as on a port that sends all telemetry.
 void of_many(benchmark::State& state) {
     const auto offered = static_cast<std::size_t>(state.range(0));
     const auto taken = static_cast<std::size_t>(state.range(1));

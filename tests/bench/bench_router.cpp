@@ -1,4 +1,4 @@
-// The cost of a routing decision: a frame to one learned address, to a broadcast, and among 60 devices on 8 channels.
+// The cost of a routing decision: a frame to one learned address, to a broadcast address, and among 60 devices on 8 channels.
 #include <gateway/router.hpp>
 
 #include <benchmark/benchmark.h>

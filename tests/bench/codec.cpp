@@ -1,4 +1,4 @@
-// Runs the benchmarks of the library that have goals, several times in random order, and compares.
+// Runs the benchmarks of the library that have goals several times in random order, and compares them.
 #include "goals.hpp"
 
 #include <benchmark/benchmark.h>
@@ -11,7 +11,7 @@ namespace bench {
 namespace {
 
 struct Result {
-    std::vector<double> nanoseconds, gigabytes;    // CPU time of a pass, GB/s; one a repetition
+    std::vector<double> nanoseconds, gigabytes;    // CPU time of a pass, GB/s; one value per repetition
 };
 using Results = std::map<std::string, Result>;
 
@@ -43,7 +43,7 @@ Results results_of(const std::string& filter) {
     return std::move(collector.results);
 }
 
-// The % of good frames that are in time; one value for each seed, the worst of three rates and two drivers.
+// The % of valid frames that are in time; one value for each seed, the worst of three rates and two drivers.
 std::vector<double> in_time(support::Noise noise) {
     std::vector<double> shares;
     for (std::uint64_t seed = 1; seed <= 9; ++seed) {

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto between_hellos = 200ms;    // it is heard before it is asked
+constexpr auto between_hellos = 200ms;    // it is registered before it is asked
 
 }    // namespace
 

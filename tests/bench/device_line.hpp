@@ -1,4 +1,4 @@
-// A device at the end of a real line, a pseudo-terminal or UDP, that is as slow and as bad as wanted.
+// A device at the end of a real line, a pseudo-terminal or UDP, with configurable delay and loss.
 #pragma once
 #include <ano/parser.hpp>
 #include <support/fake_device.hpp>
@@ -15,7 +15,8 @@
 
 namespace bench {
 
-/// Each way a frame takes the time of its bytes at the rate of the line, then `delay`; or it is lost. Driven by a thread of its own.
+/// In each direction a frame takes the time of its bytes at the rate of the line, then `delay`; or it is lost. Runs in its own
+/// thread.
 class DeviceLine {
 public:
     enum class Wire { pty, udp };
@@ -24,11 +25,11 @@ public:
     DeviceLine(const DeviceLine&) = delete;
     DeviceLine& operator=(const DeviceLine&) = delete;
 
-    /// Of UDP.
+    /// With UDP.
     std::uint16_t port() const { return port_; }
-    /// LINK for a gateway.
+    /// The LINK text for a gateway.
     std::string link() const { return link_; }
-    /// Bytes of frames that came to it, and of answers, so far.
+    /// Bytes of received frames and of answers so far.
     std::pair<std::uint64_t, std::uint64_t> bytes() const { return {there_.bytes, back_.bytes}; }
 
 private:
@@ -55,7 +56,7 @@ private:
     int fd_ = -1, other_end_ = -1;
     std::uint16_t port_ = 0;
     std::string link_;
-    std::vector<std::uint8_t> sender_;    // of UDP: where to answer
+    std::vector<std::uint8_t> sender_;    // with UDP: the destination of answers
     ano::FrameParser parser_{{}};
     Way there_, back_;
     std::multimap<Clock::time_point, Event> events_;

@@ -1,4 +1,4 @@
-// How long work with a device takes over a line, beside the least that the line needs for it.
+// The duration of operations with a device over a line, compared with the minimum that the line needs.
 #include "device_line.hpp"
 #include "gateway_process.hpp"
 #include "goals.hpp"
@@ -28,7 +28,7 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-// Followed line by line, so that something always comes.
+// Read line by line, so that the connection is never idle.
 nlohmann::json last_line(const GatewayProcess& gateway, const std::string& head, const std::string& body = {}) {
     const std::string answer = support::http(
         gateway.control(), head + " HTTP/1.0\r\nConnection: close\r\nAccept: application/x-ndjson\r\n" +
@@ -67,8 +67,8 @@ Took took(Run& run, DeviceLine::Wire wire, support::LineFaults faults, std::size
     return {seconds, line.bytes().first - before.first, line.bytes().second - before.second};
 }
 
-// Descriptions and values one by one, each asked again when a second has brought no answer: the seconds for so many parameters, by
-// those for the first of them.
+// Descriptions and values are read one by one; each is requested again after a second without an answer. Returns the seconds for
+// `parameters` parameters, extrapolated from the first ones.
 double one_by_one(support::LineFaults faults, std::size_t parameters) {
     constexpr std::uint16_t asked = 15;
     DeviceLine line{DeviceLine::Wire::udp, faults, parameters};
@@ -109,7 +109,7 @@ void measure_devices(Run& run) {
     run.table.compare("300 parameters at 115200 baud, s, beside the time of their bytes", {serial.seconds}, {wire}, at_most(1.3));
     const Took flash = took(run, Wire::pty, {.baud = 500000}, 10, "POST /devices/0xDC/firmware",
                             std::string(std::size_t{256} << 10, '\x01'));
-    // An upgrade is answered at once by its job, which listens for 2 s and then writes.
+    // The request for an upgrade returns its job at once; the job listens for 2 s and then writes.
     const double bytes = static_cast<double>(flash.bytes_there + flash.bytes_back) * 10 / 500000 + 2;
     run.table.compare("256 KiB of firmware at 500000 baud, s, beside the time of bytes and answers and 2 s of listening",
                       {flash.seconds}, {bytes}, at_most(1.15));

@@ -9,7 +9,7 @@
 namespace bench {
 namespace {
 
-/// What stands behind the first word of the command line.
+/// The arguments after the first word of the command line.
 std::vector<std::string> arguments_of(const std::string& program, const std::string& socket,
                                       const std::vector<std::string>& arguments, std::vector<std::string> words) {
     words.push_back(program);
@@ -32,7 +32,7 @@ GatewayProcess::GatewayProcess(const std::string& program, const std::vector<std
 }
 
 GatewayProcess::~GatewayProcess() {
-    process_.signal(SIGTERM);    // a tracer has something to say at the end
+    process_.signal(SIGTERM);    // a tracer prints its report at the end
     process_.wait();
 }
 

@@ -1,4 +1,4 @@
-// An anogated under measurement, asked over its control socket.
+// A measured anogated, queried over its control socket.
 #pragma once
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -12,14 +12,14 @@ namespace bench {
 
 class GatewayProcess {
 public:
-    /// Runs `program LINK...`, under `tracer` if given; returns when it answers for its status.
+    /// Runs `program LINK...`, under `tracer` if given; returns when it answers a status request.
     GatewayProcess(const std::string& program, const std::vector<std::string>& arguments,
                    const std::vector<std::string>& tracer = {});
     ~GatewayProcess();
 
     nlohmann::json link(const std::string& name) const;
     std::uint16_t port(const std::string& link_name) const { return link(link_name).at("port").get<std::uint16_t>(); }
-    /// Where it serves HTTP, of 127.0.0.1, and what it wants to be shown there; empty: nothing.
+    /// The HTTP port on 127.0.0.1 and its token; empty: none is needed.
     struct HttpDoor {
         std::uint16_t port;
         std::string token;
@@ -30,9 +30,9 @@ public:
     pid_t pid() const noexcept { return process_.pid(); }
 
 private:
-    nlohmann::json status() const;    // discarded while nobody answers
+    nlohmann::json status() const;    // discarded while there is no answer
 
-    support::TempDir folder_;    // must be destroyed after what runs in it
+    support::TempDir folder_;    // must be destroyed after the programs that use it
     support::Process process_;
 };
 

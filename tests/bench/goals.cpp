@@ -1,4 +1,4 @@
-// Measures the goals of anogate, and beside each the least that the same work can cost, in turns of short rounds, so that other
+// Measures the goals of anogate, and for each one the minimum cost of the same work, alternating in short rounds, so that other
 // load on the machine affects both. Prints a table in Markdown. Exit status 1: a goal is missed.
 // Usage: goals PATH-TO-anogated [NAME...]
 #include "goals.hpp"

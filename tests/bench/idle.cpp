@@ -1,4 +1,4 @@
-// What anogated costs when nothing happens, and how many system calls it makes under load.
+// The cost of an idle anogated, and the number of its system calls under load.
 #include "forwarder.hpp"
 #include "goals.hpp"
 
@@ -13,7 +13,7 @@ namespace bench {
 
 using namespace std::chrono_literals;
 
-// With all reasons for a link to wait: absent devices, an address that no interface has, a terminal that nobody opened.
+// With all reasons for a link to wait: absent devices, an address that no interface has, a terminal that was not opened.
 void measure_idle(Run& run) {
     const std::string path = "/tmp/anogate-bench-" + std::to_string(::getpid());
     const GatewayProcess gateway{run.anogated,
@@ -32,7 +32,7 @@ void measure_idle(Run& run) {
 
 namespace {
 
-// The sum that strace wrote; it does so a little after the end of what it traces. 0: there is none.
+// The total reported by strace, which it writes shortly after the end of the traced process. 0: there is none.
 double traced_calls(const std::string& path) {
     for (int i = 0; i < 500; ++i) {
         std::this_thread::sleep_for(10ms);

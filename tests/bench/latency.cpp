@@ -1,4 +1,4 @@
-// The latency of light traffic through anogated and through a bare loop, in turns.
+// The latency of light traffic through anogated and through a bare loop, alternating.
 #include "forwarder.hpp"
 #include "goals.hpp"
 
@@ -15,7 +15,7 @@ using std::chrono::steady_clock;
 constexpr int rounds = 20;
 constexpr std::uint64_t frames_a_round = 1000;    // through each
 
-// Microseconds from send to receipt of one frame; nothing when it did not arrive.
+// Microseconds from sending to receiving one frame; std::nullopt: it did not arrive.
 std::optional<double> travel_time(const Socket& sender, const Socket& taker, std::uint64_t number) {
     const auto bytes = frame(0x30, target, number);
     const auto sent = steady_clock::now();
@@ -24,7 +24,7 @@ std::optional<double> travel_time(const Socket& sender, const Socket& taker, std
     return std::chrono::duration<double, std::micro>(steady_clock::now() - sent).count();
 }
 
-// Real-time priority only for the measured processes: this thread polls without pause, and would block kernel threads.
+// Only the measured processes have real-time priority: this thread polls without pause, and would block kernel threads.
 Forwarder undisturbed(const std::function<Forwarder()>& start) {
     const Undisturbed undisturbed;
     return start();

@@ -1,4 +1,4 @@
-// A serial line that is offered four times what it carries.
+// A serial line that is offered four times its capacity.
 #include "forwarder.hpp"
 #include "goals.hpp"
 #include "slow_line.hpp"
@@ -22,7 +22,7 @@ constexpr auto measured = 3s;
 
 std::uint64_t now() { return static_cast<std::uint64_t>(steady_clock::now().time_since_epoch() / 1ns); }
 
-// The age of the frames that leave the line, in ms: their DATA holds the time when they were sent.
+// The age of the frames that leave the line, in ms: their DATA contains the time at which they were sent.
 class Ages {
 public:
     void note(ano::FrameView frame) {
@@ -44,7 +44,7 @@ private:
     std::vector<double> urgent_, telemetry_;
 };
 
-// Telemetry of four times the rate, and an urgent frame every 20 to 80 ms.
+// Telemetry at four times the rate, and an urgent frame every 20 to 80 ms.
 void offer(const Socket& socket, const std::atomic<bool>& stop) {
     std::mt19937 random{1};
     const auto begin = steady_clock::now();

@@ -1,4 +1,4 @@
-// What a page that somebody looks at costs a gateway: CPU time a frame at a steady rate, beside one that nobody looks at.
+// The cost of an open page for a gateway: CPU time per frame at a steady rate, compared with a gateway without an open page.
 #include "forwarder.hpp"
 #include "goals.hpp"
 #include "page_reader.hpp"
@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int rounds = 14;
-constexpr auto measured = 3s;    // the page asks for the status, and for the devices, once in that time
+constexpr auto measured = 3s;    // within that time the page requests the status and the devices once
 constexpr auto settling = 700ms;
 
 Forwarder anogated_with_http(const std::string& program) {
@@ -44,12 +44,12 @@ void measure_page(Run& run) {
         {fifty_thousand,
          "50,000 frames/s, UDP to UDP, a frame a datagram, looked at by one page: CPU µs a frame, beside one without",
          at_most(1.05)},
-        // A page's messages and requests cost the same at any rate, some 0.1 % of a core: of little, that is much.
+        // A page's messages and requests cost about 0.1 % of a core at any rate, which is a large share at a low rate.
         {one_thousand, "… at 1,000 frames/s, evenly spaced", no_goal},
     };
     const support::TempDir state;
-    ::setenv("STATE_DIRECTORY", state.path().c_str(), 1);    // where root's have their tokens
-    const Undisturbed all;                                   // where that is permitted
+    ::setenv("STATE_DIRECTORY", state.path().c_str(), 1);    // the folder of the tokens of a root gateway
+    const Undisturbed all;                                   // if that is permitted
     const Forwarder looked_at = anogated_with_http(run.anogated), beside = anogated_with_http(run.anogated);
     ::unsetenv("STATE_DIRECTORY");
     const auto door = looked_at.gateway->http_door();
@@ -67,7 +67,7 @@ void measure_page(Run& run) {
             without.push_back(microseconds_a_frame(beside_before, beside_after));
         }
         run.table.compare(c.what, with, without, c.goal);
-        // Both were offered the same, and nothing is on its way any more.
+        // Both were offered the same frames, and none is on its way any more.
         std::this_thread::sleep_for(settling);
         run.table.measure("… frames that it routed less than the other one",
                           {static_cast<double>(beside.frames()) - static_cast<double>(looked_at.frames())}, at_most(0));

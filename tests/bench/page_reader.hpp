@@ -1,4 +1,4 @@
-// A page that is looked at, without a browser: it asks the gateway what Charts asks, as often, on as many connections.
+// An open page without a browser: it sends the requests of Charts to the gateway, at the same rate, on as many connections.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -9,10 +9,10 @@
 
 namespace bench {
 
-/// Takes all frames that come from 0x30 (see Steady) as Charts does, and asks for the rest as src/web/src/live/gateway.ts.
+/// Receives all frames from 0x30 (see Steady) like Charts, and requests the rest like src/web/src/live/gateway.ts.
 class PageReader {
 public:
-    /// `port`: of 127.0.0.1, where the gateway serves the page; `token`: what a browser shows it, empty: none is needed.
+    /// `port`: on 127.0.0.1, where the gateway serves the page; `token`: the one that a browser sends; empty: none is needed.
     PageReader(std::uint16_t port, const std::string& token);
     ~PageReader();
     PageReader(const PageReader&) = delete;
@@ -26,7 +26,7 @@ private:
 
     std::string headers_;
     int frames_;      // the WebSocket
-    int requests_;    // the connection that is kept
+    int requests_;    // the persistent connection
     std::atomic<Time> heard_at_{};
     std::atomic<bool> stop_{false};
     std::thread listens_, asks_;

@@ -1,4 +1,5 @@
-// What it costs a gateway to record what comes: the loop beside that of one that records nothing, and the thread for the disk.
+// The cost of recording for a gateway: its loop compared with that of a gateway that does not record, and the thread for the
+// disk.
 #include "forwarder.hpp"
 #include "goals.hpp"
 #include "steady.hpp"
@@ -35,7 +36,7 @@ double cpu_of_thread(const fs::path& task) {
 fs::path tasks_of(pid_t process) { return "/proc/" + std::to_string(process) + "/task"; }
 fs::path loop_of(pid_t process) { return tasks_of(process) / std::to_string(process); }
 
-/// Empty: there is none.
+/// Empty: not found.
 fs::path thread_called(const std::string& name, pid_t process) {
     for (const auto& task : fs::directory_iterator{tasks_of(process)}) {
         std::string its_name;
@@ -65,8 +66,8 @@ double microseconds_a_frame(const Used& before, const Used& after) {
 
 void measure_recording(Run& run) {
     const support::TempDir state;
-    ::setenv("STATE_DIRECTORY", state.path().c_str(), 1);    // where the recordings of those that are started now go
-    const Undisturbed all;                                   // where that is permitted
+    ::setenv("STATE_DIRECTORY", state.path().c_str(), 1);    // the folder of the recordings of the programs started from now on
+    const Undisturbed all;                                   // if that is permitted
     const Forwarder recorded = anogated_from_udp(run.anogated, 1, unpacked),
                     beside = anogated_from_udp(run.anogated, 1, unpacked);
     ::unsetenv("STATE_DIRECTORY");

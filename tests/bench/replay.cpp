@@ -1,4 +1,4 @@
-// How well a replay at rate 1 keeps the times of its recording, beside a timer of Asio alone that is set to the same times.
+// How exactly a replay at rate 1 keeps the times of its recording, compared with a bare Asio timer that is set to the same times.
 #include "forwarder.hpp"
 #include "goals.hpp"
 
@@ -28,10 +28,10 @@ using std::chrono::nanoseconds;
 using Times = std::vector<nanoseconds>;
 
 constexpr std::size_t frames = 10'000, frames_a_round = 500;    // 1000 a second
-constexpr std::size_t at_the_start = 1000;                      // frames, while the program starts
+constexpr std::size_t at_the_start = 1000;                      // frames before the program has started
 constexpr auto patience = 5s;
 
-// Since the first: never two at the same distance, in a mean of a millisecond.
+// Offsets from the first frame: the distances always differ, with a mean of one millisecond.
 Times recorded_times() {
     std::mt19937 random{18};
     std::uniform_int_distribution<int> distance{100'000, 1'900'000};
@@ -59,7 +59,8 @@ void keep_times_of_arrival(const Socket& socket) {
     must(::setsockopt(socket.fd(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) == 0, "SO_TIMESTAMPNS");
 }
 
-// When the kernel had each datagram, whenever it is taken: on loopback that is when it was sent.
+// The time at which the kernel received each datagram, independent of the time of the read: on loopback that is the time of
+// sending.
 Times times_of_arrival(const Socket& socket) {
     Times times;
     std::array<char, 2048> room;
@@ -88,7 +89,7 @@ Times times_of_arrival(const Socket& socket) {
     return times;
 }
 
-// Ends with the last.
+// Returns after the last one.
 void send_by_timer(const Socket& socket, const Times& times) {
     anogate::asio::io_context io;
     anogate::asio::steady_timer timer{io};
@@ -105,12 +106,12 @@ void send_by_timer(const Socket& socket, const Times& times) {
     io.run();
 }
 
-/// Of each round, in microseconds.
+/// For each round, in microseconds.
 struct Errors {
     std::vector<double> median, most, largest;
 };
 
-// Nothing is said before its time, so the least late one is in time.
+// No frame is sent before its time, so the least late one is in time.
 Errors errors_of(const Times& came, const Times& times) {
     std::vector<double> late;
     for (std::size_t n = at_the_start; n < frames; ++n)
@@ -140,7 +141,7 @@ void measure_replay(Run& run) {
     keep_times_of_arrival(by_timer);
     keep_times_of_arrival(*replay.takers[0]);
     {
-        const Undisturbed both;    // where that is permitted
+        const Undisturbed both;    // if that is permitted
         std::vector<std::string> links = replay.links_out(unpacked);
         links.push_back("replay:" + file);
         replay.gateway = std::make_unique<GatewayProcess>(run.anogated, links);

@@ -8,7 +8,7 @@ namespace bench {
 
 using namespace std::chrono_literals;
 
-// All of them flight controllers, which compute most; all that they say goes to one UDP peer.
+// All of them are flight controllers, which compute most; all their frames are sent to one UDP peer.
 void measure_simulated(Run& run) {
     constexpr int devices = 20;
     const Forwarder forwarder{1};

@@ -33,7 +33,7 @@ SlowLine::~SlowLine() {
     ::close(fd_);
 }
 
-// Time in which no byte was there is lost: a line does not catch up.
+// Time without a byte to send is lost: a line does not catch up.
 void SlowLine::run() {
     const auto begin = steady_clock::now();
     double missed = 0;
@@ -45,7 +45,7 @@ void SlowLine::run() {
         const double due = so_far - missed - static_cast<double>(carried_);
         int there = 0;
         ::ioctl(fd_, FIONREAD, &there);
-        const double also_due = possible() - so_far;    // when we were held up meanwhile, more came, and more would have left
+        const double also_due = possible() - so_far;    // if we were delayed, more bytes arrived, and more would have left
         max_waiting_ = std::max(max_waiting_.load(), there - due - also_due);
         const std::size_t wanted = static_cast<std::size_t>(std::max(due, 0.0));
         const std::size_t taken = std::min(wanted, static_cast<std::size_t>(there));

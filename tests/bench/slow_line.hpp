@@ -1,4 +1,4 @@
-// A pseudo-terminal whose other end takes bytes as a UART does: one by one, at its rate.
+// A pseudo-terminal whose other end reads bytes like a UART: one by one, at its rate.
 #pragma once
 #include <ano/parser.hpp>
 
@@ -12,22 +12,22 @@ namespace bench {
 
 class SlowLine {
 public:
-    /// `on_frame` is called, in a thread, when the last byte of a frame has left.
+    /// `on_frame` is called, in another thread, when the last byte of a frame has left.
     SlowLine(double rate, std::function<void(ano::FrameView)> on_frame);
     ~SlowLine();
     SlowLine(const SlowLine&) = delete;
     SlowLine& operator=(const SlowLine&) = delete;
 
-    /// What to open to send.
+    /// The path to open for sending.
     const std::string& path() const noexcept { return path_; }
-    /// Bytes that left, and that should have.
+    /// Bytes that left, and bytes that should have left.
     struct Count {
         std::uint64_t carried, possible;
     };
     Count count() const noexcept { return {carried_, possible_}; }
-    /// The most that waited for their time at once, in bytes.
+    /// The maximum of bytes that waited at the same time.
     double max_waiting() const noexcept { return max_waiting_; }
-    /// Bytes that belong to no good frame.
+    /// Bytes that belong to no valid frame.
     std::uint64_t damaged() const noexcept { return damaged_; }
 
 private:
@@ -37,7 +37,7 @@ private:
     double rate_;
     std::function<void(ano::FrameView)> on_frame_;
     int fd_;
-    int other_end_ = -1;    // held open, or ours would report an end while nobody has opened it
+    int other_end_ = -1;    // kept open, otherwise ours would report an end until a program opens it
     std::string path_;
     ano::FrameParser parser_{{}};
     std::atomic<std::uint64_t> carried_{0}, possible_{0}, damaged_{0};

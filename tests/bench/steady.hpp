@@ -1,4 +1,4 @@
-// The same steady traffic for two gateways, of which one has more to do.
+// The same steady traffic for two gateways, one of which has additional work.
 #pragma once
 #include "forwarder.hpp"
 
@@ -12,7 +12,7 @@
 
 namespace bench {
 
-/// So many frames at once, so often; one a datagram.
+/// The number of frames sent together, and the interval; one frame per datagram.
 struct Rate {
     std::chrono::microseconds spacing;
     int frames_at_once;
@@ -20,7 +20,7 @@ struct Rate {
 inline constexpr Rate fifty_thousand{std::chrono::microseconds{200}, 10};    // a second
 inline constexpr Rate one_thousand{std::chrono::milliseconds{1}, 1};
 
-/// Offers frames to two gateways at the same steady rate until it is destroyed: what else the machine does meets both.
+/// Offers frames to two gateways at the same steady rate until it is destroyed, so that other load on the machine affects both.
 class Steady {
 public:
     Steady(std::uint16_t first, std::uint16_t second, Rate rate = fifty_thousand) {
@@ -30,7 +30,7 @@ public:
             const std::vector<std::uint8_t> datagram = frame(0x30, target, 0);
             std::size_t turn = 0;
             for (auto next = std::chrono::steady_clock::now(); !stop_; std::this_thread::sleep_until(next += rate.spacing)) {
-                ++turn;    // neither is always the first to be woken
+                ++turn;    // so that neither is always the first to be woken
                 for (std::size_t one = 0; one < sockets_.size(); ++one)
                     for (int i = 0; i < rate.frames_at_once; ++i) sockets_[(turn + one) % sockets_.size()].send(datagram);
             }

@@ -1,4 +1,4 @@
-// The table of results, with what each is compared with, and whether the goal is met.
+// The table of results, each with its comparison and whether the goal is met.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,26 +12,26 @@ struct Goal {
     bool met(double value) const noexcept {
         return kind == Kind::none || (kind == Kind::at_least ? value >= bound : value <= bound);
     }
-    /// With `unit` behind it.
+    /// Followed by `unit`.
     std::string text(const std::string& unit) const;
 };
 constexpr Goal at_least(double bound) { return {Goal::Kind::at_least, bound}; }
 constexpr Goal at_most(double bound) { return {Goal::Kind::at_most, bound}; }
 constexpr Goal no_goal{Goal::Kind::none, 0};
 
-/// The value in the middle, or at another share of the way from the lowest to the highest.
+/// The median, or the value at another share of the order from the lowest to the highest.
 double quantile(std::vector<double> values, double share = 0.5);
 
 class Table {
 public:
-    /// Both sides round by round: the goal is for the median of their ratios.
+    /// Both sides round by round: the goal applies to the median of their ratios.
     void compare(const std::string& what, const std::vector<double>& ours, const std::vector<double>& beside, Goal goal);
-    /// A value a round: the goal is for their median.
+    /// One value per round: the goal applies to their median.
     void measure(const std::string& what, const std::vector<double>& values, Goal goal);
     void skip(const std::string& what, const std::string& why);
 
     bool all_met() const noexcept { return all_met_; }
-    /// As Markdown, to standard output.
+    /// Prints it as Markdown to standard output.
     void print() const;
 
 private:

@@ -1,4 +1,4 @@
-// A recording as tables beside reading it alone, and as MCAP whose messages are JSON beside CDR.
+// Converting a recording to tables, compared with only reading it, and to MCAP with JSON messages, compared with CDR.
 #include "goals.hpp"
 
 #include <record/csv.hpp>
@@ -44,7 +44,7 @@ struct Flown {
     std::vector<std::uint8_t> frame;
 };
 
-// What so many flight controllers say at 100 Hz, side by side.
+// The simultaneous frames of several flight controllers at 100 Hz.
 std::vector<Flown> flights() {
     constexpr ano::TimePoint start{1000s};
     std::vector<std::unique_ptr<ano::world::FlightController>> controllers;

@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
 constexpr std::size_t frames_of_a_stream = 400;
-constexpr std::size_t max_a_write = 4000;    // a pseudo-terminal holds a little more
+constexpr std::size_t max_a_write = 4000;    // a pseudo-terminal stores a little more
 
 }    // namespace
 
@@ -92,7 +92,7 @@ void TalkingPtys::talk_at_a_rate() {
     }
 }
 
-// As much as is taken now.
+// Sends as much as is accepted now.
 void TalkingPtys::send(Device& device, std::uint64_t until) {
     const std::vector<std::uint8_t>& stream = streams_[static_cast<std::size_t>(device.address - 0x43)];
     while (device.bytes < until) {

@@ -10,25 +10,25 @@ namespace bench {
 
 class TalkingPtys {
 public:
-    /// Each of `count` devices sends whole frames to `destination`, `rate` bytes/s, in writes of a millisecond's bytes, which may
-    /// cut a frame anywhere; rate 0: as much as is taken. The devices' addresses count up from 0x43.
+    /// Each of `count` devices sends whole frames to `destination`, `rate` bytes/s, in writes of one millisecond's bytes, which
+    /// may split a frame anywhere; rate 0: as much as is accepted. The devices' addresses count up from 0x43.
     TalkingPtys(std::size_t count, std::uint8_t destination, std::size_t rate);
     ~TalkingPtys();
     TalkingPtys(const TalkingPtys&) = delete;
     TalkingPtys& operator=(const TalkingPtys&) = delete;
 
-    /// What to open to hear device `i`.
+    /// The path to open for the frames of device `i`.
     const std::string& path(std::size_t i) const { return devices_[i].path; }
     void start();
-    /// Stops each behind a whole frame.
+    /// Stops each device after a whole frame.
     void stop();
-    /// Sent by all of them since the beginning. Valid when stopped.
+    /// The total sent by all devices. Valid when stopped.
     std::uint64_t frames() const noexcept;
 
 private:
     struct Device {
         int fd;
-        int other_end;    // held open, or ours would report an end while nobody has opened it
+        int other_end;    // kept open, otherwise ours would report an end until a program opens it
         std::string path;
         std::uint8_t address;
         std::uint64_t bytes = 0;    // sent
@@ -38,7 +38,7 @@ private:
     void send(Device& device, std::uint64_t until);
 
     std::vector<Device> devices_;
-    std::vector<std::vector<std::uint8_t>> streams_;    // of each device: frames enough for a write, again and again
+    std::vector<std::vector<std::uint8_t>> streams_;    // of each device: frames enough for one write, sent repeatedly
     std::size_t rate_;
     std::atomic<bool> stop_{false};
     std::thread thread_;

@@ -1,4 +1,4 @@
-// TCP links: the cost of a frame, how long an urgent one waits on a slow line, and what peers cost that are not there.
+// TCP links: the cost of a frame, the delay of an urgent one on a slow line, and the cost of absent peers.
 #include "forwarder.hpp"
 #include "goals.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-/// Offers frames to a TCP port as fast as they go, until it is destroyed.
+/// Offers frames to a TCP port as fast as possible, until it is destroyed.
 class TcpFlood {
 public:
     explicit TcpFlood(std::uint16_t port) : peer_{port} {
@@ -47,8 +47,8 @@ private:
     std::thread thread_;
 };
 
-/// The least that a router costs which sends each message of a TCP connection as a datagram, as mavlink-router does: reads, checks each
-/// frame, sends it. It has no table of routes and no second endpoint.
+/// The minimum of a router that sends each message of a TCP connection as a datagram, like mavlink-router: it reads, checks and
+/// sends each frame. It has no routing table and no second endpoint.
 Forwarder bare_router_from_tcp() {
     Forwarder forwarder{1};
     support::TcpListener in;
@@ -89,7 +89,7 @@ double frames_a_cpu_second(const Forwarder& forwarder) {
     return static_cast<double>(forwarder.frames() - frames_before) / cpu;
 }
 
-// A line of 2 Mbit/s between two namespaces, with cubic at its end.
+// A line of 2 Mbit/s between two namespaces, with cubic at the sending end.
 struct SlowWire {
     support::Namespace here, there;
     SlowWire() {
@@ -103,8 +103,8 @@ struct SlowWire {
 constexpr int rounds = 5;
 constexpr int urgent_a_round = 60;
 
-/// Milliseconds from sending an urgent frame to its arrival, each 50 ms, behind frames of `size` bytes, one a millisecond: at least twice
-/// what the line carries.
+/// Milliseconds from sending an urgent frame to its arrival, one every 50 ms, behind frames of `size` bytes, one per millisecond:
+/// at least twice the capacity of the line.
 std::vector<double> ages_of_urgent(const Socket& host, support::TcpPeer& device, ano::FrameParser& parser, std::size_t size) {
     std::map<std::uint64_t, steady_clock::time_point> sent;
     std::vector<double> ages;
@@ -147,7 +147,7 @@ void measure_urgent_behind(Run& run, std::size_t size) {
     if (const std::string why = support::no_namespaces(); !why.empty()) return run.table.skip(what, why);
     std::vector<double> late, middle;
     for (int round = 0; round < rounds; ++round) {
-        const SlowWire wire;    // a new connection: the first seconds count as well
+        const SlowWire wire;    // a new connection: its first seconds count as well
         const support::Inside inside{wire.here};
         const GatewayProcess gateway{run.anogated,
                                      {"tcp-listen:10.9.0.1:9000,name=bridge,max_data=2000",
@@ -198,7 +198,7 @@ void measure_tcp_urgent(Run& run) {
     for (const std::size_t size : {500, 1000, 1900}) measure_urgent_behind(run, size);
 }
 
-// Half of them refuse, and half do not answer at all.
+// Half of them refuse connections, and half do not answer.
 void measure_dead_peers(Run& run) {
     const std::string what = "Ten TCP peers that are not there: % of a core";
     if (const std::string why = support::no_namespaces(); !why.empty()) return run.table.skip(what, why);

@@ -27,7 +27,7 @@ sockaddr_in loopback(std::uint16_t port) {
     return address;
 }
 
-// Room for a batch of datagrams, in and out.
+// Memory for a batch of datagrams, in and out.
 struct Batch {
     static constexpr std::size_t room = 2048;
     std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(batch * room);

@@ -1,4 +1,4 @@
-// CPU time a frame of a gateway, between two moments.
+// CPU time per frame of a gateway, between two moments.
 #pragma once
 #include "forwarder.hpp"
 #include "goals.hpp"

@@ -1,4 +1,4 @@
-// What it costs a gateway that somebody watches its frames: CPU time a frame at a steady rate, beside one that nobody ever watched.
+// The cost of clients that watch frames: CPU time per frame at a steady rate, compared with a gateway that never had one.
 #include "forwarder.hpp"
 #include "goals.hpp"
 #include "steady.hpp"
@@ -21,11 +21,11 @@ using namespace std::chrono_literals;
 
 constexpr int rounds = 14;
 constexpr auto measured = 1s;
-constexpr auto filling = 500ms;    // until 1 MiB waits for who takes nothing: 41 bytes for each frame that comes, and that leaves
+constexpr auto filling = 500ms;    // until 1 MiB waits for a client that reads nothing: 41 bytes for each frame received or sent
 
 enum class Watched { before, now, without_taking };
 
-/// A binary watcher of everything.
+/// A client that receives every frame in binary form.
 class BinaryWatcher {
 public:
     BinaryWatcher(const std::string& path, bool takes) : fd_{support::connect_unix(path)} {
@@ -70,7 +70,7 @@ void measure_watchers(Run& run) {
         {Watched::now, "… by one watcher of everything, in binary", at_most(1.10)},
         {Watched::without_taking, "… by one that takes nothing", at_most(1.03)},
     };
-    const Undisturbed all;    // where that is permitted
+    const Undisturbed all;    // if that is permitted
     const Forwarder watched = anogated_from_udp(run.anogated, 1, unpacked), beside = anogated_from_udp(run.anogated, 1, unpacked);
     const Sink sink{{watched.taken_at().front(), beside.taken_at().front()}};
     for (const Case& c : cases) {
