@@ -1,4 +1,5 @@
-// Any bytes as a configuration: no crash, every error one line, and what is accepted prints as the same again.
+// Any bytes as a configuration: no crash, every error is one line, and an accepted configuration is unchanged after printing and
+// reading.
 #include <config/config.hpp>
 #include <link/kinds.hpp>
 

@@ -1,4 +1,4 @@
-// Any DATA of any message: every field is read, and nothing behind it. The first byte is the id.
+// Any DATA of any message: every field is read, and nothing after the end of DATA. The first byte is the id.
 #include <ano/reading.hpp>
 #include <ano/typed.hpp>
 
@@ -40,7 +40,7 @@ void use(const Value& value) {
         value);
 }
 
-// A scaled number goes back to the same bytes.
+// A scaled number is encoded back to the same bytes.
 void check_number(const Field& f, const Value& value, const std::uint8_t* at) {
     std::uint8_t again[8];
     const auto store_again = [&]<class T>(T v) -> bool {
@@ -58,7 +58,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* input, std::size_t inp
     if (input_size == 0) return 0;
     const std::uint8_t id = input[0];
     const std::size_t size = input_size - 1;
-    const auto data = std::make_unique<std::uint8_t[]>(size);    // exactly its size: a sanitizer sees one byte too far
+    const auto data = std::make_unique<std::uint8_t[]>(size);    // exactly its size: a sanitizer detects a read of one byte more
     for (std::size_t i = 0; i < size; ++i) data[i] = input[i + 1];
 
     const Reading reading = read(id, {data.get(), size}, &layouts(), 7);

@@ -1,4 +1,4 @@
-// The query of GET /frames, as text: it is read or refused in words, and what was read chooses frames.
+// The query of GET /frames, as text: it is parsed or rejected with a message, and a parsed query filters frames.
 #include <ano_json/text.hpp>
 #include <http/target.hpp>
 #include <watch/frame_filter.hpp>
@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const ano::FrameView frame{bytes};
         const bool is_meant = settings.ids[frame.id()] && settings.from[frame.source()] && settings.to[frame.destination()] &&
                               settings.directions[0];
-        require(filter.takes(Direction::in, 0, frame, ano::TimePoint{}) == is_meant);    // no limit holds back the first
+        require(filter.takes(Direction::in, 0, frame, ano::TimePoint{}) == is_meant);    // no limit withholds the first frame
     }
     require(!query->empty() || settings == FrameFilterSettings{});
     return 0;

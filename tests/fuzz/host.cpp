@@ -1,7 +1,7 @@
-// Frames from outside, at any time, into every task of a host. The first byte chooses the task (7: a calibration of the accelerometer, 15: of
-// the compass; else support::task_of()); then come steps of two bytes: how long
-// until then (4 ms each), and what happens: 0xFF, the device answers what it heard last; else a frame with this id follows, one byte
-// for its length and then its DATA. Behind the end the device is silent. A task that does not end then has failed.
+// Frames from outside, at any time, into every task of a host. The first byte selects the task (7: a calibration of the
+// accelerometer, 15: of the compass; otherwise support::task_of()). Steps of two bytes follow: the time to the step (4 ms each),
+// and the event: 0xFF, the device answers the last frame it received; otherwise a frame with this id follows, one byte for its
+// length and then its DATA. After the end the device is silent. A task that does not end then has failed.
 #include <host/calibration.hpp>
 #include <support/fake_loader.hpp>
 #include <support/host_tasks.hpp>
@@ -23,7 +23,7 @@ struct Host {
     ano::host::Device device{0xDC};
     ano::TimePoint now = ano::TimePoint{} + std::chrono::hours{1};
     support::Bytes last;
-    ano::host::Calibration* calibration = nullptr;    // while it is the task
+    ano::host::Calibration* calibration = nullptr;    // set if it is the task
 
     Host() {
         fake.make_parameters(12);
@@ -40,7 +40,7 @@ struct Host {
             last.assign(frame->bytes().begin(), frame->bytes().end());
         }
     }
-    // A parameter that the device said it has not.
+    // Whether it accesses a parameter beyond the count that the device reported.
     bool asks_beyond(ano::FrameView frame) const {
         const std::size_t at = frame.id() == 0xE1 ? 0 : 1;
         if (frame.id() != 0xE1 && !(frame.id() == 0xE0 && (frame.data()[0] == 2 || frame.data()[0] == 3))) return false;
@@ -62,7 +62,7 @@ struct Host {
         task->start(now);
         return task;
     }
-    // What the owner of a calibration does.
+    // The actions of a calibration's owner.
     void look() {
         if (calibration == nullptr) return;
         calibration->look(now);
@@ -72,7 +72,7 @@ struct Host {
         const auto first = device.due(), second = calibration != nullptr ? calibration->due() : std::nullopt;
         return first && second ? std::min(first, second) : first ? first : second;
     }
-    // The rest of the steps.
+    // Runs the first step; returns the rest of the steps.
     std::span<const std::uint8_t> step(std::span<const std::uint8_t> in) {
         now += std::chrono::milliseconds{4 * in[0]};
         look();

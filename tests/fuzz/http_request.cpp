@@ -1,4 +1,4 @@
-// Requests to the HTTP server, as bytes: what is read must not depend on how they were cut, and every answer is one.
+// Requests to the HTTP server, as bytes: the result must not depend on how the bytes were split, and every response is valid.
 #include <http/request_reader.hpp>
 #include <http/routes.hpp>
 #include <http/target.hpp>
@@ -20,7 +20,7 @@ void require(bool holds) {
 struct Read {
     std::size_t used = 0;
     std::string request, answer;
-    unsigned status = 0;    // of a fault
+    unsigned status = 0;    // of an error response
     bool operator==(const Read&) const = default;
 };
 
@@ -74,7 +74,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Read whole = read(bytes, std::max<std::size_t>(size, 1));
     for (const std::size_t step : {1u, 7u}) {
         const Read cut = read(bytes, step);
-        // Beast tells some faults, limits among them, by the size of the pieces. What is read both ways is the same.
+        // Beast detects some errors, limits among them, depending on the size of the pieces. Requests that are accepted both ways
+        // are equal.
         require(cut == whole || cut.status != 0 || whole.status != 0);
     }
     return 0;

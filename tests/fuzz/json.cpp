@@ -1,5 +1,5 @@
-// Frames to JSON and back: the same bytes. Any text as the JSON of a frame: a frame, or a fault in one line of UTF-8;
-// and a frame that came out of it survives in turn. A first byte of '{' or '[' begins text, everything else is id, then
+// Frames to JSON and back: the bytes are equal. Any text as the JSON of a frame: a frame, or an error in one line of UTF-8; and
+// the resulting frame is again converted without change. A first byte of '{' or '[' begins text, everything else is id, then
 // DATA.
 #include <ano_json/frame_json.hpp>
 

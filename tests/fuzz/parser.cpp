@@ -1,16 +1,16 @@
-// The parser against the reference, told what to do by text:
+// The parser compared with the reference, controlled by text:
 //
-//   first line   max_data and, behind a space, the line rate
+//   first line   max_data and, after a space, the line rate
 //   AB 01        bytes, in upper case
-//   AB*300       the last byte 300 times in all
-//   (DCFE01 00)  a good frame: source, destination, id, data; it may stand in the data of another
-//   line end     what the line holds is read at once; as a datagram where the line begins with >
+//   AB*300       the last byte, 300 times in total
+//   (DCFE01 00)  a valid frame: source, destination, id, data; it may be inside the data of another
+//   line end     the bytes of the line are read together; as a datagram if the line begins with >
 //   ~50          50 ms pass
 //   ?            expire()
 //   !            finish()
-//   #            the rest of the line is a remark
+//   #            the rest of the line is a comment
 //
-// Anything else counts for nothing.
+// Anything else is ignored.
 #include <support/both_parsers.hpp>
 
 #include <algorithm>
@@ -82,7 +82,7 @@ private:
         if (!line_.empty() && n > 0) line_.insert(line_.end(), n - 1, line_.back());
     }
 
-    // Makes a frame of what stands behind the last open bracket.
+    // Makes a frame of the bytes after the last open bracket.
     void close() {
         if (open_.empty()) return;
         const std::size_t begin = open_.back();

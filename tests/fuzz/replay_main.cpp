@@ -1,4 +1,4 @@
-// Runs a fuzz target on files, and on every file of folders, in place of a fuzzer: the target decides what fails.
+// Runs a fuzz target on files, and on every file of folders, without a fuzzer: the target detects failures.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
             std::fprintf(stderr, "%s: cannot be read\n", path.c_str());
             return 1;
         }
-        std::fprintf(stderr, "%s\n", path.c_str());    // the last one named is the one that failed
+        std::fprintf(stderr, "%s\n", path.c_str());    // the last printed name is the file that failed
         const std::vector<char> text{std::istreambuf_iterator<char>{file}, {}};
         const std::vector<std::uint8_t> bytes{text.begin(), text.end()};    // exactly its size
         LLVMFuzzerTestOneInput(bytes.data(), bytes.size());

@@ -1,4 +1,4 @@
-// The files of an earlier run: read or refused, whatever they contain.
+// The files of an earlier run: read or rejected, for any content.
 #include <control/flexible_control.hpp>
 #include <devices/notes.hpp>
 #include <managed/managed_parameters.hpp>

@@ -1,4 +1,4 @@
-// Any bytes as the DATA of a tunnel frame, out and in: nothing but what is inside comes out, whole frames only, once.
+// Any bytes as the DATA of a tunnel frame, out and in: the result is exactly the contained frames, complete, each once.
 #include <gateway/tunnel/tunnel.hpp>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ Tunnel make_tunnel(Deliver deliver) {
     return tunnel;
 }
 
-/// The frames that `bytes` begin with, by the plainest of means.
+/// The frames at the beginning of `bytes`, found by the simplest method.
 std::vector<std::uint8_t> whole_frames(std::span<const std::uint8_t> bytes) {
     std::size_t end = 0;
     while (const auto frame = ano::frame_at(bytes.subspan(end))) end += frame->bytes().size();
@@ -64,7 +64,7 @@ void in(ano::FrameView frame, const std::vector<std::uint8_t>& whole) {
     must(any == !taken.empty() && (any || refused(tunnel.counters()) == 1));
     must(taken.empty() || taken == whole);
 
-    // What was taken, wrapped again in pieces: the same frames.
+    // The accepted content, wrapped again in pieces: the same frames.
     std::vector<std::uint8_t> again;
     const auto collect = [&](ano::FrameView f) {
         must(f.data().size() <= 300);
@@ -84,7 +84,7 @@ void in(ano::FrameView frame, const std::vector<std::uint8_t>& whole) {
 
 }    // namespace
 
-/// The first byte says whether it is 0xB1 or 0xB2.
+/// The first byte selects 0xB1 or 0xB2.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0 || size - 1 > ano::max_len) return 0;
     const std::span content{data + 1, size - 1};

@@ -1,4 +1,5 @@
-// What a client sends by a WebSocket, as bytes: it ends in order, and what is heard does not depend on how the bytes were cut.
+// The bytes that a client sends on a WebSocket: it ends in order, and the received messages do not depend on how the bytes were
+// split.
 #include <sys/asio.hpp>
 
 #include <http/open_web_socket.hpp>
@@ -29,7 +30,7 @@ struct Heard {
     bool gone = false;
 };
 
-// Gives the bytes piece by piece, then the end; takes everything.
+// Delivers the bytes piece by piece, then the end; accepts all output.
 class Given final : public Stream {
 public:
     Given(asio::io_context& io, std::string_view bytes, std::size_t step) : io_{io}, bytes_{bytes}, step_{step} {}
@@ -59,7 +60,7 @@ private:
     Door door_;
 };
 
-// Says everything again.
+// Sends every message back.
 class Listener final : public WebSocketUser {
 public:
     explicit Listener(Heard& heard) : heard_{heard} {}
