@@ -1,4 +1,4 @@
-// Frames in pieces on the bus, and out of them again.
+// Frames cut into pieces on the bus, and reassembled.
 #include "can.hpp"
 
 #include <algorithm>
@@ -14,10 +14,10 @@ TEST_F(Can, an_11_bit_frame_on_the_wire_is_base_and_source_in_pieces_of_8) {
     auto bus = dump();
     app.send(gateway.port("app"), frame(0xFE, 0xFF, 0xA0, data_of(3)));
     EXPECT_EQ(dumped(*bus, 2), (std::vector<std::string>{"6FE#ABFEFFA003000102", "6FE#0351C5"}));
-    app.send(gateway.port("app"), frame(0x01, 0xFF, 0x03));    // now: it would overtake the other, which is less urgent
+    app.send(gateway.port("app"), frame(0x01, 0xFF, 0x03));    // sent now, it would overtake the less urgent one
     EXPECT_EQ(dumped(*bus, 1), std::vector<std::string>{"601#AB01FF030000AE0C"});
     EXPECT_EQ(gateway.count("vcan0", "frames_out"), 2u) << gateway.status();
-    EXPECT_EQ(gateway.count("vcan0", "frames_in"), 0u);    // own frames do not come back
+    EXPECT_EQ(gateway.count("vcan0", "frames_in"), 0u);    // own frames are not received
 }
 
 TEST_F(Can, what_comes_while_the_gateway_stands_still_is_as_old_as_it_is) {
@@ -87,7 +87,7 @@ TEST_F(Can, what_cansend_sends_arrives_classic_extended_and_fd) {
         const Bytes sent = frame(0xDC, 0xFE, 0x03, data_of(20));
         std::string command = "true";
         for (const std::string& piece : cut(sent, can)) command += " && cansend vcan0 '" + piece + "'";
-        ASSERT_EQ(run(command), 0);    // the loop stands still meanwhile
+        ASSERT_EQ(run(command), 0);    // the loop stalls meanwhile
         EXPECT_EQ(received(app, 1), Frames{sent});
         EXPECT_EQ(gateway.count("vcan0", "skipped_bytes"), 0u);
         EXPECT_EQ(gateway.count("vcan0", "bytes_in"), sent.size());
@@ -157,7 +157,7 @@ TEST_F(Can, noise_at_full_rate_harms_nothing) {
     BusSocket bus{"vcan0"};
     Shell full{"cangen vcan0 -g 0 -i -I 6DD -L 8 -D r -n 20000"};
     Shell any_length{
-        "cangen vcan0 -g 0 -i -I 601 -D r -n 20000"};    // no id at random: noise amid a frame of ours costs that frame
+        "cangen vcan0 -g 0 -i -I 601 -D r -n 20000"};    // no random id: noise within a frame of ours destroys that frame
     const double before = cpu_seconds(RUSAGE_SELF), theirs = cpu_seconds(RUSAGE_CHILDREN);
     std::size_t sent = 0, got = 0;
     loop.until(

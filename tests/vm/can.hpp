@@ -1,5 +1,5 @@
-// CAN links on a kernel that has SocketCAN, with can-utils as the other side. The tests run in a network namespace of their own, where
-// CAN is: on such a host, and in the machine of tests/vm/machine.
+// CAN links on a kernel that has SocketCAN, with can-utils as the other side. The tests run in their own network namespace on
+// machines with CAN: on such a host, and in the machine of tests/vm/machine.
 #pragma once
 #include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
@@ -53,7 +53,7 @@ inline std::string hex(std::span<const std::uint8_t> bytes) {
     return text;
 }
 
-/// "6DC#AB…" as can-utils write it.
+/// "6DC#AB…" in the notation of can-utils.
 inline std::string words(const CanCutter::Piece& piece, const CanSettings& can) {
     Bytes data(piece.bytes.begin(), piece.bytes.end());
     data.resize(piece.size);
@@ -131,7 +131,7 @@ struct Can : testing::Test {
     }
     static void make_bus() { ASSERT_EQ(run("ip link add dev vcan0 type vcan && ip link set vcan0 mtu 72 up"), 0); }
 
-    /// candump, listening when this returns.
+    /// Starts candump; it receives frames when this returns.
     std::unique_ptr<Shell> dump(const std::string& options = "-L vcan0") {
         const auto listeners = [] {
             std::ifstream list{"/proc/self/net/can/rcvlist_all"};
@@ -144,7 +144,7 @@ struct Can : testing::Test {
         EXPECT_TRUE(loop.until([&] { return listeners() > before; }));
         return process;
     }
-    /// What candump -L wrote of the next `count` frames, without its times.
+    /// The output of candump -L for the next `count` frames, without their times.
     std::vector<std::string> dumped(Shell& dump, std::size_t count) {
         std::string text;
         loop.until([&] {

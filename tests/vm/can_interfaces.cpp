@@ -1,4 +1,4 @@
-// What an interface says of itself, and one that is down, absent, or none.
+// The state that an interface reports, and interfaces that are down, absent, or not CAN.
 #include "can.hpp"
 
 #include <fstream>
@@ -10,7 +10,7 @@ namespace {
 TEST_F(Can, what_the_kernel_drops_is_in_the_status) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
-    for (int i = 0; i < 20000; ++i) bus.send(frame(0xDC, 0xFE, 0x03));    // the gateway's loop stands still
+    for (int i = 0; i < 20000; ++i) bus.send(frame(0xDC, 0xFE, 0x03));    // the gateway's loop stalls
     EXPECT_GT(gateway.count("vcan0", "kernel_drops"), 0u);
     received(app, 20000 - gateway.count("vcan0", "kernel_drops"), 60s);
     EXPECT_EQ(gateway.count("vcan0", "kernel_drops") + gateway.count("vcan0", "frames_in"), 20000u);
@@ -67,18 +67,18 @@ TEST_F(Can, a_bus_off_is_shown_with_what_helps_and_over_when_a_frame_comes) {
     EXPECT_EQ(gateway.link("vcan0")["error"], "");
 }
 
-// A vxcan whose other end is down has no carrier, as a controller that is bus-off.
+// A vxcan whose other end is down has no carrier, like a controller in bus-off.
 TEST_F(Can, a_bus_that_recovers_is_used_at_once) {
     if (run("ip link add dev vxcan0 type vxcan peer name vxcan1 2>/dev/null") != 0) GTEST_SKIP() << "no vxcan";
     ASSERT_EQ(run("ip link set vxcan0 up && ip link set vxcan1 up"), 0);
     {
         RunningGateway gateway{loop, {"can:vxcan0", app.link("app")}};
         ASSERT_TRUE(loop.until([&] { return gateway.up("vxcan0"); }));
-        // It is read when the carrier is gone; an interface without carrier delivers nothing.
+        // It is read when the carrier is lost; an interface without carrier delivers nothing.
         ASSERT_EQ(run("cansend vxcan0 20000040#0000000000000000 && ip link set vxcan1 down"), 0);
         EXPECT_TRUE(loop.until([&] { return !gateway.up("vxcan0"); }));
         EXPECT_NE(gateway.link("vxcan0")["error"].get<std::string>().find("restart-ms"), std::string::npos);
-        loop.until([] { return false; }, 3s);    // the pauses between tries are the longest
+        loop.until([] { return false; }, 3s);    // until the pauses between attempts are the longest
         ASSERT_EQ(run("ip link set vxcan1 up; cansend vxcan0 20000100#0000000000000000"), 0);
         EXPECT_TRUE(loop.until([&] { return gateway.up("vxcan0"); }));
         BusSocket{"vxcan1"}.send(frame(0xDC, 0xFE, 0x03));
@@ -137,7 +137,7 @@ TEST_F(Can, absent_interfaces_cost_few_wake_ups) {
             if (word == "voluntary_ctxt_switches:") return status >> word, std::stoi(word);
         return -1;
     };
-    std::this_thread::sleep_for(5s);    // the first, shorter pauses
+    std::this_thread::sleep_for(5s);    // after the first, shorter pauses
     const int before = wake_ups();
     std::this_thread::sleep_for(5s);
     EXPECT_GE(before, 0);

@@ -1,4 +1,4 @@
-// A bus that takes less than comes, and one between gateways.
+// A bus that accepts less than it is offered, and a bus between gateways.
 #include "can.hpp"
 #include "can_rate.hpp"
 
@@ -48,7 +48,7 @@ TEST_F(Can, a_frame_that_the_bus_leaves_in_its_middle_is_given_up_whole) {
     EXPECT_EQ(there.count("vcan0", "frames_in"), 1u);
 }
 
-// A slow bus that another program keeps full; images wait, and commands among them.
+// A slow bus that another program keeps full; images wait, with commands among them.
 TEST_F(Can, urgent_frames_leave_first_beside_a_saturated_bus) {
     ASSERT_EQ(run("ip link set vcan0 txqueuelen 4"), 0);
     ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 400kbit burst 200 limit 400"), 0);
@@ -84,7 +84,7 @@ TEST_F(Can, two_gateways_joined_by_one_bus) {
         EXPECT_EQ(received(far, 1), Frames{there});
         far.send(b.port("app"), back);
         EXPECT_EQ(received(app, 1), Frames{back});
-        app.send(a.port("app"), frame(0xFE, 0xFF, 0x03));    // to everybody: once, and it does not go round
+        app.send(a.port("app"), frame(0xFE, 0xFF, 0x03));    // a broadcast: sent once, without a loop
         EXPECT_EQ(received(far, 1).size(), 1u);
         EXPECT_EQ(a.count("vcan0", "frames_in"), 1u);
         EXPECT_EQ(b.count("vcan0", "frames_in"), 2u);
@@ -114,7 +114,7 @@ TEST_F(Can, pty_to_can_to_udp_and_back) {
     ::close(pty);
 }
 
-// The table of src/link/README.md is computed from these counts.
+// The table of src/link/README.md is based on these counts.
 TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
     for (const bool fd : {false, true}) {
         for (const bool isotp : {false, true}) {
@@ -142,7 +142,7 @@ TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
     }
 }
 
-// Senders that keep a window of frames on the way: UDP to A, CAN to B, UDP to the far app. Each one's frames stay in order;
+// Senders with a window of frames in flight: UDP to A, CAN to B, UDP to the far app. The frames of each sender stay in order;
 // between senders of one class the outbox takes turns.
 TEST_F(Can, a_hundred_thousand_frames_without_a_lost_or_altered_one) {
     UdpPeer far;
@@ -156,7 +156,7 @@ TEST_F(Can, a_hundred_thousand_frames_without_a_lost_or_altered_one) {
         for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<std::uint8_t>(n >> (8 * (i % 4)));
         return frame(static_cast<std::uint8_t>(1 + n % senders), 0xFF, 0xB0, data);
     };
-    std::array<std::uint32_t, senders> next{};    // of each sender, the frame that is to come
+    std::array<std::uint32_t, senders> next{};    // of each sender: the next expected frame
     std::iota(next.begin(), next.end(), 0u);
     const auto arrived = [&](const Bytes& f) {
         const std::uint32_t sender = f.at(1) - 1u;

@@ -1,4 +1,4 @@
-// How long frames take on a CAN bus: the data sizes of the CAN frames that carry a V8 frame, and the bits of each.
+// The time of frames on a CAN bus: the data sizes of the CAN frames that make up a V8 frame, and the bits of each.
 #pragma once
 #include <gateway/can_stream.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace can_rate {
 
-using Sizes = std::vector<std::size_t>;    // of the data of each CAN frame, in order
+using Sizes = std::vector<std::size_t>;    // the data of each CAN frame, in order
 
 inline Sizes stream(std::size_t frame, bool fd) {
     Sizes sizes;
@@ -16,8 +16,8 @@ inline Sizes stream(std::size_t frame, bool fd) {
     return sizes;
 }
 
-/// ISO 15765-2 as the kernel does it: a single frame, or a first frame, the peer's flow control (3 bytes), and consecutive
-/// frames, none padded beyond what CAN FD demands.
+/// ISO 15765-2 as implemented by the kernel: a single frame, or a first frame, the peer's flow control (3 bytes), and consecutive
+/// frames, without padding beyond the requirements of CAN FD.
 inline Sizes isotp(std::size_t frame, bool fd) {
     const std::size_t room = fd ? 64 : 8;
     if (frame <= 7) return {frame + 1};
@@ -28,8 +28,8 @@ inline Sizes isotp(std::size_t frame, bool fd) {
     return sizes;
 }
 
-/// Seconds on the bus of a CAN frame with an 11-bit id, without stuff bits but those that CAN FD always has. `data_rate`
-/// 0: classic.
+/// The seconds that a CAN frame with an 11-bit id occupies the bus, without stuff bits except those that CAN FD always has.
+/// `data_rate` 0: classic.
 inline double seconds(std::size_t size, double rate, double data_rate) {
     const auto bits = static_cast<double>(8 * size);
     if (data_rate == 0) return (47 + bits) / rate;    // 44 and the space of 3 to the next frame

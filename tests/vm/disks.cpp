@@ -1,5 +1,5 @@
-// Recordings on a disk that really hangs, as the routes and the log tell of it: a file system in a file, frozen. A program that waits
-// for a frozen disk can't be killed, so this runs in the machine of tests/vm/machine alone.
+// Recordings on a disk that really hangs, as reported by the routes and the log: a file system in a file, frozen. A program that
+// waits for a frozen disk can't be killed, so this runs only in the machine of tests/vm/machine.
 #include <support/recorded.hpp>
 #include <support/recorded_files.hpp>
 #include <support/recording_gateway.hpp>
@@ -19,7 +19,7 @@ namespace {
 using namespace support;
 using nlohmann::json;
 
-// By the gateway's own clock: a machine that computes 9 to 65 times slower takes long to ask it.
+// By the gateway's own clock: on a machine that computes 9 to 65 times slower, a request takes long.
 constexpr char told[] = "the disk has written nothing for 1 s; frames are still forwarded, but are not recorded";
 
 class Disks : public RecordingGateway {
@@ -97,7 +97,7 @@ TEST_F(Disks, that_hang_hold_up_no_end_but_that_of_the_kernel) {
     gateway->signal(SIGTERM);
     EXPECT_TRUE(gateway->until_says("the disk does not respond")) << gateway->output();
     EXPECT_TRUE(gateway->until_says("stopping (")) << gateway->output();
-    thaw();    // until then the kernel keeps the thread that waits for the disk, and with it the process
+    thaw();    // until then the kernel blocks the thread that waits for the disk, and with it the process
     EXPECT_EQ(gateway->wait(), 0) << gateway->output();
 }
 

@@ -1,4 +1,4 @@
-// GPIO lines on the kernel's simulated chips, seen from their other side. Needs the machine of tests/vm/machine, or root of a
+// GPIO lines on the kernel's simulated chips, observed from their other side. Needs the machine of tests/vm/machine, or root on a
 // kernel that has gpio-sim.
 #include "gpio_sim.hpp"
 
@@ -180,7 +180,7 @@ TEST_F(Gpio, reset_is_pulsed_when_the_link_is_silent_and_not_while_it_speaks) {
     UdpPeer device;
     const std::uint16_t to = gateway.port("fc");
     const auto start = Clock::now();
-    while (Clock::now() - start < 4s) {    // longer than the silence that is too long
+    while (Clock::now() - start < 4s) {    // longer than the maximum silence
         device.send(to, attitude);
         loop.until([end = Clock::now() + 100ms] { return Clock::now() > end; });
         ASSERT_FALSE(sim.level(0));
@@ -275,11 +275,11 @@ TEST_F(Gpio, inhibit_is_not_passed_inside_a_tunnel_frame) {
     };
     Bytes both = command;
     both.insert(both.end(), attitude.begin(), attitude.end());
-    ground.send(gateway.port("ground"), wrapped(command));    // to the device, which would open it
+    ground.send(gateway.port("ground"), wrapped(command));    // to the device, which would unwrap it
     ground.send(gateway.port("ground"), wrapped(attitude));
     EXPECT_EQ(received(fc, 1), 1u);
     EXPECT_EQ(gateway.link("ground")["inhibited"], 1);
-    radio.send(gateway.port("tunnel"), wrapped(both));    // opened here, frame by frame
+    radio.send(gateway.port("tunnel"), wrapped(both));    // unwrapped here, frame by frame
     EXPECT_EQ(received(fc, 1), 1u) << "the attitude beside the command";
     EXPECT_EQ(gateway.link("tunnel")["inhibited"], 1);
     radio.send(gateway.port("tunnel"), wrapped(wrapped(command)));
@@ -336,7 +336,7 @@ TEST_F(Gpio, no_final_state_is_missed_in_ten_thousand_edges) {
     for (int burst = 0; burst < 100; ++burst) {
         const int edges = 100 + burst % 2;    // every other burst ends high
         std::atomic<bool> done{false};
-        std::thread hand{[&] {    // while the gateway reads, and faster than it does: the kernel keeps 16 edges
+        std::thread hand{[&] {    // while the gateway reads, and faster than it does: the kernel stores 16 edges
             for (int i = 0; i < edges; ++i)
                 if (!put((i + edges) % 2 == 1)) ++failed;
             done = true;
@@ -523,7 +523,7 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
             const Bytes bytes = frame(0xFE, 0xFF, 0x03, Bytes(static_cast<std::size_t>(50 * turn)));
             app.send(gateway.port("app"), bytes);
             expected += bytes.size();
-            // One event after the other: it is turned by one, and back by another.
+            // One event after the other: the first switches it, the second switches it back.
             ASSERT_TRUE(support::wait_until([&] { return sim.level(0); }, 10s,
                                             [&] {
                                                 loop.io.restart();
@@ -532,7 +532,7 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
                 << port << " " << turn;
             ASSERT_TRUE(becomes(sim, 0, false)) << port << " " << turn;
             if (far < 0) continue;
-            // All is out when the line goes back: what the far end has not read yet, it has.
+            // Everything was sent when the line is switched back: the far end has received what it has not read yet.
             loop.until([&] { return (got += far_bytes()) >= expected; }, 2s);
             EXPECT_EQ(got, expected) << turn;
         }
@@ -541,8 +541,7 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
         EXPECT_TRUE(loop.until([&] {
             far_bytes();
             const json bus = gateway.link("bus");
-            return bus["frames_out"].get<int>() + bus["superseded"].get<int>() ==
-                   70;    // newer ones take their place in a slow line
+            return bus["frames_out"].get<int>() + bus["superseded"].get<int>() == 70;    // newer ones replace them on a slow line
         })) << gateway.link("bus");
         EXPECT_TRUE(loop.until([&] {
             far_bytes();

@@ -1,4 +1,5 @@
-// A GPIO chip of the kernel's simulator, and the other side of its lines: what an output gives, and what an input gets.
+// A GPIO chip of the kernel's simulator, and the other side of its lines: the level of an output, and the level applied to an
+// input.
 #pragma once
 #include <filesystem>
 #include <fstream>
@@ -12,7 +13,7 @@ namespace support {
 
 class GpioSim {
 public:
-    /// `names` of lines; `hogs`: lines that the kernel holds, by whom.
+    /// `names` of lines; `hogs`: lines used by the kernel, with the name of the user.
     GpioSim(std::string name, int lines, const std::map<int, std::string>& names = {},
             const std::map<int, std::string>& hogs = {})
         : folder_{"/sys/kernel/config/gpio-sim/" + std::move(name)} {
@@ -50,7 +51,7 @@ public:
 
     const std::string& chip() const { return chip_; }    // "gpiochip0"
     std::string label() const { return "sim-" + std::filesystem::path{folder_}.filename().string(); }
-    /// The level, not what active_low makes of it.
+    /// The physical level, before active_low is applied.
     bool level(int line) const { return read(at(line) + "/value") == "1"; }
     void pull(int line, bool up) const { write(at(line) + "/pull", up ? "pull-up" : "pull-down"); }
     bool pulled_up(int line) const { return read(at(line) + "/pull") == "pull-up"; }

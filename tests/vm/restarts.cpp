@@ -23,7 +23,7 @@ using namespace support;
 constexpr std::uint8_t host = 0xFE, fc = 0xDC;
 const char *device_path, *port, *command;
 
-// The far end of a serial line; what its driver does not take at once waits here.
+// The far end of a serial line; bytes that its driver does not accept at once wait here.
 class Terminal {
 public:
     explicit Terminal(const char* path) : fd_{::open(path, O_RDWR | O_NOCTTY | O_NONBLOCK)} {
@@ -53,7 +53,7 @@ private:
     Bytes waiting_;
 };
 
-/// A stream of numbered frames: how many did not come, came twice, or behind a later one.
+/// A stream of numbered frames: counts those that are missing, duplicated, or late.
 class LossyStream {
 public:
     static constexpr int max_under_way = 100;
@@ -88,7 +88,7 @@ private:
     int next_ = 0;
 };
 
-// An emulated machine may not take in half a second what its driver was given: that is lost, and nothing else.
+// An emulated machine may not send within half a second the bytes passed to its driver: those are lost, and nothing else.
 TEST(Restarts, lose_only_what_was_on_its_way_of_ten_thousand_frames) {
     constexpr int frames = 10'000, restarts = 5, behind_the_last = 500;
     stay_on_one_processor();
@@ -97,7 +97,7 @@ TEST(Restarts, lose_only_what_was_on_its_way_of_ten_thousand_frames) {
     const anogate::Endpoint to = endpoint(std::string{"127.0.0.1:"} + port);
     LossyStream up{fc, host}, down{host, fc};
     Bytes rest;
-    peer.send(to, frame(host, 0xFF, 0x05));    // a peer from here on
+    peer.send(to, frame(host, 0xFF, 0x05));    // registered as a peer from here on
     device.write(frame(fc, 0xFF, 0x06));
     ASSERT_TRUE(wait_until([&] { return !peer.frames().empty(); }));
     int restarted = 0, end = INT_MAX;

@@ -1,5 +1,5 @@
-// Serial links on real drivers: a USB port of dummy_hcd and g_serial that is plugged and pulled, and two 16550 UARTs joined as a
-// null modem. Needs the machine of tests/vm/machine, or one like it.
+// Serial links on real drivers: a USB port of dummy_hcd and g_serial that is plugged in and unplugged, and two 16550 UARTs
+// connected as a null modem. Needs the machine of tests/vm/machine, or an equivalent one.
 #include <support/child.hpp>
 #include <support/process.hpp>
 #include <support/running_gateway.hpp>
@@ -33,7 +33,7 @@ Bytes data_of(std::size_t size, std::uint8_t first) {
     return data;
 }
 
-// The far end of a serial line, as a device's firmware has it.
+// The far end of a serial line, as the firmware of a device uses it.
 class Device {
 public:
     explicit Device(const std::string& path, speed_t rate = B115200) : fd_{::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK)} {
@@ -101,7 +101,7 @@ TEST_F(Serial, a_usb_port_is_plugged_and_pulled_ten_times_under_traffic) {
             std::size_t got = 0;
             for (std::uint8_t n = 0; n < 20; ++n) app.send(to, frame(0xFE, 0xDC, 0xE1, data_of(20, n)));
             EXPECT_GE(got += received(device, 20), 20u) << int{turn};
-            for (std::uint8_t n = 0; n < 50; ++n) {    // in the middle of this the plug is pulled
+            for (std::uint8_t n = 0; n < 50; ++n) {    // the port is unplugged during this
                 device.send(frame(0xDC, 0xFE, 0x03, data_of(20, n)));
                 app.send(to, frame(0xFE, 0xDC, 0xE1, data_of(20, n)));
             }
@@ -157,7 +157,7 @@ TEST_F(Serial, modem_lines_are_held_as_told) {
         const std::string word = on ? "true" : "false";
         RunningGateway gateway{loop, {"serial:/dev/ttyS1,baud=115200,dtr=" + word + ",rts=" + word}};
         ASSERT_TRUE(gateway.up("ttyS1")) << gateway.link("ttyS1")["error"];
-        std::ifstream ports{"/proc/tty/driver/serial"};    // to open the port would raise them
+        std::ifstream ports{"/proc/tty/driver/serial"};    // opening the port would increase them
         std::string port;
         while (std::getline(ports, port) && !port.starts_with("1:")) {}
         EXPECT_EQ(port.find("DTR") != port.npos, on) << port;
