@@ -1,8 +1,8 @@
-"""Builds test programs in which one source file differs, out of what is built without the difference.
+"""Builds test programs with one changed source file from a build without the change.
 
-A copy of the sources below build/mutants is built once. Of a program with a mutant only that is compiled which includes the file, and
-put before everything else when it is linked: of a function that exists twice in what is linked, the linker takes the first, and of a library
-it does not open what it already has. The compiler (clang) sees the changed file by an overlay in the place of the one in the copy.
+A copy of the sources below build/mutants is built once. For a program with a mutant, only the objects that include the file are compiled.
+They are linked before all others: the linker uses the first definition of a duplicate function, and does not read objects of a library for
+symbols that it already has. An overlay replaces the file in the copy by the changed one for the compiler (clang).
 """
 import json
 import os
@@ -13,11 +13,11 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
-launched = {"anogated": "src/anogated", "anoctl": "tools/anoctl"}    # what the programs over the whole gateway start
+launched = {"anogated": "src/anogated", "anoctl": "tools/anoctl"}    # the programs started by tests over the whole gateway
 
 
 class Broken(Exception):
-    """It does not compile; the text says why, `lines` where in the changed file."""
+    """It does not compile: the text is the reason, `lines` the places in the changed file."""
 
     def __init__(self, why, lines=()):
         super().__init__(why)
@@ -68,7 +68,7 @@ class Tree:
         return result.stdout
 
     def make(self, program):
-        """Builds the program as it is, and learns what it consists of."""
+        """Builds the program without a change, and reads which objects it consists of."""
         if program in self.inputs:
             return
         self._run(["nice", "ninja", "-C", self.build, "-j", str(jobs()), program])
@@ -86,7 +86,7 @@ class Tree:
         shutil.rmtree(self.mutant, ignore_errors=True)
 
     def _learn_users(self):
-        """Which objects include a file of ours."""
+        """Which objects include each of our files."""
         self.users, output = {}, None
         for line in self._run(["ninja", "-t", "deps"]).split("\n"):
             if line.startswith("    ../") or line.startswith("    " + self.tree):
@@ -99,7 +99,7 @@ class Tree:
 
 
 class Mutant:
-    """One changed file. `path` is the file's in the sources, `text` what it holds now."""
+    """One changed file. `path` is its path in the sources, `text` its new content."""
 
     def __init__(self, tree, path, text):
         self.tree, self.file, self.objects, self.linked = tree, os.path.join(tree.tree, path), {}, {}
@@ -115,7 +115,7 @@ class Mutant:
         return sorted(o for o in self.tree.users.get(self.file, ()) if o in self.tree.inputs[program])
 
     def near(self, program):
-        """Of what includes the file: its own source, and the tests that are named for it or for a header that includes it."""
+        """Of the objects that include the file: its own source, and the tests named after it or after a header that includes it."""
         users, stems = self.users(program), {stem_of(self.file)}
         for _ in range(3):
             sources = {o: self.tree.commands[o]["file"] for o in users}
@@ -132,7 +132,7 @@ class Mutant:
 
     def _compile(self, o):
         words = shlex.split(self.tree.commands[o]["command"])
-        while "clang" not in os.path.basename(words[0]):    # a launcher: what is compiled here is never compiled again
+        while "clang" not in os.path.basename(words[0]):    # a launcher: files compiled here are never compiled again
             words.pop(0)
         words = [w for w in words if w != "-Werror"] + ["-w", "-Wno-invalid-constexpr", "-ferror-limit=0", "-ivfsoverlay", self.overlay]
         if "-include-pch" in words:
@@ -149,7 +149,7 @@ class Mutant:
         return Broken((errors or ["?"])[0], map(int, lines))
 
     def build(self, program, objects):
-        """The program with these of its objects compiled anew: its path."""
+        """Compiles these objects of the program again and links it; returns its path."""
         new = [o for o in objects if o not in self.objects]
         with ThreadPoolExecutor(jobs()) as pool:
             for o, mutated in zip(new, pool.map(self._compile, new)):
@@ -175,7 +175,7 @@ class Mutant:
         return target
 
     def replace_launched(self):
-        """Puts the mutant into the programs that tests start; what puts them back is returned."""
+        """Puts the mutant into the programs that tests start; returns a function that restores them."""
         saved = []
         for name in launched:
             real = self.tree.path(name)

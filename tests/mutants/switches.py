@@ -1,4 +1,4 @@
-"""All mutants of a file in one text, each behind a switch: what the environment's MUTANT says, a number, is on."""
+"""All mutants of a file in one text, each behind a switch: the environment variable MUTANT is the number of the active one."""
 import re
 
 declaration = """#include <cstdlib>
@@ -31,7 +31,7 @@ def is_balanced(words):
 
 
 def statements(words):
-    """How many statements these are; 0: they are not whole ones."""
+    """The number of statements; 0: they are incomplete."""
     if not is_balanced(words) or words and words[-1] not in (";", "}"):
         return 0
     count = depth = 0
@@ -42,7 +42,7 @@ def statements(words):
 
 
 def stripped(old, new):
-    """Both without the whole statements that they have in common at their ends."""
+    """The numbers of equal elements at the beginning and at the end of both."""
     first = 0
     while first < min(len(old), len(new)) and old[first] == new[first]:
         first += 1
@@ -84,10 +84,10 @@ def as_operand(before, old, new, behind):
 
 
 def switch(before, old, new, behind):
-    """What stands in the place of `old`, with @ for the number; None: such a change has no place for a switch."""
+    """The text that replaces `old`, with @ for the number; None: this change can't have a switch."""
     before, old, new, behind = tokens(before[-200:]), tokens(old), tokens(new), tokens(behind[:100])
     if any('"' in words or "'" in words for words in (old, new)):
-        return None    # texts are not made of tokens
+        return None    # strings contain no tokens
     found = as_statement(before, old, new) or as_operand(before, old, new, behind)
     if found:
         return found
@@ -100,7 +100,7 @@ def switch(before, old, new, behind):
 
 
 def with_switches(text, changes):
-    """`changes`: (number, first, last, replacement) of places in `text`. The text with a switch for each that can have one, their
+    """`changes`: (number, first, last, replacement) of places in `text`. Returns the text with a switch for each that can have one, their
     numbers, and the lines of each in that text."""
     done, lines, end = [], {}, len(text)
     for number, first, last, new in sorted(changes, key=lambda c: -c[1]):
