@@ -1,4 +1,4 @@
-// A whole device: a barometer that speaks V8 on its standard input and output. On a serial port:
+// A complete device: a barometer that uses V8 on its standard input and output. On a serial port:
 //     stty -F /dev/ttyUSB0 500000 raw -echo && ./barometer values <>/dev/ttyUSB0 >&0
 #include <ano/parser.hpp>
 #include <device/device.hpp>
@@ -11,7 +11,7 @@
 
 using namespace std::chrono_literals;
 
-// What a sensor would be asked for: its height in cm.
+// Replaces the reading of a sensor: its height in cm.
 static float measured() { return 12000; }
 
 int main(int argc, char** argv) {

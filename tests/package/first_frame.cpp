@@ -1,4 +1,4 @@
-// Prints who sent the frame that stands behind a byte of noise.
+// Prints the sender of the frame after a byte of noise.
 #include <ano/address.hpp>
 #include <ano/parser.hpp>
 

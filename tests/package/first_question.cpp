@@ -1,4 +1,4 @@
-// Prints the frame with which a host begins to read the parameters of the flight controller, and when it would repeat it.
+// Prints the first frame of a host that reads the parameters of the flight controller, and the time of its repeat.
 #include <host/parameters.hpp>
 
 #include <chrono>

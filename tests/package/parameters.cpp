@@ -1,5 +1,5 @@
-// A whole host: sets the parameters that are named, and prints all that the device has. It speaks V8 on its standard input and output,
-// and to people on standard error. On a serial port:
+// A complete host: sets the named parameters, and prints all parameters of the device. It uses V8 on its standard input and
+// output, and prints messages to standard error. On a serial port:
 //     stty -F /dev/ttyUSB0 500000 raw -echo && ./parameters 0x21 RATE=20 <>/dev/ttyUSB0 >&0
 #include <ano/parser.hpp>
 #include <host/parameter_write.hpp>
@@ -15,7 +15,7 @@
 
 using namespace std::chrono_literals;
 
-// Drives `device` until `task` has ended: every frame that comes is given to it, every frame that it has is sent.
+// Drives `device` until `task` has ended: passes every received frame to it, and sends every frame of it.
 static bool finish(ano::host::Device& device, ano::FrameParser& parser, const ano::host::Task& task) {
     while (!task.end()) {
         const auto now = ano::Clock::now();

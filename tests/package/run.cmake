@@ -1,4 +1,4 @@
-# Installs BUILD into a folder of its own and uses it from there, as a stranger would.
+# Installs BUILD into its own folder and uses it from there like an external project.
 # cmake -DBUILD=... -DSOURCE=... -DCXX=... -DFLAGS=... -P run.cmake
 cmake_minimum_required(VERSION 3.22)
 set(prefix ${BUILD}/package/prefix)
@@ -23,14 +23,14 @@ foreach(file bin/anogated lib/systemd/system/anogated.service lib/systemd/system
   endif()
 endforeach()
 
-# Under a prefix of its own the unit starts this program with this configuration, and that is the one the program looks for.
+# With a prefix of its own the unit starts this program with this configuration, which is the one that the program looks for.
 file(STRINGS ${prefix}/lib/systemd/system/anogated.service command REGEX "^Exec(Start|Reload)=")
 if(NOT command STREQUAL "ExecStart=${prefix}/bin/anogated --config ${prefix}/etc/anogate/anogate.json;ExecReload=${prefix}/bin/anoctl reload")
   message(FATAL_ERROR "the unit has ${command}")
 endif()
 run(${prefix}/bin/anogated --check)
 
-# So does that of instances, each with its own configuration and runtime folder.
+# The same applies to the unit of instances, each with its own configuration and runtime folder.
 file(STRINGS ${prefix}/lib/systemd/system/anogated@.service instance REGEX "^(ExecStart|RuntimeDirectory|Environment|EnvironmentFile)=")
 set(expected "EnvironmentFile=-${prefix}/etc/default/anogate" "ExecStart=${prefix}/bin/anogated --config ${prefix}/etc/anogate/%i.json --control /run/anogate-%i/control.sock"
   "RuntimeDirectory=anogate-%i" "Environment=XDG_RUNTIME_DIR=/run/anogate-%i")
@@ -42,7 +42,7 @@ if(NOT output MATCHES "${prefix}/etc/anogate/anogate.json")
   message(FATAL_ERROR "anogated looks elsewhere for its configuration:\n${output}")
 endif()
 
-# Under the system's it is in /etc.
+# With the system's prefix it is in /etc.
 run(${CMAKE_COMMAND} -E env DESTDIR=${BUILD}/package/root ${CMAKE_COMMAND} --install ${BUILD} --prefix /usr)
 file(STRINGS ${BUILD}/package/root/usr/lib/systemd/system/anogated.service command REGEX "^Exec(Start|Reload)=")
 if(NOT command STREQUAL "ExecStart=/usr/bin/anogated --config /etc/anogate/anogate.json;ExecReload=/usr/bin/anoctl reload")
@@ -51,7 +51,8 @@ endif()
 if(NOT EXISTS ${BUILD}/package/root/etc/anogate/anogate.json)
   message(FATAL_ERROR "no configuration in /etc")
 endif()
-# What remains to be done by hand is said where the system does not look, and the manifest has all that is to be removed one day.
+# The remaining manual steps are printed if the system does not search the prefix, and the manifest lists all files for a later
+# removal.
 run(${CMAKE_COMMAND} -E env DESTDIR=${BUILD}/package/root ${CMAKE_COMMAND} --install ${BUILD} --prefix "/opt/my anogate")
 if(NOT output MATCHES "systemctl link /opt/my anogate/lib/systemd/system/anogated.service ")
   message(FATAL_ERROR "nobody is told of systemctl link:\n${output}")
@@ -86,7 +87,7 @@ if(NOT output STREQUAL "AB FE DC E0 03 00 00 00 00 68 46 again after 200 ms\n")
   message(FATAL_ERROR "first_question printed: ${output}")
 endif()
 
-# A device: says who it is, and acknowledges a parameter, saving it, and a command; started again it still knows the parameter.
+# A device: reports who it is, and acknowledges a parameter, saving it, and a command; after a restart it still has the parameter.
 function(answers questions)
   run(sh -c "printf '${questions}' | ${BUILD}/package/build/barometer ${BUILD}/package/values >${BUILD}/package/answers")
   file(READ ${BUILD}/package/answers said HEX)
@@ -103,7 +104,7 @@ answers([[\253\376\377\340\003\000\000\000\000\213\073\253\376\041\341\006\000\0
   ab21fe000300c08f6d89d7)
 answers([[\253\376\041\340\003\000\002\000\000\257\057]] ab21fee1060000000000a4c1167d)
 
-# A host and a device, each of a stranger, on a wire between them.
+# An external host and an external device, with a wire between them.
 run(sh -ec "cd ${BUILD}/package && mkfifo to_device to_host
     build/barometer values <to_device >to_host & build/parameters 0x21 OFFSET=-2.5 RATE=20 >to_device <to_host")
 if(NOT output STREQUAL "OFFSET = -2.5, cm, added to the height\nRATE = 20, heights a second\n")
