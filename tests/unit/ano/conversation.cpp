@@ -1,4 +1,4 @@
-// Which frames ask, answer, act and write, and which are acknowledged.
+// Which frames are questions, answers, actions and writes, and which are acknowledged.
 #include <ano/conversation.hpp>
 
 #include <support/bytes.hpp>
@@ -80,7 +80,7 @@ Ids ids(Is is) {
     return all;
 }
 
-// As sections 3 and 4 of the protocol text list them. DATA is long enough for every layout, and its first byte is not listed.
+// As listed in sections 3 and 4 of the protocol text. DATA is long enough for every layout, and its first byte is not listed.
 TEST(Conversation, every_id_is_as_in_the_protocol) {
     const Bytes data(32, 0x55);
     const auto is = [&](Intent wanted) { return ids([&](std::uint8_t id) { return intent(0xDC, id, data) == wanted; }); };
@@ -98,7 +98,7 @@ TEST(Conversation, every_id_is_as_in_the_protocol) {
               (Ids{0x00, 0x60, 0x61, 0xC1, 0xC2, 0xE0, 0xE1, 0xE2, 0xE3, 0xF0}));
 }
 
-// For each first byte of DATA, the id of the answer; none where nothing answers.
+// For each first byte of DATA, the id of the answer; none if there is no answer.
 TEST(Conversation, every_first_byte_is_answered_as_in_the_protocol) {
     const auto answered = [](std::uint8_t id) {
         std::map<int, Ids> by_answer;    // first bytes by the id of the answer
@@ -164,7 +164,7 @@ TEST(Answer, is_not_awaited_of_a_question_that_is_too_short) {
     EXPECT_FALSE(answer_to(FrameView{support::frame(0xFE, 0xDC, 0x60, {})}));
 }
 
-// An action that can't be told from a question would pass an inhibit switch.
+// An action that can't be distinguished from a question would pass an inhibit switch.
 TEST(Control, is_an_unlisted_action_and_one_without_data) {
     const auto is_control = [](const Bytes& data) { return ano::is_control(FrameView{support::frame(0xFE, 0xDC, 0xE0, data)}); };
     EXPECT_TRUE(is_control({}));

@@ -11,7 +11,7 @@ namespace {
 
 using namespace ano;
 
-// What the catalogue of CRCs gives for these nine digits.
+// The check value for these nine digits in the catalogue of CRCs.
 constexpr std::array<std::uint8_t, 9> digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
 static_assert(crc16_of(digits) == 0x29B1);
 

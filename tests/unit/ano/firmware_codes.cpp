@@ -1,4 +1,4 @@
-// Codes of a firmware upgrade in both byte orders: each is told from its bytes and the length of its frame.
+// Codes of a firmware upgrade in both byte orders: each is recognised by its bytes and the length of its frame.
 #include <ano/firmware_codes.hpp>
 
 #include <support/bytes.hpp>

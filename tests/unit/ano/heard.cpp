@@ -54,7 +54,7 @@ TEST(Heard, makes_a_source_credible_with_ids_of_free_length_and_with_what_was_he
     EXPECT_TRUE(credible(heard, 0xDC, 0x34, 401, 100));
     EXPECT_FALSE(credible(heard, 0xDC, 0x34, 401, 99));
     EXPECT_TRUE(credible(heard, 0xDC, 0x01, 13));
-    EXPECT_TRUE(credible(heard, 0xDE, 0x01, 13));    // an id has one length, whoever sends it
+    EXPECT_TRUE(credible(heard, 0xDE, 0x01, 13));    // an id has one length, from any sender
     EXPECT_FALSE(credible(heard, 0xDC, 0x01, 14));
     EXPECT_FALSE(credible(heard, 0xDC, 0x02, 14));
     EXPECT_FALSE(credible(heard, 0x77, 0x01, 13));

@@ -51,7 +51,7 @@ TEST(FrameParser, accepts_the_largest_frames_one_behind_the_other) {
     Line line{{.max_data = 65535}};
     const Bytes largest = support::frame(1, 2, 0xB0, Bytes(65535, 0x5A));
     for (int i = 0; i < 5; ++i) {
-        line.put(Bytes(static_cast<std::size_t>(i)));    // so that they begin anywhere in the buffer
+        line.put(Bytes(static_cast<std::size_t>(i)));    // so that they begin at different positions of the buffer
         line.put(largest, 3000);
     }
     EXPECT_EQ(line.frames, Frames(5, largest));
@@ -93,7 +93,7 @@ TEST(FrameParser, gives_views_that_last_until_the_next_prepare) {
 // --- Resynchronisation
 
 TEST(FrameParser, looks_again_one_byte_after_a_refused_candidate) {
-    // The good frame begins at the second byte of the bad one, whose check would reach into it.
+    // The valid frame begins at the second byte of the invalid one, whose check would be inside it.
     Line line{{.max_data = 20}};
     line.put(Bytes{ano::head} + numbered(1));
     line.put(Bytes{ano::head, ano::head, ano::head} + numbered(2));
@@ -115,7 +115,7 @@ TEST(FrameParser, finds_a_good_frame_inside_a_bad_one) {
 }
 
 TEST(FrameParser, finds_a_good_frame_behind_many_candidates_that_overlap) {
-    // All of them reach over the good frame; the last one reaches into the bytes behind it.
+    // All of them extend beyond the valid frame; the last one extends into the bytes after it.
     Bytes bytes;
     for (std::size_t i = 0; i < 40; ++i) bytes = bytes + header(300 - 6 * i + i % 5);
     const Bytes more = Bytes(200, 0x33) + numbered(2);
@@ -157,7 +157,7 @@ TEST(FrameParser, finds_a_frame_among_heads_however_near_its_end_it_is_cut) {
     }
 }
 
-// Candidates whose LEN is two HEADs are refused 64 at a time, as far as sums are at hand: the good one may be any of these.
+// Candidates whose LEN is two HEADs are rejected 64 at a time, as far as sums are available: the valid one may be any of these.
 TEST(FrameParser, finds_a_frame_among_heads_wherever_it_begins) {
     const Bytes frame = support::frame(ano::head, ano::head, ano::head, Bytes(0xABAB, 0x11));
     for (std::size_t heads = 990; heads < 1060; ++heads) {

@@ -34,7 +34,7 @@ TEST(FrameParser, abandons_what_is_left_over_when_a_datagram_starts_with_a_whole
 }
 
 TEST(FrameParser, keeps_what_is_left_over_when_a_datagram_starts_with_a_frame_larger_than_max_data) {
-    // The rest of the outer frame is the beginning of an inner one that is good, but too large.
+    // The rest of the outer frame is the beginning of an inner one that is valid, but too large.
     Line line{{.max_data = 40}};
     const Bytes outer = support::frame(1, 2, 3, Bytes(10) + header(41) + Bytes(24));
     Bytes datagram = rest_of(outer, 16);

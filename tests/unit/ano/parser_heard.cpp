@@ -1,4 +1,4 @@
-// False headers, recognised by what was heard on the line.
+// False headers, recognised by the frames received before on the line.
 #include "parser_line.hpp"
 
 using namespace parsing;
@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint8_t stranger = 0x77;
 
-// Two frames of 0xDC have been heard, with id 0x01 and 13 bytes of DATA.
+// Two frames of 0xDC were received, with id 0x01 and 13 bytes of DATA.
 struct HeardLine : Line {
     explicit HeardLine(FrameParser::Options options = {}) : Line{options} {
         put(numbered(100) + numbered(101));
@@ -60,7 +60,7 @@ TEST(FrameParser, lets_them_pass_when_false_headers_in_their_DATA_end_where_they
     EXPECT_EQ(line.frames, (Frames{first, second}));
 }
 
-// The candidate begins one byte before the two, and would end one byte behind them: its LEN is the id of the first.
+// The candidate begins one byte before the two frames, and would end one byte after them: its LEN is the id of the first.
 TEST(FrameParser, lets_two_frames_pass_that_fill_the_candidate_but_for_one_byte_at_each_end) {
     const Bytes first = support::frame(0xDC, 0xFE, 23), second = numbered(1);
     HeardLine line;
@@ -81,7 +81,7 @@ TEST(FrameParser, lets_no_single_frame_pass_a_header_nor_two_that_are_apart) {
 TEST(FrameParser, lets_no_frames_pass_that_are_damaged_or_from_strangers) {
     Bytes damaged = numbered(2);
     damaged[10] ^= 1;
-    Bytes of_wrong_add = numbered(2);    // its other check holds, so that it is looked at
+    Bytes of_wrong_add = numbered(2);    // its other check is right, so it is examined
     of_wrong_add.back() ^= 1;
     const Bytes strange = support::frame(stranger, 0xFE, 0x01, Bytes(13));
     for (const Bytes& second : {damaged, of_wrong_add, strange}) {
@@ -91,7 +91,7 @@ TEST(FrameParser, lets_no_frames_pass_that_are_damaged_or_from_strangers) {
     }
 }
 
-// Its source was heard, but a bit of LEN was flipped on the way.
+// Its source is known, but a bit of LEN was flipped.
 TEST(FrameParser, lets_frames_pass_a_header_whose_LEN_is_more_than_was_heard) {
     for (unsigned bit = 0; bit < 12; ++bit) {
         const std::size_t length = 13u ^ 1u << bit;
@@ -115,7 +115,7 @@ TEST(FrameParser, waits_for_a_LEN_that_was_heard) {
     line.frames.clear();
     line.put(header(60) + pair_of_frames);
     EXPECT_TRUE(line.frames.empty());
-    line.put(header(61) + pair_of_frames);    // which ends the wait
+    line.put(header(61) + pair_of_frames);    // this ends the wait
     EXPECT_EQ(line.frames.size(), 4u);
 }
 
@@ -126,7 +126,7 @@ TEST(FrameParser, waits_as_long_as_ever_where_nothing_was_heard) {
     EXPECT_EQ(line.parser.deadline(), line.now + 50ms);
 }
 
-// Behind a header that gives way there may be a frame that is on its way: that one waits for its rest.
+// After a header that gives way there may be an incomplete frame: that one waits for its rest.
 TEST(FrameParser, gives_way_one_candidate_at_a_time) {
     const Bytes log = support::frame(0xDC, 0xFE, 0xA0, Bytes(10) + pair_of_frames + Bytes(300));
     for (std::size_t cut = ano::overhead; cut < log.size(); ++cut) {
@@ -148,7 +148,7 @@ TEST(FrameParser, keeps_what_it_heard_over_the_end_of_input) {
     EXPECT_EQ(line.frames.size(), 4u);
 }
 
-// The limit for the search: a look at a header, and each header that gives way, costs the credit of 32 bytes of good frames. The
+// The limit for the search: examining a header, and each header that gives way, costs the credit of 32 bytes of valid frames. The
 // credit is at most 65536 bytes, and begins full.
 struct FloodedLine : HeardLine {
     FloodedLine() {
@@ -168,7 +168,7 @@ TEST(FrameParser, looks_for_no_two_frames_in_a_row_behind_more_headers_than_good
 }
 
 TEST(FrameParser, looks_for_them_again_when_good_frames_have_paid_for_it) {
-    for (const unsigned good : {4u, 5u}) {    // of 21 bytes, for two looks and a header that gives way
+    for (const unsigned good : {4u, 5u}) {    // of 21 bytes, for two examinations and a header that gives way
         FloodedLine line;
         for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
         line.put(header(1000, stranger) + pair_of_frames);
@@ -177,7 +177,7 @@ TEST(FrameParser, looks_for_them_again_when_good_frames_have_paid_for_it) {
 }
 
 TEST(FrameParser, has_every_header_that_gives_way_paid_for) {
-    for (const unsigned good : {7u, 8u}) {    // for three looks and two headers that give way
+    for (const unsigned good : {7u, 8u}) {    // for three examinations and two headers that give way
         FloodedLine line;
         for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
         line.put(header(1000, stranger) + header(1000, stranger) + pair_of_frames);
@@ -187,13 +187,13 @@ TEST(FrameParser, has_every_header_that_gives_way_paid_for) {
 
 TEST(FrameParser, finds_two_in_a_row_among_what_it_could_not_look_at_when_it_came) {
     FloodedLine line;
-    for (unsigned i = 0; i < 2; ++i) line.put(numbered(i));    // they pay for one look
+    for (unsigned i = 0; i < 2; ++i) line.put(numbered(i));    // they pay for one examination
     Bytes good;
     for (unsigned i = 2; i < 7; ++i) good = good + numbered(i);
     const Bytes behind = good + header(1000, stranger) + pair_of_frames;
     line.put(header(behind.size() - 1, stranger) + behind);
     EXPECT_EQ(line.frames.size(), 2u);
-    line.put(Bytes(1));    // the first header's frame is whole, and bad
+    line.put(Bytes(1));    // the first header's frame is complete, and invalid
     EXPECT_EQ(line.frames.size(), 9u);
     EXPECT_EQ(line.counters().expired, 1u);
 }
@@ -202,7 +202,7 @@ TEST(FrameParser, saves_what_good_frames_pay_up_to_a_limit) {
     HeardLine line;
     for (unsigned i = 0; i < 4000; ++i) line.put(numbered(i));
     line.frames.clear();
-    line.put(header(4096, stranger) + Bytes(2046, ano::head) + Bytes(8, 0xFF), 100);    // two looks are left
+    line.put(header(4096, stranger) + Bytes(2046, ano::head) + Bytes(8, 0xFF), 100);    // credit for two examinations is left
     line.put(pair_of_frames);
     EXPECT_TRUE(line.frames.empty());
 }
@@ -216,7 +216,7 @@ struct Outer {
 
 class KnownSender : public testing::TestWithParam<Outer> {};
 
-// The first frame of a known sender with an id of any length, and tunnel frames of anybody.
+// The first frame of a known sender with an id of any length, and tunnel frames of any sender.
 TEST_P(KnownSender, has_no_frames_taken_out_of_its_DATA) {
     const auto& [name, source, id, begin] = GetParam();
     const Bytes inner = numbered(1) + numbered(2) + numbered(3) + support::frame(0xDC, 0xFE, 0xA0, {1, 'a'});
@@ -232,7 +232,7 @@ TEST_P(KnownSender, has_no_frames_taken_out_of_its_DATA) {
                 ASSERT_EQ(line.frames, (Frames{outer, numbered(1), numbered(2)})) << "cut at " << cut;
             }
         }
-        // As a line of 1200 baud brings them, byte by byte.
+        // As on a line of 1200 baud, byte by byte.
         HeardLine line{{.line_rate = 120}};
         for (const std::uint8_t byte : before + outer + pair_of_frames) {
             line.put(Bytes{byte});
@@ -257,7 +257,7 @@ INSTANTIATE_TEST_SUITE_P(sends, KnownSender,
                                          Outer{"a_strangers_short_tunnel_frame", stranger, 0xB2, Bytes(4)}),
                          [](const auto& test) { return test.param.name; });
 
-// The limit of the rule: a long frame of a sender that was never heard can't be told from a false header.
+// The limit of the rule: a long frame of an unknown sender can't be distinguished from a false header.
 TEST(FrameParser, takes_the_frames_out_of_a_strangers_first_frame_when_it_comes_in_pieces) {
     const Bytes log = support::frame(stranger, 0xFE, 0xA0, Bytes(1) + pair_of_frames + Bytes(10));
     HeardLine whole;

@@ -1,4 +1,4 @@
-// Images are longer than all other frames: they pass by default, and a false header that claims one holds nothing up.
+// Images are longer than all other frames: they pass by default, and a false header that claims one delays no other frame.
 #include "parser_line.hpp"
 
 #include <ano/image_length.hpp>
@@ -51,7 +51,7 @@ TEST(ParserImages, an_image_of_bits_may_have_rows_of_width_over_8_rounded_either
     }
 }
 
-// The laws for all other frames: what follows must not wait for the 20,000 bytes that a false header claims.
+// As for all other frames: later frames must not wait for the 20,000 bytes that a false header claims.
 TEST(ParserImages, a_header_whose_pixels_are_no_rows_of_its_image_is_refused_as_soon_as_that_is_seen) {
     for (const Bytes& wrong : {picture(7), picture(0, 0), picture(0, 160, 0), picture(0, 161), picture(0, 160, 30)}) {
         Line line;
@@ -88,14 +88,14 @@ TEST(ParserImages, an_image_that_breaks_off_holds_the_line_for_its_own_time_at_m
     EXPECT_EQ(line.counters().expired, 1u);
 }
 
-// Frames of known senders free the line sooner when the image is not credible: nobody at this address was heard.
+// Frames of known senders free the line sooner if the image is not credible because its address is unknown.
 TEST(ParserImages, an_image_of_a_stranger_gives_way_to_two_good_frames) {
     Line line;
     line.put(numbered(1) + begin_of(picture(), 100) + numbered(2) + numbered(3));
     EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2), numbered(3)}));
 }
 
-// 20 ports of a gateway: memory that no image needs is never touched.
+// 20 ports of a gateway: memory is touched only for images.
 TEST(ParserImages, a_busy_line_without_images_uses_the_buffer_that_it_had) {
     FrameParser parser{{}};
     const std::uint8_t* const first = parser.prepare().data();

@@ -1,4 +1,4 @@
-// A FrameParser on a line: bytes are put in, whole frames taken out, and every byte is counted.
+// A FrameParser on a line: bytes are put in, whole frames are taken out, and every byte is counted.
 #pragma once
 #include <ano/parser.hpp>
 #include <support/bytes.hpp>
@@ -71,7 +71,7 @@ private:
     std::uint64_t good_bytes_ = 0;
 };
 
-// A frame of 21 bytes that differs from others by `n`.
+// A frame of 21 bytes whose content depends on `n`.
 inline Bytes numbered(unsigned n) {
     Bytes data(13, 0x11);
     data[0] = static_cast<std::uint8_t>(n);
@@ -88,7 +88,7 @@ inline Bytes begin_of(const Bytes& bytes, std::size_t n) {
 }
 inline Bytes rest_of(const Bytes& bytes, std::size_t n) { return {bytes.begin() + static_cast<std::ptrdiff_t>(n), bytes.end()}; }
 
-// The beginning of a frame that carries two frames, up to behind both inner frames: as much as a datagram may hold.
+// The beginning of a frame that contains two frames, up to the end of both: as much as a datagram may contain.
 struct Tunnel {
     Bytes first = numbered(1);
     Bytes second = numbered(2);

@@ -44,7 +44,7 @@ TEST(FrameParser, sees_no_frame_of_the_previous_version_around_a_good_one) {
     }
 }
 
-// Crafted input must not cost more for being looked at twice.
+// Crafted input must not become more expensive through the second search.
 TEST(FrameParser, looks_for_the_previous_version_only_in_the_first_bytes_of_a_long_piece) {
     const Bytes one = v7_frame(0x03, {1, 2, 3, 4, 5, 6});
     Line line;

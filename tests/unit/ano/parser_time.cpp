@@ -163,7 +163,7 @@ TEST(FrameParser, joins_nothing_across_the_end_of_input) {
     EXPECT_EQ(line.frames, Frames{numbered(2)});
 }
 
-// A radio that sends a frame in packets: pauses inside a frame are normal there, and a frame waits while its bytes still come.
+// A radio that sends a frame in packets: pauses inside a frame are normal there, and a frame waits while its bytes still arrive.
 TEST(FrameParser, lets_a_frame_pause_for_its_frame_gap_also_on_a_fast_line_and_between_datagrams) {
     const Bytes frame = support::frame(0xDC, 2, 3, Bytes(40) + numbered(7) + Bytes(40));
     for (const bool datagrams : {false, true})

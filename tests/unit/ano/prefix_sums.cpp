@@ -18,7 +18,7 @@ Bytes random_bytes(std::size_t n) {
     return bytes;
 }
 
-// Every stretch of [begin, end of the sums) against the plain checks; `bytes` is what the sums were made of.
+// Compares every range of [begin, end of the sums) with the plain checks; `bytes` are those from which the sums were made.
 void expect_the_checks_of(const Bytes& bytes, const PrefixSums& sums, std::size_t begin) {
     for (std::size_t from = begin; from < sums.end(); from += 7) {
         for (std::size_t to = from; to < sums.end(); ++to) {
@@ -46,7 +46,7 @@ TEST(PrefixSums, grow_with_what_comes_in) {
         PrefixSums sums{bytes.size()};
         sums.begin(5);
         for (std::size_t there = 6; there < bytes.size(); there += step)
-            sums.extend(std::span{bytes}.first(there), there);    // no further than what is there
+            sums.extend(std::span{bytes}.first(there), there);    // at most to the end of the available bytes
         expect_the_checks_of(bytes, sums, 5);
     }
 }

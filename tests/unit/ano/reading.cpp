@@ -50,7 +50,7 @@ TEST(Reading, says_why_there_are_no_fields) {
 }
 
 TEST(Reading, keeps_what_stands_behind_the_layout) {
-    const support::Bytes data{1, 2, 3, 4, 5};    // as old devices tell the number of their commands
+    const support::Bytes data{1, 2, 3, 4, 5};    // the form in which old devices report the number of their commands
     const Reading reading = read(0xC1, data);
     ASSERT_TRUE(reading);
     EXPECT_TRUE(reading.message()->is_base());
@@ -58,7 +58,7 @@ TEST(Reading, keeps_what_stands_behind_the_layout) {
     EXPECT_EQ(reading.extra()[0], 4);
 }
 
-// Others may stand before the fields, as some devices have it.
+// Other bytes may precede the fields, as on some devices.
 TEST(Reading, of_what_is_sent_again_and_again_has_no_length_but_those_of_its_layouts) {
     for (const Message& row : messages)
         for (std::size_t more = 1; more < 12; ++more) {
@@ -79,7 +79,7 @@ TEST(Reading, of_what_is_sent_again_and_again_has_no_length_but_those_of_its_lay
     EXPECT_TRUE(as<"waypoint">(FrameView{stored})) << "what is asked for may be longer";
 }
 
-// Where the layouts of a message have their fields in different places, a third length could be any of them.
+// If the layouts of a message have their fields at different offsets, a third length could be any of them.
 TEST(Reading, never_has_shifted_fields) {
     const auto readable = [](std::uint8_t id, std::size_t size, std::uint8_t first = 1) {
         support::Bytes data(size);
@@ -126,7 +126,7 @@ TEST(Reading, of_a_list_has_its_whole_elements_and_the_rest_as_extra) {
 }
 
 TEST(Reading, prefers_the_mode_to_the_length) {
-    const support::Bytes data{100, 1, 0, 2, 0, 9, 9};    // as long as the field variant
+    const support::Bytes data{100, 1, 0, 2, 0, 9, 9};    // the length of the field variant
     EXPECT_EQ(read(0x34, data).message()->variant.label, "scan");
 }
 
@@ -147,12 +147,12 @@ TEST(Reading, tells_an_old_parameter_info_by_its_look) {
     EXPECT_EQ(info(8, {}, "ROL", 23), "");
     EXPECT_EQ(info(8, {}, "PARAMETER_NAME", 40), "");
     EXPECT_EQ(info(11, {}, "PARAMETER_NAME", 40), "old");    // a type that does not exist
-    EXPECT_EQ(info(11, {}, "SHORT", 40), "");                // with a name where the current layout has it
+    EXPECT_EQ(info(11, {}, "SHORT", 40), "");                // with a name at the offset of the current layout
     EXPECT_EQ(info(8, {}, "", 40), "");                      // without a name
     EXPECT_EQ(info(0, small, "ROL", 29), "");                // too short for the old one
 }
 
-// A generation of devices between the two has a third i32, by which a value is multiplied.
+// A generation of devices between the two has a third i32, the factor of the value.
 TEST(Reading, tells_a_scaled_parameter_info_by_its_look) {
     const auto info = [](std::int32_t min, std::int32_t max, std::int32_t mul, std::string_view name, std::size_t size = 50) {
         support::Bytes data(14);
@@ -184,7 +184,7 @@ TEST(Reading, no_data_is_nothing_and_as_a_number_not_one) {
     EXPECT_EQ(reading.number(reading.fields()[1]), 1.0);
 }
 
-// On the heap with exactly its size, so that a sanitizer detects a read behind its end.
+// On the heap with exactly its size, so that a sanitizer detects a read after its end.
 TEST(Reading, of_any_id_and_any_length_stays_within_its_data) {
     support::Random random{1};
     for (unsigned id = 0; id < 256; ++id) {

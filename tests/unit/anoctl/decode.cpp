@@ -116,7 +116,7 @@ TEST(Decode, tells_a_length_that_no_layout_has) {
     EXPECT_EQ(result.err, "anoctl: offset 0: unknown layout of euler, LEN 9\n");
 }
 
-// What passes by has no line on standard error: its own says why it shows bytes.
+// Received frames have no line on standard error: their own line gives the reason for showing bytes.
 TEST(Decode, a_frame_that_passes_by_with_a_length_that_no_layout_has_is_named_in_its_line) {
     const auto frame = support::frame(0xDC, 0xFE, 0x03, support::Bytes(9));
     for (const bool is_terminal : {false, true}) {
@@ -268,10 +268,10 @@ TEST(Decode, shows_ids_and_addresses_in_hex) {
             "frames=[{\"from\":\"0xFE\",\"to\":\"0xFF\",\"id\":\"0x00\",\"name\":\"check\",\"fields\":{\"id_get\":\"0xE1\""),
         std::string::npos)
         << shown;
-    // What is shown is what encode takes.
+    // The output is valid input for encode.
     const std::string frames = shown.substr(shown.find("frames="), shown.size() - shown.find("frames=") - 1);
     EXPECT_EQ(anoctl({"encode", "--raw", "ip_tunnel", frames}).out, tunnel.out);
-    // In JSON they stay numbers.
+    // In JSON they remain numbers.
     EXPECT_NE(anoctl({"decode", "--json"}, tunnel.out).out.find("\"frames\":[{\"from\":254,\"to\":255,\"id\":0,"),
               std::string::npos);
 }

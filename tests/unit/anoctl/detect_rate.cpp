@@ -24,7 +24,7 @@ using support::Bytes;
 
 const Bytes euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 
-/// The rate that the user of a pseudo-terminal has set, any integer: what <termios.h> tells are the rates of old.
+/// The rate set by the user of a pseudo-terminal, any integer: <termios.h> returns only the traditional rates.
 std::uint32_t rate_of(int fd) {
     struct {
         std::uint32_t flags[4];
@@ -34,7 +34,7 @@ std::uint32_t rate_of(int fd) {
     return ::ioctl(fd, _IOC(_IOC_READ, 'T', 0x2A, sizeof settings), &settings) == 0 ? settings.output : 0;
 }
 
-/// Says something every few milliseconds, by the rate that its user has set.
+/// Sends something every few milliseconds that depends on the rate set by its user.
 class Speaker {
 public:
     explicit Speaker(std::function<Bytes(std::uint32_t baud)> say)
@@ -57,7 +57,7 @@ private:
     std::thread thread_;
 };
 
-/// Enough of it within a moment for a rate to be given up, so that the tests need not give one up by the clock.
+/// Enough bytes within `moment` for a rate to be given up, so that the tests don't wait for the time limit of a rate.
 const Bytes garbage(1500, 0x55);
 constexpr std::chrono::milliseconds moment{60};
 constexpr std::chrono::seconds until_heard{20};
@@ -156,7 +156,7 @@ TEST(DetectRate, tries_the_rates_of_v8_devices_first_and_each_once) {
         for (std::size_t k = 0; k < i; ++k) EXPECT_NE(rates[i], rates[k]);
 }
 
-// A flight controller's telemetry at 2400 baud: 13 to 21 bytes a frame, the first not whole.
+// A flight controller's telemetry at 2400 baud: 13 to 21 bytes per frame, the first one incomplete.
 TEST(DetectRate, listens_longer_at_a_slow_rate) {
     const anoctl::ListeningTime time;
     EXPECT_EQ(time.at(500000), time.for_frames);

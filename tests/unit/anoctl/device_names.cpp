@@ -1,4 +1,4 @@
-// Devices by their names, and what is said of them.
+// Devices by their names, and the messages about them.
 #include <anoctl/device/device_names.hpp>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the commands for devices make of answers, and of what somebody typed.
+// The output of device commands for answers, and their handling of typed input.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/device/calibration_text.hpp>
 #include <anoctl/device/command_values.hpp>

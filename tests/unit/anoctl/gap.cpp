@@ -12,7 +12,7 @@ using namespace anoctl;
 using support::Bytes;
 using support::hex;
 
-/// "3 11! 2": so many bytes, ! where they are a frame with wrong check bytes.
+/// "3 11! 2": sizes; ! marks a frame with wrong check bytes.
 std::string parts(const Bytes& gap) {
     std::string text;
     for (const GapPart& part : parts_of(gap))

@@ -27,7 +27,7 @@ TEST(HexText, is_bytes_as_people_write_them) {
         EXPECT_EQ(from_hex_text(wrong), std::nullopt) << wrong;
 }
 
-// The result for `input`, given in pieces of `size` bytes.
+// The result for `input`, passed in pieces of `size` bytes.
 Bytes read(std::string_view input, std::size_t size, std::size_t* bad_line = nullptr) {
     BytesOrText reader;
     Bytes all;

@@ -1,4 +1,4 @@
-// JSON that anoctl reads from outside: a key given twice, deep nesting and what follows it are refused wherever it comes from.
+// JSON files read by anoctl: a duplicate key, deep nesting and trailing content are rejected, whatever the source.
 #include <support/anoctl.hpp>
 #include <support/temp_dir.hpp>
 

@@ -37,7 +37,7 @@ struct OwnLinks : testing::Test {
     }
 };
 
-/// Where a link to it has its socket: from there `own` sends a frame.
+/// The socket of the link at `peer`: `own` sends a frame from it.
 anogate::Endpoint reached_from(OwnLink& own, support::UdpPeer& peer, support::Loop& loop, const Bytes& frame) {
     loop.until([&] { return own.is_up(); });
     EXPECT_TRUE(own.send(ano::FrameView{frame}));
@@ -49,7 +49,7 @@ TEST_F(OwnLinks, say_once_why_they_wait) {
     const support::TempDir folder;
     OwnLink own{loop.io, link_settings_of("serial:" + (folder / "absent")), taker, streams, "monitor"};
     own.start();
-    loop.io.run_for(500ms);    // and it is tried again some times
+    loop.io.run_for(500ms);    // several attempts are made meanwhile
     own.stop();
     const std::string said = err.str();
     EXPECT_NE(said.find("waiting: "), said.npos);
@@ -73,7 +73,7 @@ TEST_F(OwnLinks, say_a_hint_once_for_as_long_as_it_holds) {
     own.start();
     ASSERT_TRUE(peer.send(reached_from(own, peer, loop, frame), Bytes(100, 0x55)));
     ASSERT_TRUE(until_said("peer: data"));
-    loop.io.run_for(200ms);    // and it is looked some times
+    loop.io.run_for(200ms);    // several checks are made meanwhile
     own.stop();
     const std::string said = err.str();
     EXPECT_EQ(said.find("peer: data"), said.rfind("peer: data")) << said;

@@ -1,4 +1,4 @@
-// What is to be written into parameters, and whether it can be.
+// Values to be written into parameters, and whether they can be.
 #include <anoctl/anoctl.hpp>
 #include <anoctl/device/parameter_assignments.hpp>
 #include <anoctl/device/typed_value.hpp>

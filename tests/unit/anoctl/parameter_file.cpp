@@ -1,4 +1,4 @@
-// The file of a parameter export: what goes in, and what is left out.
+// The file of a parameter export: its content, and what is left out.
 #include <anoctl/device/parameter_file.hpp>
 
 #include <gtest/gtest.h>

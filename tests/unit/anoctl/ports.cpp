@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Asker = anogate::DeviceUser;
 using anoctl::Holder;
 
-/// A computer's /sys, /proc, /dev and /etc, as far as ports are concerned.
+/// The /sys, /proc, /dev and /etc of a computer, as far as serial ports need them.
 class Computer {
 public:
     const fs::path& root() const { return folder_.path(); }
@@ -63,7 +63,7 @@ public:
         file(at + "/comm", program);
         if (!opened.empty()) link(at + "/fd/5", opened);
     }
-    /// As /proc/locks names a file.
+    /// The notation of a file in /proc/locks.
     std::string inode(const std::string& path) const {
         struct stat s {};
         ::stat((root() / path).c_str(), &s);
@@ -112,13 +112,13 @@ TEST(Ports, are_shown_with_driver_product_and_the_name_that_stays) {
               "no CAN interface found\n");
 }
 
-// Two CH340: udev gives both the same name, and the one plugged in last has it.
+// Two CH340: udev gives both the same name, which belongs to the one plugged in last.
 TEST(Ports, of_adapters_without_a_serial_number_are_named_by_their_socket) {
     Computer computer;
     computer.usb("ttyUSB0", "usb1/1-1", "ch341-uart", "USB Serial");
     computer.usb("ttyUSB1", "usb1/1-2", "cp210x", "CP2102");
     computer.usb("ttyUSB2", "usb1/1-3", "cp210x", "CP2102");
-    computer.file("sys/devices/usb1/1-2/serial", "0001");    // as all of them have
+    computer.file("sys/devices/usb1/1-2/serial", "0001");    // the same for all of them
     computer.file("sys/devices/usb1/1-3/serial", "53FF");
     for (int i = 0; i < 3; ++i) {
         const std::string n = std::to_string(i);
@@ -146,7 +146,7 @@ TEST(Ports, of_adapters_without_a_serial_number_are_named_by_their_socket) {
     EXPECT_EQ(fault("/dev/serial/by-id/usb-FTDI_FT232R_A50285BI-if00-port0"), "") << "not plugged in";
 }
 
-// Both are pulled out and plugged in in the other order: the name of by-id leads to the other vehicle.
+// Both are unplugged and plugged in again in the other order: the name of by-id leads to the other vehicle.
 TEST(Ports, whose_name_leads_to_the_twin_after_plugging_are_noticed) {
     Computer computer;
     const auto plug = [&](const std::string& socket) {
@@ -201,7 +201,7 @@ TEST(Ports, are_real_ones_only) {
     computer.port("ttyS0", "platform/serial8250/ttyS0", "serial8250");
     computer.file("sys/class/tty/ttyS0/type", "4");
     computer.port("ttyS1", "platform/serial8250/ttyS1", "serial8250");
-    computer.file("sys/class/tty/ttyS1/type", "0");    // no UART there
+    computer.file("sys/class/tty/ttyS1/type", "0");    // no UART exists there
     const auto ports = anoctl::serial_ports(computer.root(), administrator);
     ASSERT_EQ(ports.size(), 2u);
     EXPECT_EQ(ports[0].device, "/dev/rfcomm0");
@@ -222,7 +222,7 @@ TEST(Ports, are_said_to_be_held_by_who_has_them_open_or_locked) {
     for (const char* name : {"ttyUSB0", "ttyUSB1", "ttyUSB2", "ttyUSB3"})
         computer.usb(name, "usb1/" + std::string{name}, "ftdi_sio", "x");
     computer.process(812, "minicom", "/dev/ttyUSB0");
-    computer.process(90, "anogated");    // of another user: its descriptors are not shown to us
+    computer.process(90, "anogated");    // of another user: we can't read its descriptors
     computer.process(91, "pppd");
     computer.process(92, "somebody", "/dev/ttyUSB11");
     computer.file("proc/locks", "1: FLOCK  ADVISORY  WRITE 90 " + computer.inode("dev/ttyUSB1") + " 0 EOF\n" +    //
@@ -230,7 +230,7 @@ TEST(Ports, are_said_to_be_held_by_who_has_them_open_or_locked) {
                                     "2: POSIX  ADVISORY  WRITE 92 " + computer.inode("dev/ttyUSB3") + " 0 EOF\n" +
                                     "3: FLOCK  ADVISORY  WRITE 812 " + computer.inode("dev/ttyUSB0") + " 0 EOF");
     computer.file("run/lock/LCK..ttyUSB2", "        91");
-    computer.file("run/lock/LCK..ttyUSB3", "     77777");    // of a process that is gone
+    computer.file("run/lock/LCK..ttyUSB3", "     77777");    // of a process that has ended
     const auto ports = anoctl::serial_ports(computer.root(), administrator);
     ASSERT_EQ(ports.size(), 4u);
     EXPECT_EQ(ports[0].holders, (std::vector<Holder>{{812, "minicom"}}));
@@ -244,7 +244,7 @@ TEST(Ports, are_said_to_be_held_by_who_has_them_open_or_locked) {
 TEST(Ports, say_which_permission_is_missing_and_how_to_get_it) {
     Computer computer;
     computer.usb("ttyUSB0", "usb1/1-1", "cp210x", "x");
-    constexpr gid_t usual = 20;    // where the test may not give the port to it, the group is our own
+    constexpr gid_t usual = 20;    // if the test may not change the group of the port, it is our own
     const bool is_given = ::chown((computer.root() / "dev/ttyUSB0").c_str(), uid_t(-1), usual) == 0;
     const gid_t group = computer.group_of("dev/ttyUSB0");
     ASSERT_TRUE(!is_given || group == usual);

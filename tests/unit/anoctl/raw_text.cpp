@@ -1,4 +1,4 @@
-// What people see of the raw bytes of a link: lines, and nothing that controls their terminal.
+// The readable form of a link's raw bytes: lines without control characters for a terminal.
 #include <anoctl/text/raw_text.hpp>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// anoctl info and convert, on files as record writes them.
+// anoctl info and convert, with files written by record.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -128,7 +128,7 @@ TEST(Convert, names_what_it_wrote) {
     EXPECT_NE(none.find(" written: no table was written"), std::string::npos) << none;
 }
 
-// Who has `alias anoctl='anoctl --control X'` has it for these as well, which ask no gateway.
+// With `alias anoctl='anoctl --control X'` the option is passed to these as well, although they use no gateway.
 TEST(Info, takes_the_socket_of_a_gateway_that_it_does_not_ask) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight()), nobody = folder / "control.sock";
@@ -182,7 +182,7 @@ TEST(Record, refuses_what_can_not_be_meant) {
     EXPECT_EQ(anoctl({"record", folder / "a.pcapng", "--control", nobody, "--seconds", "-1"}).exit, 2);
     EXPECT_EQ(anoctl({"record", "-", "--control", nobody}, {}, true).exit, 2);
     EXPECT_EQ(anoctl({"record", folder / "a.pcapng", "--control", nobody}).exit, 1);
-    EXPECT_FALSE(std::filesystem::exists(folder / "a.pcapng"));    // nothing is left where there was nothing to record
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.pcapng"));    // nothing is left if there was nothing to record
 }
 
 TEST(Convert, makes_mcap_and_the_same_pcapng_of_it_again) {
@@ -203,7 +203,7 @@ TEST(Convert, has_decoded_messages_as_it_is_asked_for) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "a.mcap", "--message-encoding", "json"}).exit, 0);
-    EXPECT_NE(text_of(folder / "a.mcap").find("jsonschema"), std::string::npos);    // in the summary, which is not packed
+    EXPECT_NE(text_of(folder / "a.mcap").find("jsonschema"), std::string::npos);    // in the summary, which is not compressed
     EXPECT_EQ(text_of(folder / "a.mcap").find("ros2msg", text_of(folder / "a.mcap").find("jsonschema")), std::string::npos);
     EXPECT_EQ(anoctl({"convert", file, folder / "b.mcap", "--message-encoding", "xml"}).exit, 2);
     const auto other = anoctl({"convert", file, folder / "b.pcapng", "--message-encoding", "cdr"});
@@ -259,7 +259,7 @@ TEST(Info, finds_what_is_damaged_outside_of_chunks) {
     const std::string whole = text_of(file);
     EXPECT_EQ(json::parse(anoctl({"info", "--all", "--json", file}).out)["mismatches"], json::array());
     const std::size_t in_data = whole.find("anogate.recording") + 1, in_summary = whole.rfind("anogate.summary") + 1;
-    const std::size_t in_footer = whole.size() - 8 - 4 - 1;    // the place of its offsets, in front of CRC and magic
+    const std::size_t in_footer = whole.size() - 8 - 4 - 1;    // the position of its offsets, before CRC and magic
     const std::pair<std::size_t, const char*> places[] = {{in_data, "the data does not match the CRC in its DataEnd"},
                                                           {in_summary, "its summary does not match the CRC in its Footer"},
                                                           {in_footer, "its summary does not match the CRC in its Footer"}};
@@ -305,7 +305,7 @@ TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).skipped.count, 0u);
 }
 
-// Of a section header and the description of an interface of `link_type`, with a packet.
+// A section header and the description of an interface with `link_type`, with a packet.
 std::string capture_of(char link_type) {
     const auto word = [](std::uint32_t number) {
         std::string text;

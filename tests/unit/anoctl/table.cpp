@@ -67,7 +67,7 @@ TEST(Table, is_no_wider_than_the_terminal) {
               "    it hovers\n"
               "12  B\n"
               "    short\n");
-    table.write(narrower, "", 1);    // it does not break, nor end
+    table.write(narrower, "", 1);    // it does not fail, and does not end
     EXPECT_NE(narrower.str().find("hovers"), std::string::npos);
 }
 

@@ -1,4 +1,4 @@
-// What a configuration in JSON means, and what is said of its faults.
+// The meaning of a configuration in JSON, and the messages for its errors.
 #include <ano_json/text.hpp>
 #include <link/serial/serial_settings.hpp>
 #include <link/udp/udp_settings.hpp>

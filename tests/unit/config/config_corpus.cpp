@@ -10,7 +10,7 @@ namespace {
 
 void replay(const std::string& text) { LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()); }
 
-/// A byte changed, left out or put in, or a piece moved.
+/// One byte changed, removed or inserted, or a piece moved.
 std::string changed(std::string text, support::Random& random) {
     constexpr std::string_view bytes = "{}[],:\"'0919-xX/*\\\n ue\xFF\x80\x01%+=";
     for (unsigned n = 1 + random.below(4u); n > 0 && !text.empty(); --n) {

@@ -1,4 +1,4 @@
-// What a configuration says of GPIO lines.
+// GPIO lines in a configuration.
 #include <unit/config/faults.hpp>
 
 #include <gtest/gtest.h>

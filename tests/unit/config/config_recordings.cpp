@@ -1,4 +1,4 @@
-// What a configuration says of recordings.
+// Recordings in a configuration.
 #include <unit/config/faults.hpp>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a configuration says of rules, aliases and foreign addresses of links.
+// Rules, aliases and foreign addresses of links in a configuration.
 #include <unit/config/faults.hpp>
 
 #include <gtest/gtest.h>

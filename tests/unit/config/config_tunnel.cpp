@@ -1,4 +1,4 @@
-// What a configuration says of the tunnel.
+// The tunnel in a configuration.
 #include <config/check_network.hpp>
 #include <gateway/tunnel/tunnel_policy.hpp>
 #include <unit/config/faults.hpp>
@@ -51,7 +51,7 @@ TEST(Config, a_tunnel_names_hosts) {
         << "digits and dots are a mistyped address";
 }
 
-// For links whose peers are in the network, and for others.
+// For links whose peers are in the network, and for other links.
 TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_said) {
     const auto faults = [](const std::string& link, const std::string& allow, const std::string& more = {}) {
         return faults_in("{\"links\": [\"" + link +

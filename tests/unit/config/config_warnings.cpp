@@ -1,4 +1,4 @@
-// What is allowed, and not what was meant.
+// Valid configurations that are probably not intended.
 #include <unit/config/faults.hpp>
 
 #include <gtest/gtest.h>

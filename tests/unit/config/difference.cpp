@@ -17,7 +17,7 @@ Settings settings(const std::string& json) {
 
 Difference between(const std::string& before, const std::string& after) { return difference(settings(before), settings(after)); }
 
-/// "fc changed: baud: 1 -> 2", a line a link.
+/// "fc changed: baud: 1 -> 2", one line per link.
 std::string told(const Difference& difference) {
     std::string all;
     for (const LinkDifference& link : difference.links) {

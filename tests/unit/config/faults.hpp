@@ -10,24 +10,24 @@
 
 namespace anogate {
 
-/// With the kinds of link that there are.
+/// With all existing kinds of link.
 inline Draft parse_config(std::string_view json, const std::string& file = {}) { return parse_config(json, link_kinds(), file); }
 
-/// Of a configuration in JSON without errors.
+/// From a configuration in JSON without errors.
 inline Settings settings_of(std::string_view json) {
     Draft draft = parse_config(json);
     EXPECT_EQ(lines(draft.errors), "");
     return draft.settings;
 }
 
-/// Every error of a configuration in JSON, one a line: "/links/0/baud: what is wrong".
+/// All errors of a configuration in JSON, one per line: "/links/0/baud: what is wrong".
 inline std::string faults_in(std::string_view json) {
     std::string text;
     for (const ConfigError& error : parse_config(json).errors) text += error.where + ": " + error.what + "\n";
     return text;
 }
 
-/// Every error of some LINK texts.
+/// All errors of some LINK texts.
 inline std::string faults_of(std::initializer_list<std::string_view> links) {
     Draft draft{link_kinds()};
     for (const std::string_view link : links) read_link(link, "", draft);

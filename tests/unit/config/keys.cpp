@@ -1,4 +1,4 @@
-// The table of keys, and that everything made from it has every row.
+// The table of keys; everything made from it must have every row.
 #include <gtest/gtest.h>
 #include <config/config.hpp>
 #include <config/help.hpp>
@@ -36,7 +36,7 @@ void for_every_key(auto visit) {
 
 std::string sample() { return support::text_of(support::source_file("config/anogate.full.json")); }
 
-/// `text` with the examples that are commented out made part of it: lines with // and no space behind it. Other comments stay.
+/// `text` with the commented-out examples activated: lines with // and no space after it. Other comments are kept.
 std::string with_examples(const std::string& text) {
     std::string result;
     for (const std::string_view line : split(text, '\n')) {
@@ -48,7 +48,7 @@ std::string with_examples(const std::string& text) {
     return result;
 }
 
-// The names of the keys in `object`; those of an object inside it with its name and a dot before them.
+// The names of the keys in `object`; the keys of a nested object are preceded by its name and a dot.
 void add_names(std::set<std::string>& names, const json& object, const std::string& inside = {}) {
     for (const auto& [name, value] : object.items()) {
         names.insert(inside + name);
@@ -162,7 +162,7 @@ TEST(Sample, shows_every_key_in_a_configuration_that_works) {
 TEST(Sample, shows_the_default_of_every_key_that_has_one) {
     const Draft draft = parse_config(with_examples(sample()));
     for (const LinkSettings& link : draft.settings.links) {
-        if (link.name == "gps" || link.name == "servo") continue;    // examples of their own
+        if (link.name == "gps" || link.name == "servo") continue;    // they have their own examples
         LinkSettings defaults = new_link(*link.kind);
         defaults.queue = LinkSettings{}.queue;
         for (const Key<LinkSettings>* key : keys_of(*link.kind, link_kinds()).keys) {

@@ -1,4 +1,4 @@
-// A configuration that was printed means the same.
+// A printed configuration has the same meaning.
 #include <config/values.hpp>
 #include <gateway/can_settings.hpp>
 #include <gateway/tunnel/tunnel_policy.hpp>
@@ -143,7 +143,7 @@ TunnelSettings random_tunnel(support::Random& random, const std::vector<LinkSett
     return t;
 }
 
-/// Random settings without faults.
+/// Random settings without errors.
 Settings random_settings(support::Random& random) {
     Settings s;
     s.gateway.id = random.of<std::uint8_t>({0, 21, 199, 254});
@@ -155,7 +155,7 @@ Settings random_settings(support::Random& random) {
         LinkSettings link;
         link.name = random.of({"link ", "链路", "a/b,c=d"}) + std::to_string(i);
         give_kind(link, random, std::to_string(i));
-        // No port twice.
+        // No duplicate port.
         if (link.kind->name == "udp-listen") link.as<UdpListenSettings>().local.port = static_cast<std::uint16_t>(1000 + i);
         if (random.one_in(2)) link.id = static_cast<std::uint8_t>(i + 1 == s.gateway.id || i >= 20 ? 0 : i + 1);
         link.max_data = static_cast<std::uint16_t>(random.below(65536));

@@ -28,7 +28,7 @@ LinkSettings of_kind(std::string_view name) {
     return link;
 }
 
-/// One LINK text with one fault: the words behind "LINK '...': ".
+/// One LINK text with one error: the words after "LINK '...': ".
 std::string fault_of(const std::string& link) {
     const std::string text = faults_of({link});
     const std::string start = "LINK '" + link + "': ";

@@ -7,7 +7,7 @@
 namespace anogate::service_tests {
 namespace {
 
-/// The parts of a configuration that the service can't do, one for each line.
+/// The parts of a configuration that the service does not support, one per line.
 std::string faults(std::string_view json, const std::string& config_file = {}) {
     Draft draft = parse_config(json, "a.json");
     EXPECT_EQ(lines(draft.errors), "");

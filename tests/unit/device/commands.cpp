@@ -39,7 +39,7 @@ TEST(Commands, are_counted_and_described) {
     device.commands().add({1, 0x80, 1}, "USERCMD1", "UserDefCmd1", [](std::uint8_t, std::int16_t, float) {});
     device.commands().add({9, 9, 9}, "REBOOT", "", [] {});
     EXPECT_EQ(answer(device, how_many_commands()), says(0xC1, {0, 2, 0}));
-    // The text's own example 2.
+    // Example 2 of the protocol text.
     EXPECT_EQ(answer(device, describe_command(0)),
               says(0xC2, Bytes{0, 0, 1, 0x80, 1, 1, 4, 9, 0, 0, 0, 0, 0} + bytes("USERCMD1", 20) + bytes("UserDefCmd1")));
     EXPECT_EQ(answer(device, describe_command(1)), says(0xC2, Bytes{1, 0, 9, 9, 9} + Bytes(8) + bytes("REBOOT", 20)));

@@ -37,7 +37,7 @@ Bytes image_frame(std::uint16_t number, const Bytes& bytes) { return ask(0xF0, B
 
 const Bytes erase = code(0x0110), all_sent = code(0x1010);
 
-// What a host reads from a .bia: 100 bytes of header, then the image.
+// A .bia as a host reads it: 100 bytes of header, then the image.
 struct BiaFile {
     Bytes bytes;
     ImageInfo info(std::uint16_t frame_size) const {
@@ -54,7 +54,7 @@ struct BiaFile {
     Bytes image() const { return {bytes.begin() + 100, bytes.end()}; }
 };
 
-// A device with a loader, an image of 25 bytes, and a host that sends 10 at a time.
+// A device with a boot loader, an image of 25 bytes, and a host that sends 10 at a time.
 struct Loader {
     explicit Loader(const Profile& profile = {}) : device{{.id = self, .hw_ver = 3}, profile} {
         std::iota(image.begin(), image.end(), std::uint8_t{100});

@@ -54,7 +54,7 @@ TEST(Parameters, are_counted_for_a_host) {
     EXPECT_EQ(answer(bench.device, ask(0xE0, {1, 9, 9})), says(0xE0, {1, 2, 0})) << "val has no meaning";
 }
 
-// The answer to 0xE0 {1, 0} looks like the question.
+// The answer to 0xE0 {1, 0} has the same form as the question.
 TEST(Parameters, are_counted_for_another_device_only_as_long_as_it_does_not_sound_like_a_question) {
     Bench bench;
     float a = 0;

@@ -1,4 +1,4 @@
-// What hosts meet in the field.
+// Differences of devices in the field.
 #include <gtest/gtest.h>
 #include <ano/values.hpp>
 #include <device/device.hpp>
@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 using namespace talk;
 using support::operator+;
 
-// The vendor's, but for its queue, which takes its time.
+// The vendor's profile without its queue, which delays answers.
 Profile vendor_at_once() {
     Profile profile = Profile::vendor();
     profile.queue = 0;

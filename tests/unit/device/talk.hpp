@@ -1,4 +1,4 @@
-// A host that asks a device, frame by frame.
+// A host that sends requests to a device, frame by frame.
 #pragma once
 #include <device/device.hpp>
 
@@ -15,20 +15,20 @@ using support::Bytes;
 inline constexpr std::uint8_t host = 0xFE, self = 0x21, everybody = 0xFF;
 inline constexpr ano::TimePoint start{std::chrono::seconds{1000}};
 
-/// Everything that the device has to send now.
+/// All frames that the device has to send now.
 inline std::vector<Bytes> heard(ano::device::Device& device) {
     std::vector<Bytes> frames;
     while (const auto out = device.next()) frames.emplace_back(out->frame.bytes().begin(), out->frame.bytes().end());
     return frames;
 }
 
-/// What the device sends upon `question`.
+/// All frames that the device sends after `question`.
 inline std::vector<Bytes> all_answers(ano::device::Device& device, const Bytes& question, ano::TimePoint now = start) {
     device.take(ano::FrameView{question}, now);
     return heard(device);
 }
 
-/// The one frame that it answers; empty for silence, or when it answers twice.
+/// Its single answer; empty: it does not answer, or answers twice.
 inline Bytes answer(ano::device::Device& device, const Bytes& question, ano::TimePoint now = start) {
     const auto frames = all_answers(device, question, now);
     return frames.size() == 1 ? frames.front() : Bytes{};
@@ -36,9 +36,9 @@ inline Bytes answer(ano::device::Device& device, const Bytes& question, ano::Tim
 
 /// A frame from the host to the device.
 inline Bytes ask(std::uint8_t id, const Bytes& data) { return support::frame(host, self, id, data); }
-/// What the device says to the host.
+/// A frame from the device to the host.
 inline Bytes says(std::uint8_t id, const Bytes& data) { return support::frame(self, host, id, data); }
-/// The acknowledgement of `question` by the device, to the one who asked.
+/// The acknowledgement of `question` by the device, sent to the source of the question.
 inline Bytes acknowledges(const Bytes& question) {
     return support::frame(self, question[1], 0x00, {question[3], question[question.size() - 2], question.back()});
 }

@@ -74,7 +74,7 @@ TEST(Waypoints, may_be_refused_by_the_user) {
     EXPECT_EQ(device.waypoints().count(), 1u);
 }
 
-// 255 of them would be told by the very frame that asks how many there are.
+// A message with 255 of them would equal the question for their number.
 TEST(Waypoints, are_never_so_many_that_their_number_is_a_question) {
     Device device{{.id = self}};
     device.waypoints().allow(1000);

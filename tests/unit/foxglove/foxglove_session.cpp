@@ -46,7 +46,7 @@ protected:
             if (text.at("op") == "status") words.push_back(text.at("message"));
         return words;
     }
-    /// The channels that are told from now on, by their topics.
+    /// The channels advertised from now on, by their topics.
     std::map<std::string, json> channels() {
         std::map<std::string, json> told;
         for (const json& text : all().texts)
@@ -155,7 +155,7 @@ TEST_F(FoxgloveSessionTest, links_of_like_names_are_called_as_they_were_found) {
     for (const FirstFrame& first : found.first_frames())
         for (const FoundChannel& one : first.found()) told[one.channel->topic] = one.kind.link;
     const auto advertised = channels();
-    for (auto one = told.rbegin(); one != told.rend(); ++one) {    // the one that was found last is shown first
+    for (auto one = told.rbegin(); one != told.rend(); ++one) {    // the one found last is shown first
         const auto& [topic, link] = *one;
         ASSERT_TRUE(advertised.contains(topic)) << topic;
         if (!topic.ends_with("/euler")) continue;
@@ -265,7 +265,7 @@ TEST_F(FoxgloveSessionTest, whole_frames_are_a_channel_whatever_became_of_them) 
     const unsigned channel = channels().at("/anogate/frames").at("id");
     subscribe(1, channel);
     FrameFilterSettings whole;
-    whole.elsewhere = false;    // nobody is shown what a stranger sends in the name of a device
+    whole.elsewhere = false;    // frames that another sender sends with the address of a device are not shown
     EXPECT_EQ(session.take_filter(), whole);
     session.show(recorded(euler, "fc", Direction::out));
     const auto data = all().data;

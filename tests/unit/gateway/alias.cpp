@@ -26,7 +26,7 @@ struct Alias : testing::Test {
         EXPECT_TRUE(ano::frame_at(view.bytes())) << "both checks hold";
         return {view.bytes().begin(), view.bytes().end()};
     }
-    // What a device at `from` answers to `request`.
+    // The acknowledgement of `request` by a device at `from`.
     static Bytes acknowledgement(const Bytes& request, std::uint8_t from) {
         const std::size_t n = request.size();
         return frame(from, request[1], 0x00, {request[3], request[n - 2], request[n - 1]});
@@ -111,7 +111,7 @@ TEST_F(Alias, streams_leave_the_memory_alone) {
     EXPECT_EQ(in(acknowledgement(reached, 0xDE)), acknowledgement(sent, 31));
 }
 
-// 2000 frames of an image would push everything else out of the memory.
+// 2000 frames of an image would displace everything else in the memory.
 TEST_F(Alias, firmware_leaves_the_memory_alone) {
     const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
     const Bytes reached = out(sent);

@@ -1,4 +1,4 @@
-// Which answers show that a device does not look at D_ADDR.
+// Which answers show that a device ignores D_ADDR.
 #include <gateway/answer_watch.hpp>
 
 #include <support/bytes.hpp>

@@ -37,14 +37,14 @@ protected:
         if (turn().stood == 0s) loop.end_standstill();
         loop.beat(period);
     }
-    /// As an idle loop does.
+    /// The behaviour of an idle loop.
     void idle(Duration time) {
         for (Duration end{}; end < time; end += period) {
             pass(period);
             beat();
         }
     }
-    /// A stamp of just now.
+    /// A stamp of the present time.
     Duration stamp() const { return clocks.real; }
 
     Duration age_by(Duration stamp) {
@@ -122,7 +122,7 @@ TEST_F(Stamped, means_nothing_when_the_clock_was_set) {
         const Duration came = stamp();
         set_clock(step);
         pass(1ms);
-        EXPECT_EQ(age_by(came), 0s) << step.count();    // the loop ran: it can't have waited
+        EXPECT_EQ(age_by(came), 0s) << step.count();    // the loop ran, so it can't have waited
         wire.found_empty(loop.clocks());
     }
 }
@@ -157,12 +157,12 @@ TEST_F(Stamped, follows_a_clock_that_is_pulled_slowly) {
     }
 }
 
-// A standstill may begin as soon as the read has returned.
+// A stall may begin immediately after the read has returned.
 TEST_F(Stamped, is_no_younger_for_a_standstill_right_behind_the_read) {
     idle(1s);
     turn();
     pass(1ms);    // the read finds nothing more
-    pass(2s);     // and the clocks are read behind the standstill
+    pass(2s);     // and the clocks are read after the stall
     const Duration came = stamp() - 1s;
     turn();
     wire.found_empty(loop.before());
@@ -204,7 +204,7 @@ TEST_F(Unstamped, is_as_old_as_a_standstill) {
     pass(9s);
     EXPECT_EQ(age(), 9s);
     pass(1ms);
-    EXPECT_EQ(age(), 9001ms);    // more of it
+    EXPECT_EQ(age(), 9001ms);    // the stall continues
     beat();
     EXPECT_TRUE(wire.is_behind());
     pass(1ms);
@@ -226,7 +226,7 @@ TEST_F(Unstamped, is_no_older_than_the_wire_was_empty) {
 TEST_F(Unstamped, is_of_now_where_nothing_waited) {
     idle(1s);
     pass(9s);
-    beat();    // a beat noticed the standstill: other wires may still have old data
+    beat();    // a beat noticed the stall: other wires may still have old data
     EXPECT_TRUE(loop.is_behind());
     pass(period);
     beat();
@@ -277,7 +277,7 @@ TEST_F(Watch, tells_of_what_is_longer_than_half_a_second) {
     EXPECT_EQ(loop.longest(), 9s - period) << "the last one was shorter";
 }
 
-// Between slow beats, a standstill is noticed by the age of what waited to be read.
+// Between slow beats, a stall is recognised by the age of the data that waited to be read.
 TEST_F(Watch, what_was_read_before_the_end_of_a_standstill_or_just_behind_it_may_have_waited) {
     const auto may_have_waited = [&] { return loop.may_have_waited(clocks.now); };
     EXPECT_FALSE(may_have_waited());
@@ -320,7 +320,7 @@ TEST_F(Watch, remembers_what_is_told_through_a_turn_that_took_just_as_long_as_is
     EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 2s);
 }
 
-// A loop that can't keep up is not standing still.
+// A loop that can't keep up is not a stall.
 TEST_F(Watch, is_not_told_by_what_waited_while_it_ran) {
     const Duration came = stamp();
     idle(900ms);
@@ -350,7 +350,7 @@ TEST_F(Watch, takes_no_reading_of_two_clocks_for_sleep) {
     clocks.boot -= 20us;
     EXPECT_EQ(turn().suspended, 0s);
     pass(period + 40ms);
-    clocks.boot += 20ms;    // it had to wait between the two
+    clocks.boot += 20ms;    // the thread was interrupted between the two reads
     EXPECT_EQ(turn().stood, 0s) << "busy";
 }
 

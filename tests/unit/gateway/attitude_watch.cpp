@@ -80,7 +80,8 @@ TEST(AttitudeWatch, with_the_right_setting_there_is_none) {
     EXPECT_EQ(device.watch.signs(), EulerSigns::lx);
 }
 
-// The hint names the other setting, which must be an answer: a quaternion in another order, or of no fusion, contradicts both.
+// The hint names the other setting, which must solve the contradiction: a quaternion in another order, or without fusion,
+// contradicts both settings.
 TEST(AttitudeWatch, what_the_other_setting_does_not_solve_is_none) {
     Device device;
     device.turn(10s, 40, 100);
@@ -112,7 +113,7 @@ TEST(AttitudeWatch, turning_through_180_degrees_and_the_other_sign_of_a_quaterni
 TEST(AttitudeWatch, it_ends_when_both_agree_for_10_seconds) {
     Device device;
     device.turn(3s, 40, -40);
-    device.turn(9s, 0, 0);    // level and to the north, both signs agree
+    device.turn(9s, 0, 0);    // level and pointing north, both signs are consistent
     EXPECT_EQ(device.watch.contradictory(), 0xDD);
     device.turn(2s, 0, 0);
     EXPECT_EQ(device.watch.contradictory(), 0);

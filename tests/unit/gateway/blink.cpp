@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// Traffic every `pause` for a second, and each step `late` after its time: how often the light went on.
+/// Traffic every `pause` for a second, with each step `late` after its time: returns how often the light was switched on.
 int blinks_in_a_second(ano::Duration pause, ano::Duration late = 0ms) {
     Blink blink;
     bool stepping = false;

@@ -97,7 +97,7 @@ TEST(CanSettings, base_is_a_multiple_of_the_range_it_spans) {
         EXPECT_TRUE(fault_of(can).starts_with("base is a multiple of 0x40000 up to 0x1FFC0000 (29-bit ids), not 0x"))
             << fault_of(can);
     }
-    can.base = 0x1FFF'FFFF;    // whose decimal digits in hex are beyond 32 bits
+    can.base = 0x1FFF'FFFF;    // its decimal digits read as hex exceed 32 bits
     EXPECT_TRUE(fault_of(can).ends_with("not 0x1FFFFFFF")) << fault_of(can);
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr ChannelId channel(unsigned n) { return static_cast<ChannelId>(n); }
 
 struct ClaimsTest : testing::Test {
-    /// A letter for each action that is due: a(sked), or S(ilent).
+    /// A letter for each due action: a(sked), or S(ilent).
     std::string due(TimePoint now) {
         std::string all;
         while (const auto step = claims.take(now)) all += step->silent ? 'S' : 'a';
@@ -64,7 +64,7 @@ TEST_F(ClaimsTest, of_several_tests_the_one_that_is_due_first_counts) {
     EXPECT_EQ(claims.next(), start + 10ms) << "of the other, whose address comes later, at 15 ms";
 }
 
-// The answer may wait in a socket that was not read.
+// The answer may wait in a socket that was not read yet.
 TEST_F(ClaimsTest, who_did_not_listen_asks_again) {
     claims.begin(7, channel(3), start);
     EXPECT_EQ(due(start), "a");

@@ -1,4 +1,4 @@
-// A line that takes nothing, in simulated time.
+// A line that accepts no bytes, in simulated time.
 #include <gateway/drain_watch.hpp>
 
 #include <gtest/gtest.h>

@@ -38,7 +38,7 @@ TEST(DuplicateGuard, of_a_program_that_goes_on_knows_what_came_before) {
     ASSERT_EQ(brought.size(), 1u) << "the others are too old, or another's";
     EXPECT_EQ(brought[0].at, start + 1s);
     DuplicateGuard guard;
-    guard.restore(brought[0], 2, link(0));    // numbers are others now
+    guard.restore(brought[0], 2, link(0));    // the numbers differ now
     EXPECT_TRUE(guard.duplicate(0x200, 2, link(1), Kind::other, start + 2s));
     EXPECT_FALSE(guard.duplicate(0x300, 2, link(1), Kind::other, start + 2s));
     EXPECT_FALSE(guard.duplicate(0x200, 7, link(2), Kind::other, start + 2s)) << "of another group";
@@ -52,7 +52,7 @@ TEST(DuplicateGuard, the_same_link_may_repeat) {
     EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 2500ms)) << "two seconds from the last";
 }
 
-// Acknowledgements of equal commands are equal, and each command may leave by another link.
+// Acknowledgements of equal commands are equal, and each command may be sent on another link.
 TEST(DuplicateGuard, an_answer_to_a_newer_question_is_none) {
     DuplicateGuard guard;
     guard.asked(1, start);
@@ -75,7 +75,7 @@ TEST(DuplicateGuard, groups_are_apart) {
 TEST(DuplicateGuard, resting_sticks_survive_a_failing_link) {
     DuplicateGuard guard;
     TimePoint now = start;
-    for (int i = 0; i < 50; ++i, now += 20ms) {    // both links carry them
+    for (int i = 0; i < 50; ++i, now += 20ms) {    // both links deliver them
         EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::state, now));
         EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::state, now + 1ms));
     }
@@ -87,7 +87,7 @@ TEST(DuplicateGuard, resting_sticks_survive_a_failing_link) {
 TEST(DuplicateGuard, a_command_never_comes_twice) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start + 100ms));    // the user's own repeat
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start + 100ms));    // a repeat by the user
     for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 100ms + i * 200ms));
 }
 

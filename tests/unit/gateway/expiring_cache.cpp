@@ -48,13 +48,13 @@ TEST(ExpiringCache, holds_no_memory_for_what_was_never_put_in) {
     cache.put(1, {1}, start);
     for (std::uint64_t n = 0; n < 100'000; ++n) cache.find(n, start);
     cache.keep_if([](std::uint64_t, const auto&) { return true; });
-    EXPECT_LT(resident() - before, 16'000'000);    // sanitizers need an eighth for themselves
+    EXPECT_LT(resident() - before, 16'000'000);    // sanitizers need an eighth of it
     EXPECT_EQ((*cache.find(1, start))[0], 1u);
 }
 
 TEST(ExpiringCache, tells_when_something_was_put_in) {
     ExpiringCache<int> cache{2s, 64};
-    for (const TimePoint at : {TimePoint{}, TimePoint{} - 1s, start}) {    // a clock may begin anywhere
+    for (const TimePoint at : {TimePoint{}, TimePoint{} - 1s, start}) {    // a clock may begin at any time
         cache.put(5, 1, at);
         ASSERT_NE(cache.find(5, at), nullptr);
         EXPECT_EQ(cache.put_at(5), at);

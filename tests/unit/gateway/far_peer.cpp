@@ -1,4 +1,4 @@
-// What a peer outside our networks may be sent, and how it shows that it receives it.
+// The frames that may be sent to a peer outside our networks, and how it proves that it receives them.
 #include <gateway/peers/far_peer.hpp>
 
 #include <support/bytes.hpp>
@@ -13,7 +13,7 @@ using support::Bytes;
 using support::frame;
 
 const TimePoint start = TimePoint{} + 1h;
-constexpr std::uint64_t chance = 17;    // the seed of the addresses that ask
+constexpr std::uint64_t chance = 17;    // the seed of the questioning addresses
 constexpr std::uint8_t asked_as = 21 + 17;
 
 struct Far : FarPeer {

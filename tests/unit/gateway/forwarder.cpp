@@ -1,4 +1,4 @@
-// The order of the steps as arithmetic: which step counts a frame that several would keep back, and what observers are told.
+// The order of the steps as arithmetic: which step counts a frame that several would drop, and the events of observers.
 #include "forwarding.hpp"
 
 namespace forwarder_tests {
@@ -89,7 +89,7 @@ TEST_F(Forwarding, exactly_max_data_passes_every_rewriting) {
     EXPECT_EQ(taken(presented), Frames{frame(0x20, 0x55, 0xC0, largest)});
 }
 
-// A filter is for what the link brings, so it counts before the switch; neither counts what went round or came twice.
+// A filter applies to the received frames of a link, so it counts before the switch; neither counts looped or duplicate frames.
 TEST_F(Forwarding, of_several_steps_the_first_counts) {
     const auto guarded = [](ForwarderLink& link) {
         link.rules.receive = without(0xC0);
@@ -161,7 +161,7 @@ TEST_F(Forwarding, what_waited_to_be_read_is_as_much_older_in_the_queue) {
     EXPECT_EQ(ground.sent().stale, 1u);
 }
 
-// Where a stranger took a host's place only a host's words are worth a question.
+// If an unknown sender replaced a host, only frames of hosts justify a question.
 TEST_F(Forwarding, a_channel_knows_whether_a_host_spoke_to_it) {
     Channel& a = add();
     Channel& b = add();
@@ -581,7 +581,7 @@ TEST_F(Forwarding, a_device_that_has_answered_for_another_address_gets_no_more_c
     EXPECT_EQ(taken(device).size(), 1u) << "its own";
 }
 
-// What the user says of an id holds for its queues, its age and the guards against rings and copies, and can be changed.
+// The configured class of an id applies to its queues, its age and the guards against loops and duplicates, and can be changed.
 TEST_F(Forwarding, a_frame_of_a_configured_class_leaves_as_one_of_that_class) {
     Channel& host_link = add();
     Channel& device = add();

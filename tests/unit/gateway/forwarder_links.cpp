@@ -1,4 +1,4 @@
-// Links that go while the Forwarder runs: what another that gets the number would inherit.
+// Links that are removed while the Forwarder runs: their state must not pass to a link that reuses the number.
 #include "forwarding.hpp"
 
 namespace forwarder_links_tests {

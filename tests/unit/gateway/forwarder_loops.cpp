@@ -1,4 +1,4 @@
-// The laws of loops, in simulated time: a device, and two links that something joins outside the gateway.
+// Properties of loops, in simulated time: a device, and two links that are connected outside the gateway.
 #include "forwarding.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 class Loops : public Forwarding {
 protected:
-    /// What leaves by one of the two comes in by the other after `way`, or nothing does.
+    /// Frames sent on one of the two are received on the other after `way`, or none are.
     struct Bridge {
         bool joined = true, carries_probes = true;
         Duration way = 20ms;
@@ -62,7 +62,7 @@ TEST_F(Loops, without_one_nothing_is_dropped_or_delayed_however_often_it_is_repe
     constexpr int frames = 3000;
     for (int n = 0; n < frames; ++n) {
         send(ground, command(1), n * 1ms);
-        if (n % 7 == 0) send(left, command(1), n * 1ms);    // alone with it for long, it would be taken for a loop
+        if (n % 7 == 0) send(left, command(1), n * 1ms);    // frequent frames from there alone would count as a loop
         send(ground, state(fc, 1), n * 5ms);
         send(right, state(fc, 1), n * 5ms + 1ms);
     }
@@ -134,7 +134,7 @@ TEST_F(Loops, are_not_what_three_boards_with_one_id_are) {
     for (int n = 0; n < 1000; ++n) {
         send(ground, state(0x01, 0), n * 4ms);
         send(left, state(0x01, 0), n * 4ms + 3ms);
-        if (n >= 250) send(right, state(0x01, 0), n * 4ms + 3ms);    // at the same moment as the second
+        if (n >= 250) send(right, state(0x01, 0), n * 4ms + 3ms);    // at the same time as the second
         sent += n >= 250 ? 3 : 2;
     }
     run(20s);

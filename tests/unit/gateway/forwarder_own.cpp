@@ -1,4 +1,4 @@
-// The gateway as a device: what reaches it, and what becomes of its answers.
+// The gateway as a device: the frames that reach it, and the path of its answers.
 #include "forwarding.hpp"
 
 #include <vector>
@@ -68,7 +68,7 @@ TEST_F(OwnFrames, of_the_control_interface_reach_it_as_well) {
     EXPECT_EQ(own.routed.no_route, 0u);
 }
 
-// RS-485, or one wire: the receiver is not muted while it sends.
+// RS-485, or a single wire: the receiver is not muted while it sends.
 TEST_F(OwnFrames, that_a_line_echoes_are_no_frames_of_another_host) {
     Channel& line = add();
     Channel& ground = add();
@@ -109,7 +109,7 @@ TEST_F(OwnFrames, the_same_question_of_a_host_on_that_line_is_no_echo) {
     EXPECT_EQ(line.received().looped, 0u) << "a host was heard there, and a single one may be its own";
 }
 
-// The device gives back what the host wrote: both have one address.
+// The device returns the value that the host wrote: both have one address.
 TEST_F(OwnFrames, a_read_back_of_a_device_with_the_address_of_the_host_is_no_echo) {
     Channel& line = add();
     Channel& ground = add();
@@ -122,7 +122,7 @@ TEST_F(OwnFrames, a_read_back_of_a_device_with_the_address_of_the_host_is_no_ech
     EXPECT_EQ(line.received().looped, 0u);
 }
 
-// 0x00 and 0xFF are no addresses: two boards that have none may send the same bytes.
+// 0x00 and 0xFF are not addresses: two boards without one may send the same bytes.
 TEST(Nobodies, on_two_links_are_neither_one_device_nor_a_loop) {
     for (const std::uint8_t nobody : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
         Forwarder forwarder{GatewaySettings{}, 7};

@@ -1,4 +1,4 @@
-// What was said once and is said again, beside those who speak now.
+// Recorded frames that are sent again, together with live devices.
 #include "forwarding.hpp"
 
 namespace forwarder_replay_tests {
@@ -105,7 +105,7 @@ TEST_F(Replayed, is_no_answer_to_a_question_of_now) {
     EXPECT_TRUE(asks.was_asked);
 }
 
-// Two links that lead to one other gateway, which brings back by each what it heard by the other.
+// Two links to one other gateway, which returns on each the frames that it received on the other.
 TEST_F(Replayed, in_a_ring_it_does_not_go_round) {
     std::size_t round = 0;
     for (int i = 0; i < 50; ++i) {

@@ -1,4 +1,4 @@
-// What a frame passes that a tunnel frame brings, or that leaves in one.
+// The rules for a frame that is received in a tunnel frame, or sent in one.
 #include "forwarding.hpp"
 
 #include <gateway/tunnel/tunnel.hpp>
@@ -10,7 +10,7 @@ using support::operator+;
 
 namespace {
 
-// Takes tunnel frames as TunnelLink does, without a socket.
+// Accepts tunnel frames like TunnelLink, without a socket.
 class Port final : public TunnelPort {
 public:
     explicit Port(Forwarder& forwarder) : forwarder_{forwarder} {}
@@ -117,7 +117,7 @@ TEST_F(Tunnelled, a_tunnel_frame_out_of_a_tunnel_frame_does_not_leave_by_it_agai
         << "it did not go there, so it comes for the first time";
 }
 
-// Nothing of what could not be wrapped is counted as if it had left, and what is sent is one frame for all channels.
+// Frames that could not be wrapped are not counted as sent, and a sent one is one frame for all channels.
 TEST_F(Tunnelled, what_is_wrapped_passes_the_link_of_its_devices) {
     Channel& limited = add_with([](ForwarderLink& link) {
         link.rules.limit = {{0x03, 1}};

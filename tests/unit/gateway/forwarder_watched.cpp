@@ -1,4 +1,4 @@
-// Observers see what becomes of each frame, and a frame of the gateway's own teaches no address.
+// Observers see the result of each frame, and a frame of the gateway itself adds no route.
 #include "forwarding.hpp"
 
 #include <map>
@@ -10,7 +10,7 @@ using namespace forwarding;
 
 namespace {
 
-// Counts as the counters do.
+// Counts like the counters.
 class Tally final : public Forwarder::Observer {
 public:
     void received(const Channel&, ano::FrameView, TimePoint) override { ++in; }
@@ -32,7 +32,7 @@ public:
     std::map<std::string, std::uint64_t> dropped_in, not_sent;
     Bytes last_left;
     std::vector<Bytes> passed;
-    bool takes = false;    // what passes is for the gateway itself
+    bool takes = false;    // whether passed frames are for the gateway itself
 };
 
 class Watched : public Forwarding {
@@ -46,7 +46,7 @@ protected:
             EXPECT_EQ(tally.not_sent[std::string{row.name}], channel.sent().*row.value) << row.name;
         }
     }
-    /// One of the gateway's own, of `link`.
+    /// One of the gateway itself, on the link of `link`.
     Channel sender_of(const Channel& link) {
         return Channel{ourselves, link.link, "send", ano::FrameParser::Options{}, Outbox::Options{}, now};
     }
@@ -66,7 +66,7 @@ TEST_F(Watched, who_wants_only_some_of_it_is_told_only_that) {
         tally = Tally{};
         receive(device, frame(fc, all, 0x03, {1}));
         taker.outbox.set_congested();
-        receive(device, frame(fc, all, 0x03, {2}));    // in the place of the first
+        receive(device, frame(fc, all, 0x03, {2}));    // replaces the first
         std::span<const std::uint8_t> piece[1];
         while (taker.outbox.gather(piece, now) == 1) taker.outbox.sent_frame();
         receive(device, frame(fc, 0x77, 0x03, {1}));
@@ -82,7 +82,7 @@ TEST_F(Watched, who_wants_only_some_of_it_is_told_only_that) {
     EXPECT_GE(told.passed.size(), 2u);
     EXPECT_EQ(told.in + told.out + told.not_sent.count("superseded"), 0u);
     forwarder.add_observer(tally, {false, false, true});
-    Channel& late = add();    // opened while it wants that
+    Channel& late = add();    // opened while this is observed
     told = happen();
     EXPECT_GT(told.out, 0u);
     EXPECT_GT(told.not_sent.at("superseded"), 0u);

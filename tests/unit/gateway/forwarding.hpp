@@ -1,4 +1,4 @@
-// A Forwarder with links, and a diary of what its observers are told.
+// A Forwarder with links, and a record of the events of its observers.
 #pragma once
 #include <gateway/forwarder.hpp>
 
@@ -32,7 +32,7 @@ std::string name_of(const Rows& rows, Counter counter) {
     return "?";
 }
 
-// "received 0": by channel; "refused 1": of a link.
+// "received 0": a channel; "refused 1": a link.
 class Diary final : public Forwarder::Observer {
 public:
     void received(const Channel& from, ano::FrameView, TimePoint) override { write("received", index(from.id)); }
@@ -48,7 +48,7 @@ public:
     }
     std::vector<std::string> take() { return std::exchange(lines, {}); }
 
-    Bytes last;    // that was offered, as its receiver sees it
+    Bytes last;    // the last offered frame, as its receiver sees it
 
 private:
     void write(const char* what, std::size_t where, const std::string& why = {}) {
@@ -62,7 +62,7 @@ class Forwarding : public testing::Test {
 protected:
     Forwarding() { forwarder.add_observer(diary); }
 
-    /// A link that is up, with one channel of the same number as long as every link has one.
+    /// A link that is up, with one channel. The numbers are equal as long as every link has one channel.
     Channel& add(const ForwarderLink& link = {}) {
         const LinkId id = forwarder.add_link(link);
         Channel* const channel = forwarder.open_channel(id, "", now);
@@ -80,7 +80,7 @@ protected:
         from.arrived_at = now;
         forwarder.receive(from, ano::FrameView{bytes}, now);
     }
-    /// From now on it is known that what leaves by `out` comes back by `back`.
+    /// From now on it is known that frames sent on `out` return on `back`.
     void close_loop(Channel& out, Channel& back) {
         const Bytes by_both = frame(0x77, all, 0xF1, {1, 2, 3});
         receive(out, by_both);

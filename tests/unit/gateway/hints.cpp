@@ -119,7 +119,7 @@ TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
               "links in one `group`; if two, change the id of the other one");
 }
 
-// What is said at the links of one conflict, which share its meaning and ring, whatever else each of them has.
+// The hints at the links of one conflict, which share its meaning and ring, whatever other state each link has.
 TEST(Hint, two_of_one_conflict_never_contradict_each_other) {
     const std::string meanings[] = {"ring", "one_device_on_two_links", "two_devices_one_id", "two_peers_one_device",
                                     "pinned_address_claimed"};

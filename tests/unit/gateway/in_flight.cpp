@@ -21,7 +21,7 @@ Bytes say(std::uint8_t id, const Bytes& data, std::uint8_t from = fc) { return s
 struct Exchange {
     Bytes question;
     Bytes answer;
-    Bytes of_another;    // of the same id where there is one: it answers another question
+    Bytes of_another;    // with the same id if there is one: it answers another question
 };
 const Exchange exchanges[] = {
     {ask(0xE0, {0, 0, 0}), say(0xE3, {fc, 100, 0, 100, 0, 0, 0, 32, 3}), say(0xE0, {1, 40, 0})},

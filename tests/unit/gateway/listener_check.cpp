@@ -1,4 +1,4 @@
-// Whether a peer is another gateway's listening socket: who is asked, who answers, who waits.
+// Whether a peer is another gateway's listening socket: who asks, answers and waits.
 #include <gateway/peers/listener_check.hpp>
 
 #include <support/bytes.hpp>
@@ -168,7 +168,7 @@ TEST(ListenerCheck, strangers_by_the_thousand_push_no_refused_one_out) {
 }
 
 // Frames of one reach the other in the order in which they were sent. A forged frame made `there` a peer of the first gateway
-// only, which is about to send something: what it sends behind its question is dropped, and both refuse each other.
+// only, which is about to send: frames sent after its question are dropped, and both reject each other.
 TEST(ListenerCheck, of_two_gateways_each_refuses_the_other_whoever_begins) {
     Check a{100}, b{200};
     const auto question = a.question(two, start);

@@ -27,12 +27,12 @@ class Guarded : public testing::Test {
 protected:
     Guarded() {
         for (unsigned n = 0; n < 8; ++n) guard.open(channel(n), link(n), 0, true, TimePoint::min());
-        for (unsigned n = 8; n < 16; ++n) guard.open(channel(n), link(n), 0, false, TimePoint::min());    // no probes
+        for (unsigned n = 8; n < 16; ++n) guard.open(channel(n), link(n), 0, false, TimePoint::min());    // without probes
     }
     LoopGuard::Judgement judge(std::uint64_t key, unsigned from, TimePoint now) {
         return guard.judge({key, channel(from), now}, now);
     }
-    /// As the Forwarder does: what passes goes to `to`. True: it passed.
+    /// Like the Forwarder: a passed frame is sent to `to`. True: it passed.
     bool pass(std::uint64_t key, unsigned from, ChannelSet to, TimePoint now, bool at_home = false) {
         const LoopGuard::Arrival arrival{key, channel(from), now, at_home};
         const auto judgement = guard.judge(arrival, now);
@@ -61,14 +61,14 @@ TEST_F(Guarded, a_copy_passes_with_probes_ahead_of_it_and_teaches_nothing_until_
     EXPECT_FALSE(judge(1, 9, start + 2010ms).undecided) << "by which no probe leaves";
 }
 
-// By channels without probes, and rarely enough to be no storm.
+// On channels without probes, and too rarely for a storm.
 TEST_F(Guarded, a_command_that_goes_round_ends_and_telemetry_does_not) {
     const auto rounds = [&](std::uint64_t key, bool acts) {
         int passed = 0;
         for (int i = 0; i < 500; ++i) {
             const TimePoint now = start + i * 100ms;
             const LoopGuard::Arrival arrival{key, channel(i == 0 ? 8 : 9), now, false, acts};
-            if (guard.judge(arrival, now).looped) break;    // of a loop, nothing more comes
+            if (guard.judge(arrival, now).looped) break;    // of a loop: no further copies arrive
             guard.remember(arrival, channels({3, 10}), now);
             ++passed;
         }
@@ -188,7 +188,7 @@ TEST_F(Guarded, more_than_200_copies_in_a_second_beyond_the_originals_are_a_loop
     EXPECT_FALSE(is_known(8, start + 62s)) << "not for ever";
 }
 
-// Each of them once or twice a second: their sum counts.
+// Each of them once or twice a second: their sum is counted.
 TEST_F(Guarded, copies_of_different_frames_are_counted_together) {
     int passed = 0;
     for (unsigned n = 0; n < 1000; ++n) {
@@ -276,7 +276,7 @@ TEST_F(Guarded, a_copy_that_waited_to_be_read_is_one_all_the_same) {
     EXPECT_FALSE(guard.judge({1, channel(1), start + 2s}, start + 4s).suspect);
 }
 
-// It comes back by any link, and is a copy by each.
+// It returns on any link, and is a copy on each.
 TEST_F(Guarded, of_the_gateways_own_frames_all_that_come_are_copies) {
     guard.remember({1, ourselves, start}, channels({0, 1}), start);
     EXPECT_TRUE(judge(1, 0, start + 1s).suspect && judge(1, 1, start + 1s).suspect);

@@ -95,7 +95,7 @@ TEST(Outbox, partial_send_continues_inside_the_frame) {
 }
 
 TEST(Outbox, full_drops_the_oldest) {
-    Outbox outbox = open_outbox(30, 20);    // two frames of 12
+    Outbox outbox = open_outbox(30, 20);    // room for two frames of 12
     for (std::uint8_t n = 1; n <= 3; ++n) push(outbox, numbered(n));
     EXPECT_EQ(gathered(outbox), joined({numbered(2), numbered(3)}));
     EXPECT_EQ(outbox.counters().queue_full, 1u);
@@ -108,7 +108,7 @@ TEST(Outbox, frame_that_has_begun_to_leave_is_never_dropped) {
     push(outbox, numbered(2));
     outbox.sent(1);
     push(outbox, numbered(3));
-    push(outbox, numbered(4, 20));    // fills the bound by itself
+    push(outbox, numbered(4, 20));    // takes the whole room by itself
     const Bytes begun = numbered(1);
     EXPECT_EQ(gathered(outbox), joined({Bytes(begun.begin() + 1, begun.end()), numbered(4, 20)}));
     EXPECT_EQ(outbox.counters().queue_full, 2u);
@@ -207,7 +207,7 @@ TEST(Outbox, zero_bytes_leave_before_the_next_frame_and_are_no_frame) {
     expect_balanced(outbox);
 }
 
-// A slow line has sent some when a setpoint comes: that does not wait for the rest.
+// A slow line has sent some of them when a setpoint arrives, which does not wait for the rest.
 TEST(Outbox, zero_bytes_end_when_a_second_frame_waits) {
     Outbox outbox = of_uart();
     ASSERT_TRUE(outbox.flush_parser(start));
@@ -266,7 +266,7 @@ TEST(Outbox, zero_bytes_leave_once_a_second_and_only_when_nothing_waits) {
     EXPECT_FALSE(no_uart.flush_parser(start));
 }
 
-// A parser that takes longer frames still waits after the first ones.
+// A parser that accepts longer frames still waits after the first ones.
 TEST(Outbox, zero_bytes_are_more_the_second_time) {
     Outbox outbox{{.bytes = 1000, .max_data = 100, .flush_bytes = 206, .flush_again_bytes = 306}};
     outbox.open();
@@ -343,7 +343,7 @@ TEST(Outbox, a_question_that_is_dropped_needs_no_answer) {
     EXPECT_EQ(questions.size(), 2u) << "it left, and is to be answered";
 }
 
-// Three times as much is offered as leaves; nothing can be replaced.
+// Three times the sent amount is offered; nothing can be replaced.
 TEST(Outbox, each_class_keeps_a_tenth_of_the_bytes) {
     Outbox outbox = open_outbox(4000, 100);
     std::array<std::size_t, 3> bytes{};
@@ -393,7 +393,7 @@ TEST(Outbox, oldest_of_the_lowest_class_gives_way) {
     push(outbox, numbered(4), text);
     push(outbox, numbered(5), command);
     EXPECT_EQ(gathered(outbox), joined({numbered(5), numbered(1), numbered(4), numbered(3)}));
-    push(outbox, numbered(6, 20), image);    // fits only if more than bulk gave way
+    push(outbox, numbered(6, 20), image);    // would fit only if other classes than bulk gave way
     EXPECT_EQ(gathered(outbox), joined({numbered(5), numbered(1), numbered(4), numbered(3)}));
     EXPECT_EQ(outbox.counters().queue_full, 2u);
     expect_balanced(outbox);
@@ -447,7 +447,7 @@ TEST(Outbox, the_only_one_that_waits_can_be_replaced) {
     expect_balanced(outbox);
 }
 
-// Twenty kinds, the first ten times as often as the others, on a line that carries a quarter of them.
+// Twenty kinds, the first ten times as often as the others, on a line with a quarter of their rate.
 TEST(Outbox, no_kind_starves_and_what_leaves_is_fresh) {
     Outbox outbox = open_outbox(32 * 1024, 100);
     std::array<int, 20> left{};
@@ -464,7 +464,7 @@ TEST(Outbox, no_kind_starves_and_what_leaves_is_fresh) {
         offer(0);
         if (tick % 10 == 0)
             for (std::uint8_t kind = 1; kind < 20; ++kind) offer(kind);
-        if (tick % 4 > 2) continue;    // 0.75 frames leave for 2.9 offered
+        if (tick % 4 > 2) continue;    // 0.75 frames are sent for 2.9 offered
         std::array<Piece, 1> piece;
         ASSERT_EQ(outbox.gather(piece), 1u);
         const auto data = piece[0].subspan(ano::header_size);
@@ -528,7 +528,7 @@ TEST(Outbox, channels_take_turns_and_below_them_senders) {
     Outbox outbox = open_outbox(1000, 100);
     for (std::uint8_t n = 0; n < 3; ++n) push(outbox, from(1, n), command, 5);
     for (std::uint8_t n = 0; n < 2; ++n) push(outbox, from(2, n), command, 5);
-    for (std::uint8_t n = 0; n < 4; ++n) push(outbox, from(1, 10 + n), command, 6);    // another one with that address
+    for (std::uint8_t n = 0; n < 4; ++n) push(outbox, from(1, 10 + n), command, 6);    // another sender with that address
     Bytes all;
     while (!outbox.empty()) {
         std::array<Piece, 1> piece;
@@ -590,7 +590,7 @@ TEST(Outbox, what_came_by_another_channel_is_not_replaced) {
 }
 
 TEST(Outbox, the_oldest_of_who_has_most_gives_way) {
-    Outbox outbox = open_outbox(100, 20);    // eight frames of 12
+    Outbox outbox = open_outbox(100, 20);    // room for eight frames of 12
     push(outbox, from(1, 1), command, 1);
     for (std::uint8_t n = 0; n < 20; ++n) push(outbox, from(2, n), command, 2);
     for (std::uint8_t address = 10; address < 250; ++address) push(outbox, from(address, address), command, 3);
@@ -603,7 +603,7 @@ TEST(Outbox, the_oldest_of_who_has_most_gives_way) {
     expect_balanced(outbox);
 }
 
-// A room of 400 bytes: 40 are reserved for each class, or one frame of up to 100.
+// A queue of 400 bytes: 40 are reserved for each class, or one frame of up to 100.
 TEST(Outbox, no_class_is_pushed_out_of_the_queue) {
     for (const QueuePolicy flood : {command, text, image})
         for (const QueuePolicy few : {command, text, image}) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr TimePoint start{1h};
 
-// 10 bytes a millisecond: 200 bytes are 20 ms.
+// 10 bytes per millisecond: 200 bytes are 20 ms.
 Pacer ten_a_ms() { return Pacer{{.rate = 10000, .latency = 20ms}}; }
 
 TEST(Pacer, idle_line_takes_what_fits_in_latency) {

@@ -1,4 +1,4 @@
-// How long a peer of a listening socket stays, by what was heard and what was refused.
+// How long a peer of a listening socket stays, depending on received and refused frames.
 #include <gateway/peers/peer_book.hpp>
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ struct Book : PeerBook {
     explicit Book(Duration timeout = 60s, std::size_t most = 64, std::size_t max_of_address = 64)
         : PeerBook{{timeout, most, max_of_address}} {}
     explicit Book(const Options& options) : PeerBook{options} {}
-    // A peer of one datagram, and one of which another came at once.
+    // A peer of one datagram, and one whose second datagram arrived at once.
     void join_once(ChannelId id, const Endpoint& endpoint, std::uint8_t source, TimePoint now, Rank rank = Rank::ordinary) {
         add(id, endpoint, true, now, rank);
         PeerBook::heard(id, source, now);
@@ -369,7 +369,7 @@ TEST(PeerBook, a_peer_that_becomes_one_that_commands_needs_no_kept_place) {
     EXPECT_TRUE(book.place_for(laptop, start).free);
 }
 
-// So its command gets through, however many others command, and whoever was there before stays.
+// So its command is forwarded, however many other hosts send commands, and the earlier peers stay.
 TEST(PeerBook, the_last_host_that_commands_gives_way_to_another_one) {
     using enum PeerBook::Rank;
     Book book{PeerBook::Options{60s, 3, 3, 1, 0}};
@@ -391,7 +391,7 @@ TEST(PeerBook, the_last_host_that_commands_gives_way_to_another_one) {
     EXPECT_EQ(with_trusted.place_for(at("10.0.0.2:1"), now, commands).gives_way, a) << "no trusted one";
 }
 
-// 30 addresses, each five times a second, all at once or one after the other.
+// 30 addresses, each five times a second, all simultaneously or one after the other.
 TEST(PeerBook, a_late_operator_gets_his_commands_through_a_crowd_that_commands) {
     using enum PeerBook::Rank;
     for (const Duration apart : std::initializer_list<Duration>{0ms, 1ms, 6ms}) {

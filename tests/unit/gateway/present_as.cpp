@@ -32,7 +32,7 @@ struct Presented : testing::Test {
         const std::size_t n = request.size();
         return frame(from, to, 0x00, {request[3], request[n - 2], request[n - 1]});
     }
-    /// The address that gets `answer`, which a device sends to the host.
+    /// The address that receives `answer`, which a device sends to the host.
     std::uint8_t asker(std::uint8_t id, const Bytes& data, std::uint8_t device = fc) {
         return in(frame(device, host, id, data))[2];
     }
@@ -187,7 +187,7 @@ TEST_F(Presented, where_the_memory_is_full_answers_keep_the_order_of_the_questio
     out(frame(ros, fc, 0xE0, {3, 0, 0}));
     out(frame(user, fc, 0xE0, {2, 5, 0}));
     for (int n = 0; n < 254; ++n) out(frame(user, fc, 0xE0, {3, 0, 0}));
-    out(frame(ros, fc, 0xE0, {2, 5, 0}));    // in the place of the first
+    out(frame(ros, fc, 0xE0, {2, 5, 0}));    // replaces the first
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), user);
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), ros);
 }
@@ -220,7 +220,7 @@ TEST_F(Presented, short_and_large_frames_pass) {
     EXPECT_EQ(out(frame(ros, fc, 0xE1, Bytes(201))), frame(ros, fc, 0xE1, Bytes(201)));
 }
 
-// The way out is host, then alias; the way in is alias, then host.
+// Outbound frames pass the host mapping, then the alias; inbound frames the alias, then the host mapping.
 TEST_F(Presented, an_acknowledgement_finds_its_way_through_an_alias_as_well) {
     Aliases aliases{{{.device = 0xDE, .as = 31}}, 200};
     const Bytes sent = frame(ros, 31, 0xE1, {3, 0, 42});

@@ -18,7 +18,7 @@ constexpr ano::TimePoint start{1h};
 
 Bytes question(std::uint8_t number) { return support::frame(host, fc, 0xE0, {2, number, 0}); }
 
-/// As many questions as a device may be asked are unanswered; the next question waits.
+/// The maximum of questions to a device is unanswered; the next question waits.
 class BusyDevice : public testing::Test {
 protected:
     void SetUp() override {
@@ -66,7 +66,7 @@ TEST_F(BusyDevice, what_waits_for_it_has_left_what_the_sleep_left_of_its_time) {
 TEST_F(BusyDevice, what_came_after_the_sleep_is_as_young_as_it_is) {
     ask(8);
     queue.grow_older(5s);
-    ask(9, ourselves, start + 1ms);    // which drops the other
+    ask(9, ourselves, start + 1ms);    // this drops the other
     EXPECT_EQ(queue.counters().stale, 1u);
     EXPECT_EQ(queue.waiting(), 1u);
     EXPECT_TRUE(queue.release(start + InFlight::patience));

@@ -15,8 +15,8 @@ TEST(Router, port_id_is_the_link_that_bears_it) {
     Net net{{}, {{}, {.port_id = 5}, {}, {}}};
     expect(net.route(0, 0xFE, 5), channels({1}), Via::port);
     net.route(2, 5, 0xFE);
-    expect(net.route(0, 0xFE, 5), channels({1}), Via::port);    // whatever is behind it
-    expect(net.route(1, 0xFE, 5), {}, Via::port);               // never back
+    expect(net.route(0, 0xFE, 5), channels({1}), Via::port);    // whatever address is behind it
+    expect(net.route(1, 0xFE, 5), {}, Via::port);               // not sent back
 }
 
 TEST(Router, port_id_that_no_link_bears_is_an_address_like_any) {
@@ -61,7 +61,7 @@ TEST(Router, learned_address_goes_where_it_was_heard) {
     Net net;
     net.route(1, 0xDC, 0xFF);
     expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
-    expect(net.route(1, 0xFE, 0xDC), {}, Via::learned);    // a neighbour on the same line: it has heard it already
+    expect(net.route(1, 0xFE, 0xDC), {}, Via::learned);    // a neighbour on the same line, which has received it already
 }
 
 TEST(Router, learned_address_is_forgotten_after_its_time) {
@@ -82,13 +82,13 @@ TEST(Router, a_host_whose_wires_are_gone_is_sought_where_nobody_was_heard) {
     expect(net.route(0, 0xDC, 0xFE), channels({1, 2}), Via::learned);
     net->went_down(channel(2));
     expect(net.route(0, 0xDC, 0xFE), channels({1, 2, 3}), Via::unknown);
-    expect(net->find(link(0), 0xFE, net.now), channels({1, 2, 3}), Via::unknown);    // on 0 is only a device
+    expect(net->find(link(0), 0xFE, net.now), channels({1, 2, 3}), Via::unknown);    // channel 0 has only a device
     EXPECT_TRUE(net.route(0, 0xDC, 0xFE).host_is_down);
     EXPECT_FALSE(net.route(0, 0xDC, 0xD2).host_is_down) << "it was never heard";
     net.route(1, 30, 0xFF);
-    expect(net.route(0, 0xFE, 30), channels({1}), Via::learned);    // a device is where it was
+    expect(net.route(0, 0xFE, 30), channels({1}), Via::learned);    // a device keeps its route
     net->came_up(channel(1));
-    expect(net.route(3, 0xDC, 0xFE), channels({0, 1, 2}), Via::learned);    // 0 spoke as the host, too
+    expect(net.route(3, 0xDC, 0xFE), channels({0, 1, 2}), Via::learned);    // 0 also sent as the host
 }
 
 TEST(Router, a_host_whose_wires_are_gone_is_sought_as_far_as_unheard_addresses_are) {
@@ -125,7 +125,7 @@ TEST(Router, hosts_stay_on_every_channel_until_it_closes) {
     }
     net->close(channel(1));
     expect(net.route(0, 0xDC, 0xFE), channels({2}), Via::learned);
-    net->open(channel(1), link(1));    // its number used again knows nothing of the one before
+    net->open(channel(1), link(1));    // the reused number has no earlier state
     expect(net.route(0, 0xDC, 0xFE), channels({2}), Via::learned);
     EXPECT_TRUE(net->conflicts(net.now).empty());
 }
@@ -151,7 +151,7 @@ TEST(Router, no_receiver_and_no_sender_teach_nothing) {
     EXPECT_EQ(net->learned(0xFF, net.now).links, LinkSet{});
     net->pin(0, 0, link(2));
     expect(net.route(0, 0xFE, 0x00), {}, Via::nobody);
-    EXPECT_EQ(net->learned(0xFE, net.now).links, links({0}));    // its source is learned all the same
+    EXPECT_EQ(net->learned(0xFE, net.now).links, links({0}));    // its source is learned nevertheless
 }
 
 TEST(Router, own_id_ends_here) {

@@ -1,4 +1,4 @@
-// Frames that act on a device, for addresses that were not heard lately; frames for hosts that were never heard.
+// Frames that act on a device, for addresses that were not heard recently; frames for hosts that were never heard.
 #include "routing_net.hpp"
 
 namespace router_acts_tests {
@@ -26,7 +26,7 @@ TEST_F(Acts, for_an_unknown_address_do_not_get_to_other_devices) {
     expect(act(0, old), channels({1}), Via::learned);
 }
 
-// A link is remade, with other settings: where devices were at home on it is restored for frames that act.
+// A link is recreated with other settings: the homes of devices on it are restored for frames that act.
 TEST_F(Acts, go_to_the_last_home_on_a_link_that_was_remade) {
     hear(1, old);
     hear(2, 0xDC);
@@ -41,7 +41,7 @@ TEST_F(Acts, go_to_the_last_home_on_a_link_that_was_remade) {
     EXPECT_TRUE(act(0, 0xDC).channels.empty()) << "it is not open yet";
     net->open(channel(2), remade);
     expect(act(0, 0xDC), channels({2}), Via::learned);
-    expect(act(0, unknown), channels({3}), Via::unknown);    // its silent device gets nothing for others
+    expect(act(0, unknown), channels({3}), Via::unknown);    // its silent device receives no frames for others
     hear(1, 0xDC);
     expect(act(0, 0xDC), channels({1}), Via::learned);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
@@ -52,10 +52,10 @@ TEST_F(Acts, go_to_the_only_place_with_devices) {
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
     hear(1, 0x02);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
-    expect(act(3, unknown, 0x30), channels({0, 2}), Via::unknown);    // a device: its own place leads to devices as well
+    expect(act(3, unknown, 0x30), channels({0, 2}), Via::unknown);    // a device: its own channel has devices as well
 }
 
-// The address may be at a link that was never heard: its port is absent, or its devices speak only when spoken to.
+// The address may be on a link that was never heard: its port is absent, or its devices send only answers.
 TEST_F(Acts, do_not_get_to_other_devices_while_the_address_may_be_elsewhere) {
     net->close(channel(2));
     net->remove_link(link(2));
@@ -122,7 +122,7 @@ TEST_F(Acts, for_an_expired_address_go_where_it_was_heard_last) {
     expect(net.route(0, host, unknown), channels({1, 2, 3}), Via::unknown);
     EXPECT_TRUE(net->learned(unknown, net.now).links.empty());
     net->forget(unknown);
-    expect(act(0, unknown), channels({3}), Via::unknown);    // nobody is there any more
+    expect(act(0, unknown), channels({3}), Via::unknown);    // no device is there any more
 }
 
 TEST_F(Acts, for_an_address_whose_channel_is_closed_go_to_its_link) {

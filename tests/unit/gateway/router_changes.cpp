@@ -68,7 +68,7 @@ TEST(Router, nobody_and_everybody_are_not_restored) {
     EXPECT_EQ(net.router->heard_at(0xFF, ChannelId{0}), std::nullopt);
 }
 
-// The channel of the same number goes first.
+// The channel with the same number is closed first.
 TEST(Router, a_link_that_is_removed_leaves_nothing_to_the_next_of_its_number) {
     Net net{{}, {{}, {.port_id = 5, .flood = false, .broadcast = false, .group = 1}, {.group = 1}, {}}};
     net->pin(40, 42, link(1));

@@ -8,7 +8,7 @@ namespace {
 TEST(Router, device_that_moved_is_followed_after_three_seconds_of_silence) {
     Net net;
     net.route(1, 0xDC, 0xFF);
-    net.now += 60s;    // forgotten, and asked all the same
+    net.now += 60s;    // expired, but asked nevertheless
     net.route(2, 0xDC, 0xFF);
     const TimePoint claimed = net.now;
     for (int question = 0; question < 3; ++question) {
@@ -40,7 +40,7 @@ TEST(Router, a_move_to_another_link_is_told_and_its_previous_place_kept) {
     EXPECT_FALSE(net->take_move());
     EXPECT_EQ(net->moved_from(0xDC), links({1}));
     net.now += 10s;
-    net.route(1, 0xDC, 0xFF);    // it is back
+    net.route(1, 0xDC, 0xFF);    // it has returned
     moved = net->take_move();
     ASSERT_TRUE(moved);
     EXPECT_EQ(moved->to, link(1));
@@ -113,7 +113,7 @@ TEST(Router, one_test_of_an_address_in_ten_seconds) {
     EXPECT_EQ(net.asked().size(), 1u) << "of another address at any time";
 }
 
-// 40 commands in 40 s, the thief speaks ten times a second, the device every 4 s and when it is asked.
+// 40 commands in 40 s; the attacker sends ten times a second, the device every 4 s and when it is asked.
 TEST(Router, device_that_speaks_now_and_then_keeps_its_address) {
     Net net;
     int reached = 0, stolen = 0;
@@ -131,13 +131,13 @@ TEST(Router, device_that_speaks_now_and_then_keeps_its_address) {
     EXPECT_EQ(stolen, 0);
 }
 
-// It answers nothing and speaks every 4 s, so that its silence is long enough.
+// It answers nothing and sends every 4 s, so that its silence is long enough.
 TEST(Router, who_speaks_again_at_its_first_home_is_back_at_once) {
     Net net;
     int reached = 0, stolen = 0;
     for (unsigned tenth = 0; tenth < 400; ++tenth, net.now += 100ms) {
         if (tenth % 40 == 0) net.route(1, 0xDC, 0xFF);
-        net.route(2 + tenth / 100 % 2, 0xDC, 0xFF);    // from one port and from another
+        net.route(2 + tenth / 100 % 2, 0xDC, 0xFF);    // alternating between two ports
         net.asked();
         if (tenth % 10 != 0) continue;
         const ChannelSet to = net.route(0, 0xFE, 0xDC).channels;
@@ -163,7 +163,7 @@ TEST(Router, way_back_home_is_no_conflict) {
     EXPECT_TRUE(net->claims(0xDC, channel(2))) << "it was second";
 }
 
-// A constant broadcast that somebody else repeats ends in the loop guard.
+// A constant broadcast that another sender repeats is dropped by the loop guard.
 TEST(Router, what_goes_no_further_brings_it_home_as_well) {
     Net net;
     net.route(1, 0xDC, 0xFF);
@@ -181,7 +181,7 @@ TEST(Router, what_goes_no_further_brings_it_home_as_well) {
     EXPECT_EQ(claimant.channel, channel(2));
 }
 
-// Two cables of one device and no `group`: the first breaks when a test was just refused.
+// Two cables of one device without `group`: the first breaks just after a test found the device there.
 TEST(Router, second_cable_takes_over_within_thirteen_seconds) {
     Net net;
     for (const unsigned cable : {1u, 2u, 1u}) {
@@ -256,7 +256,7 @@ TEST(Router, pinned_address_refuses_every_claim_and_asks_nobody) {
     EXPECT_FALSE(net->holds(31, channel(1)));
 }
 
-// A link with several channels, 1, 10 and 11: peers that are independent of one another.
+// A link with several channels, 1, 10 and 11: independent peers.
 struct PinnedNet : Net {
     PinnedNet() {
         router->open(channel(10), link(1));
@@ -313,7 +313,7 @@ TEST(Router, pinned_address_moves_within_its_link_when_its_channel_is_silent_and
     expect(net.route(0, 0xFE, 30), channels({1}), Via::pinned);
 }
 
-// The claims of others would keep the device from its own move, or be believed with it.
+// Otherwise claims from elsewhere would prevent the device from moving, or be accepted with its move.
 TEST(Router, claims_of_a_pinned_address_from_other_links_change_nothing_on_its_own) {
     PinnedNet net;
     net.route(10, 30, 0xFF);
@@ -344,7 +344,7 @@ TEST(Router, address_pinned_to_two_links_is_at_home_on_each_of_them) {
     EXPECT_TRUE(net->claims(30, channel(2)) && net->claims(30, channel(11)));
     net.route(11, 30, 0xFF);
     EXPECT_EQ(net.asked(), (std::vector<std::pair<int, ChannelSet>>{{30, channels({10})}}));
-    net.route(12, 30, 0xFF);    // says nothing of the other link
+    net.route(12, 30, 0xFF);    // proves nothing about the other link
     net.silence();
     expect(net.route(0, 0xFE, 30), channels({11, 12}), Via::pinned);
 }

@@ -35,7 +35,7 @@ TEST(Router, source_on_two_links_is_a_conflict_while_both_speak) {
     EXPECT_EQ(conflict.links, links({1, 3}));
 }
 
-// Where what was heard is forgotten sooner than the next test may begin.
+// If heard addresses expire before the next test may begin.
 TEST(Router, conflict_lasts_as_long_as_the_claims) {
     Net net{settings([](auto& s) { s.forget_after = 2s; })};
     net.route(1, 0xDE, 0xFF);

@@ -5,7 +5,7 @@ using namespace routing;
 namespace router_groups_tests {
 namespace {
 
-// Links 1 and 2 lead to the same place.
+// Links 1 and 2 lead to the same network.
 struct GroupedRouter : testing::Test {
     Net net{{}, {{}, {.group = 1}, {.group = 1}, {}}};
 };

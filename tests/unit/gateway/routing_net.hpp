@@ -21,7 +21,7 @@ GatewaySettings settings(Change change) {
     return result;
 }
 
-// One channel a link and as many links as asked for, but for what a test adds itself.
+// One channel per link and the requested number of links; a test may add more.
 struct Net {
     explicit Net(const GatewaySettings& gateway = {}, std::vector<Router::LinkRule> rules = {{}, {}, {}, {}})
         : router{std::make_unique<Router>(gateway)} {
@@ -33,13 +33,13 @@ struct Net {
     Route route(unsigned from, std::uint8_t source, std::uint8_t destination) {
         return router->route(static_cast<ChannelId>(from), source, destination, now);
     }
-    /// Who is asked now, by which channels.
+    /// The addresses that are asked now, and on which channels.
     std::vector<std::pair<int, ChannelSet>> asked() {
         std::vector<std::pair<int, ChannelSet>> all;
         while (const auto question = router->take_question(now)) all.emplace_back(question->address, question->channels);
         return all;
     }
-    /// The claims that are made now meet silence.
+    /// All pending claims end without an answer.
     void silence() {
         for (asked(); router->next_question(); asked()) now = *router->next_question();
     }

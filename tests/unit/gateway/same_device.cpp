@@ -12,7 +12,7 @@ namespace {
 constexpr LinkId a{1}, b{2};
 constexpr std::uint8_t source = 0xDC;
 
-// What two links bring of one source for `time`, `every` so long; b's frames come `later`.
+// The frames of one source on two links for `time`, one every `every`; b's frames arrive `later`.
 struct TwoLinks {
     SameDevice device;
     ano::TimePoint now{1h};
@@ -40,7 +40,7 @@ TEST(SameDevice, says_the_same_by_both) {
         TwoLinks links;
         if (later < 20ms) {
             links.run(20s, 20ms, later, true);
-        } else {    // the next frames come meanwhile
+        } else {    // the next frames arrive meanwhile
             for (std::uint64_t n = 5; n < 1000; ++n) {
                 links.met += links.device.heard(source, a, n, links.now).has_value();
                 links.met += links.device.heard(source, b, n - 5, links.now).has_value();

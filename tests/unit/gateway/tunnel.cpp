@@ -65,7 +65,7 @@ Bytes b2(std::uint8_t destination, std::uint16_t p, const Bytes& inner, std::uin
 
 const Tunnel::Passes all = [](ano::FrameView) { return true; };
 
-/// The sum of what was refused, for every cause.
+/// The total of refused frames, for all causes.
 std::uint64_t refused(const TunnelCounters& c) {
     std::uint64_t sum = 0;
     for (const auto& row : anogate::tunnel_counters)
@@ -419,7 +419,7 @@ TEST_F(Wrapping, what_cannot_be_wrapped_is_counted_once_a_datagram_and_the_next_
     site.ours = ours;
     ASSERT_TRUE(tunnel.begin_wrap(0, 4096, sender));
     EXPECT_EQ(tunnel.wrapping(), std::optional<std::size_t>{0});
-    tunnel.end_wrap(none);    // nothing passed
+    tunnel.end_wrap(none);    // no frame passed
     EXPECT_FALSE(tunnel.wrapping());
     wrap(tunnel, {euler});
     EXPECT_EQ(sent.size(), 1u);

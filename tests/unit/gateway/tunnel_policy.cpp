@@ -48,7 +48,7 @@ TEST(TunnelPolicy, what_is_listed_takes_the_place_of_our_networks) {
     EXPECT_FALSE(policy({"8.8.8.8"}).allows(ip("8.8.8.9")));
 }
 
-// Addresses that lead to this machine, to many hosts, or nowhere.
+// Addresses of this machine, of many hosts, or of none.
 const char* const not_ordinary[] = {"127.0.0.1",     "127.255.0.1", "224.0.0.1",    "239.255.255.250", "255.255.255.255",
                                     "192.168.0.255", "192.168.0.0", "10.1.255.255", "10.1.0.0",        "0.0.0.0",
                                     "0.1.2.3",       "192.168.0.5", "10.1.2.3",     "10.9.0.1",        "240.0.0.1",

@@ -1,4 +1,4 @@
-// Devices with one mistake in their frames, and what is named of it.
+// Devices with one error in their frames, and the names of the errors.
 #include <gateway/hints.hpp>
 #include <gateway/wrong_frames.hpp>
 
@@ -53,7 +53,7 @@ Bytes old_body(std::uint8_t id, const Bytes& data) {
 }
 Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
-// What a link has counted and kept after these bytes.
+// The counters and stored bytes of a link after these bytes.
 LinkFigures after(const Bytes& bytes) {
     ano::FrameParser parser{{}};
     for (std::span<const std::uint8_t> rest{bytes}; !rest.empty();) {
@@ -136,7 +136,7 @@ TEST(WrongFrames, noise_and_a_wrong_baud_rate_are_neither) {
     EXPECT_EQ(find_wrong_frames(Bytes(1024, 0xAB)), WrongFrames::none);
 }
 
-// Only what is newest is kept, whatever the sizes of the pieces.
+// Only the newest bytes are kept, whatever the sizes of the pieces.
 TEST(WrongFrames, kept_bytes_are_the_newest_in_their_order) {
     ano::FrameParser parser{{}};
     Bytes all;

@@ -36,7 +36,7 @@ FlexibleLayouts layouts_by_kind(unsigned count) {
     return layouts;
 }
 
-// Each watcher of JSON does this for each frame. The least of many rounds, since others use the machine too.
+// Each client that watches JSON does this for each frame. The minimum of many rounds, since other processes use the machine too.
 std::chrono::nanoseconds time_of_a_frame(const FlexibleLayouts& layouts) {
     const auto bytes = support::frame(5, 254, 0xF1, {0, 7, 0, 9, 0});
     const JsonOptions options{&layouts, Encoding::utf8};
@@ -153,7 +153,7 @@ TEST(FlexibleJson, faults_name_their_place) {
               Lines{"/flexible/0/fields/0/scale: must be a number"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "source": 256, "fields": [{"name": "a", "type": "u8"}]}])"),
               Lines{"/flexible/0/source: an address is 0 to 255"});
-    for (const char* source : {"0", "255", "\"0xFF\""})    // some boards send from there
+    for (const char* source : {"0", "255", "\"0xFF\""})    // some boards use these sources
         EXPECT_EQ(
             faults_of(
                 (std::string{R"([{"id": 241, "source": )"} + source + R"(, "fields": [{"name": "a", "type": "u8"}]}])").c_str()),

@@ -182,7 +182,7 @@ TEST(FrameJson, gbk_text_is_read_and_written_when_asked) {
     EXPECT_TRUE(json_of(bytes).contains("data"));
 }
 
-// Many headers, each of which claims all the rest: checked one by one this would take minutes.
+// Many headers, each of which claims all the rest: checked one by one, this would take minutes.
 TEST(FrameJson, a_tunnel_full_of_heads_costs_linear_time) {
     const auto bytes = support::frame(1, 2, 0xB1, support::Bytes(65535, 0xAB));
     const Json json = json_of(bytes);

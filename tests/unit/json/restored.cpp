@@ -1,4 +1,4 @@
-// A frame in JSON has `data` beside its fields where these do not make it again, and nowhere else.
+// A frame in JSON has `data` beside its fields only if these do not restore it.
 #include <ano/messages.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
@@ -20,7 +20,7 @@ using namespace ano;
 using support::Bytes;
 using support::Random;
 
-/// DATA that some layout takes, and more or less of it.
+/// DATA that fits a layout, and shorter or longer DATA.
 Bytes random_data(const Message& row, Random& random) {
     std::size_t size = row.variant.length != 0 ? row.variant.length : row.fixed_size;
     if (row.is_open()) size += random.below(30u);
@@ -50,7 +50,7 @@ Bytes random_data(const Message& row, Random& random) {
     return data;
 }
 
-/// A number of it is null in JSON and no "no data".
+/// One of its numbers is null in JSON without being "no data".
 bool has_no_number(const Reading& reading) {
     const auto is_none = [](const Value& value) {
         const auto* const number = std::get_if<double>(&value);

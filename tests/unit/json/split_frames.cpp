@@ -12,7 +12,7 @@ namespace {
 using support::Bytes;
 using support::operator+;
 
-/// "6 [20] 1": gaps and frames, by their sizes.
+/// "6 [20] 1": the sizes of gaps and frames.
 std::string parts(const Bytes& bytes) {
     std::string text;
     std::size_t end = 0;

@@ -57,14 +57,14 @@ TEST(StrictJson, documents_are_those_of_the_library) {
         EXPECT_EQ(faults[0].what.rfind("line 1", 0), 0u) << faults[0].what;
     }
 }
-// Where each end of an object looks through all before it, this takes minutes.
+// If the end of each object searches all before it, this takes minutes.
 TEST(StrictJson, of_many_small_objects_takes_linear_time) {
     std::string text = "[{}";
     for (int i = 0; i < 400'000; ++i) text += ",{}";
     EXPECT_TRUE(faults_of(text + "]").empty());
 }
 
-// Where each key is compared with all before it, this takes minutes; where the place of each fault is written, gigabytes.
+// If each key is compared with all before it, this takes minutes; if the path of each fault is stored, gigabytes.
 TEST(StrictJson, of_many_keys_and_many_faults_takes_linear_time) {
     std::string text = "{\"first\": 0";
     for (int i = 0; i < 200'000; ++i) text += ", \"" + std::to_string(i) + "\": 0";

@@ -14,7 +14,7 @@ std::string fault_of(std::string_view text) {
     }
 }
 
-/// The part in brackets at the end.
+/// The last part, in brackets.
 std::string slip_in(std::string_view text) {
     const std::string fault = fault_of(text);
     return fault.ends_with(')') ? fault.substr(fault.rfind(" (") + 2) : std::string{};

@@ -181,8 +181,8 @@ TEST(Text, automatic_is_gbk_where_it_is_not_utf8) {
     EXPECT_EQ(text("说明"), "说明");
     EXPECT_EQ(text("\xBD\xE2\xCB\xF8 ok"), "解锁 ok");
     EXPECT_EQ(text("a\xC0"), "a" + r);          // neither
-    EXPECT_EQ(text("说\xE6\x98"), "说" + r);    // cut within a character
-    EXPECT_EQ(text("说\xE6"), "说" + r);        // as is this, which could be GBK
+    EXPECT_EQ(text("说\xE6\x98"), "说" + r);    // truncated within a character
+    EXPECT_EQ(text("说\xE6"), "说" + r);        // the same here, which could be GBK
     EXPECT_EQ(text("\xFF\xFE"), r + r);
     EXPECT_EQ(from_utf8("解锁", Encoding::automatic), "解锁");
 }

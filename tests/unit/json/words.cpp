@@ -142,7 +142,7 @@ TEST(TypedValues, that_cannot_be_are_told) {
     EXPECT_EQ(value_fault("1.5"), "parameter_value value: '1.5' is neither hex digits in pairs nor typed, as f32:1.5 is");
 }
 
-// Devices store the check bytes of the frame in place of the missing bytes.
+// Devices store the check bytes of the frame instead of the missing bytes.
 TEST(ParameterValue, that_is_shorter_than_its_type_is_refused) {
     const std::string behind =
         "; a device would store check bytes of the frame with it: write it with its type, such as f32:1.5 or string:abc";

@@ -1,4 +1,4 @@
-// The datagrams of a peer that wait for their turn: order, bound, and which give way.
+// The datagrams of a peer that wait for their turn: order, limit, and which are dropped.
 #include <link/udp/datagram_queue.hpp>
 
 #include <support/random.hpp>

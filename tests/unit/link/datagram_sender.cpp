@@ -38,13 +38,13 @@ protected:
         for (int i = 0; i < frames; ++i) outbox.push(ano::FrameView{frame}, {}, now);
     }
     SendReport send() { return sender.send_all(way, outbox, pacing, now); }
-    /// What the first calls do; the next ones do what the kernel does.
+    /// The results of the first calls; later calls go to the kernel.
     void calls_do(std::vector<Fate> fates) {
         support::fate_of_sendmmsg = [this, fates = std::move(fates)](int) {
             return calls < fates.size() ? fates[calls++] : Fate{};
         };
     }
-    /// The sizes of the datagrams that came.
+    /// The sizes of the received datagrams.
     Sizes received() {
         Sizes sizes;
         char room[2000];

@@ -20,7 +20,7 @@ TEST(ErrorReports, are_all_taken_at_once_each_with_whom_it_is_about) {
     std::vector<anogate::Endpoint> closed, refused;
     for (int i = 0; i < 3; ++i) closed.push_back(support::UdpPeer{}.local());
     for (const anogate::Endpoint& there : closed)
-        while (!sender.send(there, Bytes{1})) {}    // one call fails for what became of the one before
+        while (!sender.send(there, Bytes{1})) {}    // a call may fail because of the previous datagram
     std::size_t reports = 0;
     const auto take = [&] {
         reports = anogate::take_error_reports(sender.fd(), [&](const anogate::Endpoint& who) { refused.push_back(who); });
@@ -34,7 +34,7 @@ TEST(ErrorReports, are_all_taken_at_once_each_with_whom_it_is_about) {
     EXPECT_EQ(reports, 0u);
 }
 
-// What the system itself says there, as when a datagram left, is no reason to send anything again.
+// Reports of the local system, such as that a datagram was sent, are no reason to send anything again.
 TEST(ErrorReports, of_the_system_itself_are_taken_and_not_counted) {
     support::UdpPeer sender, receiver;
     anogate::keep_error_reports(sender.fd(), false);

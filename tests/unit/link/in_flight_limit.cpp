@@ -11,10 +11,10 @@ using namespace std::chrono_literals;
 namespace in_flight_limit_tests {
 namespace {
 
-// A connection whose packets pass one slow line, one behind the other; its sender always has more.
+// A connection whose packets pass one slow line, one after the other; its sender always has more.
 class Line {
 public:
-    /// `tick`: by which the acknowledgement of a packet is late when no other follows it.
+    /// `tick`: the delay of a packet's acknowledgement if no other packet follows it.
     Line(double bytes_per_second, ano::Duration way, ano::Duration tick = {}) : rate_{bytes_per_second}, way_{way}, tick_{tick} {}
 
     void change_rate(double bytes_per_second) { rate_ = bytes_per_second; }
@@ -148,7 +148,7 @@ TEST(InFlightLimit, a_thin_stream_is_never_held_back) {
         ASSERT_EQ(limit.wait(i % 3 == 0 ? 400 : 800, now, [] { return InFlightLimit::RoundTrip{200ms, 200ms}; }), 0s) << i;
 }
 
-// Of its last bytes, as some systems acknowledge them: the way is not longer for that.
+// Some systems delay the acknowledgement of the last bytes; the path is not longer for that.
 TEST(InFlightLimit, late_acknowledgements_let_no_more_wait) {
     Line line{2 * mbit, 2ms, 250ms};
     line.run(5s);

@@ -11,11 +11,11 @@
 
 namespace {
 
-unsigned interface_now = 0;    // the number of any interface; 0: there is none
+unsigned interface_now = 0;    // the number of any interface; 0: it does not exist
 
 }    // namespace
 
-// Of this program: no test here has interfaces that come and go.
+// Replaces libc's function: no test here has interfaces that appear and disappear.
 extern "C" unsigned if_nametoindex(const char*) noexcept { return interface_now; }
 
 namespace interface_watch_tests {
@@ -27,7 +27,7 @@ using support::endpoint;
 struct WatchedInterface : testing::Test {
     WatchedInterface() { interface_now = 7; }
 
-    /// Counts how often it is told, and keeps what.
+    /// Counts its events, and stores the last one.
     struct Watch {
         explicit Watch(const LinkContext& context)
             : looks{context, [this](const LinkError& why) {
@@ -38,7 +38,7 @@ struct WatchedInterface : testing::Test {
         std::string words;
         InterfaceWatch looks;
     };
-    /// One that was begun before it has looked as well then.
+    /// A watch that was started before `watch` has checked as well by then.
     void until_told(const Watch& watch) {
         EXPECT_TRUE(host.until([&] { return watch.told > 0; }));
         host.io.poll();
@@ -67,7 +67,7 @@ TEST_F(WatchedInterface, is_told_of_when_it_is_gone_and_not_while_it_is_there) {
     before.looks.start(here);
     interface_now = 9;
     watch.looks.start(here);
-    until_told(before);    // so the other one has looked
+    until_told(before);    // so the other one has checked as well
     EXPECT_EQ(watch.told, 0);
     interface_now = 0;
     until_told(watch);

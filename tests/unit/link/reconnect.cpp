@@ -32,7 +32,7 @@ struct Reconnects : testing::Test {
     AlarmClock clock{io};
     std::size_t tries = 0;
     std::string fault = "absent";    // empty: it can be opened
-    bool at_once = true;             // or it only begins to open
+    bool at_once = true;             // false: it only begins to open
     std::vector<std::string> told;
     Reconnect reconnect{clock, ano::Clock::now,
                         [this]() -> Opened<void> {
@@ -82,7 +82,7 @@ TEST_F(Reconnects, what_takes_its_time_to_open_is_tried_again_when_it_came_to_no
 
 TEST_F(Reconnects, a_device_that_comes_is_opened_at_once_and_the_next_try_is_off) {
     reconnect.start();
-    ASSERT_TRUE(until_tries(5));    // the next is most of a second away
+    ASSERT_TRUE(until_tries(5));    // the next is most of a second later
     fault.clear();
     reconnect.try_now();
     EXPECT_EQ(tries, 6u);

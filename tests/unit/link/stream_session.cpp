@@ -1,4 +1,4 @@
-// Sessions of a link that has many, over connections that are being made: what a TCP link will be.
+// Sessions of a link that has many, over connections that are being established, like those of a TCP link.
 #include <link/stream_session.hpp>
 
 #include <support/link_host.hpp>
@@ -26,9 +26,9 @@ public:
     using StreamSession::StreamSession;
     std::string log;    // "o": opened, "e": its input ended, "f": it failed
     int error = 0;
-    std::size_t most = SIZE_MAX;    // bytes that a write takes
-    std::size_t held = 0;           // by the driver
-    int interrupted = 0;            // so many reads, by signals
+    std::size_t most = SIZE_MAX;    // bytes that a write accepts
+    std::size_t held = 0;           // waiting in the driver
+    int interrupted = 0;            // the number of reads interrupted by signals
     bool ends_with_a_read = false;
 
 private:
@@ -143,7 +143,7 @@ TEST_F(Sessions, open_when_the_connection_stands_and_carry_frames_both_ways) {
     ASSERT_GT(::write(first.get(), vendor::i_am_an_mcu.data(), vendor::i_am_an_mcu.size()), 0);
     ASSERT_GT(::write(second.get(), vendor::who_are_you.data(), vendor::who_are_you.size()), 0);
     EXPECT_TRUE(host.until([&] { return host.heard("one") == vendor::i_am_an_mcu && host.heard("two") == vendor::who_are_you; }));
-    one.most = 3;    // a write may take less than a frame
+    one.most = 3;    // a write may accept less than a frame
     host.channels()[0]->outbox.push(ano::FrameView{vendor::who_are_you});
     one.write();
     EXPECT_TRUE(until_hears(first, vendor::who_are_you));
@@ -168,7 +168,7 @@ TEST_F(Sessions, one_that_ends_leaves_the_others) {
 }
 
 TEST_F(Sessions, a_refused_connection_says_so_and_was_never_open) {
-    Connection& refused = link.open(connecting(), "refused");    // bound and not listening
+    Connection& refused = link.open(connecting(), "refused");    // bound, but not listening
     EXPECT_TRUE(host.until([&] { return !refused.log.empty(); }));
     EXPECT_EQ(refused.log, "f");
     EXPECT_EQ(refused.error, ECONNREFUSED);
@@ -187,7 +187,7 @@ TEST_F(Sessions, nothing_is_read_once_the_link_reads_no_more) {
     EXPECT_TRUE(host.heard("one").empty());
 }
 
-// One that is open, by a pair of sockets.
+// An open one, on a pair of sockets.
 struct Session : Sessions {
     Session() {
         int ends[2] = {-1, -1};
@@ -203,14 +203,14 @@ struct Session : Sessions {
     bool until_read(const Bytes& bytes) {
         return host.until([&] { return channel().parser.counters().bytes_in == bytes.size(); });
     }
-    /// Nothing is expected to happen meanwhile.
+    /// Waits 150 ms, in which nothing is expected to happen.
     void wait() {
         host.io.restart();
         host.io.run_for(std::chrono::milliseconds{150});
     }
     UniqueFd ours, other;
     const Bytes frame = vendor::i_am_an_mcu;
-    // Once the line is quiet for 50 ms, the frame is known.
+    // The frame is recognised after the line was quiet for 50 ms.
     const Bytes behind_a_false_header = Bytes{ano::head, 1, 2, 3, 0xE8, 3} + frame;
 };
 

@@ -14,7 +14,7 @@ namespace {
 using anogate::UniqueFd;
 using anogate::terminal::is_port_at;
 
-// By /proc a name leads to a port that is unplugged, as the name of an adapter does to the next one of the same number.
+// A name in /proc leads to an unplugged port, like the name of an adapter leads to the next one with the same number.
 TEST(Termios, a_port_that_was_unplugged_is_not_at_its_name_any_more) {
     UniqueFd device{::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)};
     char name[64];

@@ -1,4 +1,4 @@
-// A listening UDP link and no gateway behind it: whom it knows, and what it leaves to the program started next.
+// A listening UDP link without a gateway: its peers, and the state that it leaves to the next program.
 #include <gateway/peers/listening_notice.hpp>
 #include <link/udp/udp_listen_link.hpp>
 
@@ -26,7 +26,7 @@ bool no_interfaces = false;
 
 }    // namespace
 
-// Of this program: how often the system is asked for our networks, and none where a test wants that.
+// Replaces libc's function: counts the reads of our networks, and returns none if a test wants that.
 extern "C" int getifaddrs(ifaddrs** list) noexcept {
     static const auto real = reinterpret_cast<int (*)(ifaddrs**)>(::dlsym(RTLD_NEXT, "getifaddrs"));
     ++networks_read;
@@ -48,7 +48,7 @@ Bytes notice(Kind kind, std::uint64_t number) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// Nothing that a stranger says makes it a peer.
+/// No frame registers its sender as a peer.
 class Unwelcoming final : public UdpListenLink {
 public:
     using UdpListenLink::UdpListenLink;
@@ -70,7 +70,7 @@ struct ListeningLink : testing::Test {
         ASSERT_TRUE(host.why.empty()) << host.why;
     }
     void say(UdpPeer& peer, const Bytes& bytes) { ASSERT_TRUE(peer.send(link->local_port(), bytes)); }
-    /// The peer of this endpoint, once it is one.
+    /// The peer of this endpoint; waits until it is registered.
     Channel* channel(const UdpPeer& peer) {
         Channel* found = nullptr;
         host.until([&] {
@@ -89,7 +89,7 @@ struct ListeningLink : testing::Test {
         std::sort(all.begin(), all.end());
         return all;
     }
-    /// As the next program finds the socket of this one.
+    /// The socket and its peers as the next program finds them.
     StoredLink stored(std::vector<StoredPeer> with) const {
         StoredLink left;
         left.wire = UniqueFd{::fcntl(link->storable_wire(), F_DUPFD_CLOEXEC, 0)};
@@ -160,7 +160,8 @@ TEST_F(ListeningLink, takes_nothing_from_a_peer_that_says_it_is_a_gateway_and_fo
     EXPECT_EQ(link->trouble().id, "other_gateway");
 }
 
-// Behind the port may be somebody else. The suspension stays, or forgetting the peer would be a way to suspend it again.
+// The port may belong to another program now. The suspension stays; otherwise forgetting the peer would be a way to suspend it
+// again.
 TEST_F(ListeningLink, takes_whoever_has_the_port_of_one_that_was_forgotten) {
     start();
     say(first, telemetry);
@@ -190,7 +191,7 @@ TEST_F(ListeningLink, looks_at_our_networks_once_a_second_however_many_strangers
     EXPECT_LE(networks_read, before + 1 + (Clock::now() - begin) / 1s);
 }
 
-// The kernel's stamps say nothing across a step of the clock, and everything again behind the first read after it.
+// The kernel's stamps are useless across a step of the clock, and valid again after the first read after it.
 TEST_F(ListeningLink, knows_again_how_old_a_datagram_is_when_the_clock_was_set) {
     Duration ahead = 1h;
     host.clocks = [&] {

@@ -28,7 +28,7 @@ TEST(JournalLines, every_line_has_it_whatever_it_begins_with) {
     EXPECT_EQ(journal_lines(Priority::info, "\n\na\n\n"), "<6>a\n");
 }
 
-// What a log on a terminal writes for one warning.
+// The output of a log on a terminal for one warning.
 std::string on_a_terminal(const char* no_color) {
     int ours = -1, terminal = -1;
     if (::openpty(&ours, &terminal, nullptr, nullptr, nullptr) != 0) return "no pty";
@@ -39,7 +39,7 @@ std::string on_a_terminal(const char* no_color) {
     ::dup2(terminal, STDERR_FILENO);
     start_log({});
     spdlog::warn("words");
-    pollfd written{ours, POLLIN, 0};    // by a thread of its own, in pieces
+    pollfd written{ours, POLLIN, 0};    // by another thread, in pieces
     std::string text;
     while (!text.ends_with('\n') && ::poll(&written, 1, 10'000) == 1) {
         char piece[256];

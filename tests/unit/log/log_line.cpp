@@ -11,7 +11,7 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-// Its text is made when it is formatted, and it can't always be made.
+// Its text is made when it is formatted, which may fail.
 struct Counted {
     int* formatted;
     bool fails = false;

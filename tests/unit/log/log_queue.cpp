@@ -41,7 +41,7 @@ TEST(LogQueue, keeps_the_first_and_counts_the_rest) {
 
 TEST(LogQueue, has_one_gap_and_nothing_behind_it_until_all_is_taken) {
     LogQueue queue;
-    say(queue, std::string(LogQueue::room, 'x'));    // it begins below the bound
+    say(queue, std::string(LogQueue::room, 'x'));    // it begins below the limit
     say(queue, "lost");
     say(queue, "");
     LogQueue::Batch batch = queue.take();

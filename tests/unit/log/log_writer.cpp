@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A log that takes a line only when the test allows it.
+// A log that accepts a line only when the test allows it.
 class Gate final : public spdlog::sinks::base_sink<std::mutex> {
 public:
     void open(int lines) { may_.release(lines); }
@@ -76,7 +76,7 @@ TEST(LogWriter, tells_what_was_lost_where_it_is_missing) {
     log.front.info(std::string(LogQueue::room, 'x'));
     log.front.info("lost");
     log.writer->lose();
-    log.gate->open(3);    // for three more lines: those that wait, and the one about the loss
+    log.gate->open(3);    // for three more lines: the waiting ones, and the one about the loss
     for (int i = 0; i < 3; ++i) log.gate->await_a_writer();
     log.front.info("last");
     log.gate->open(2);
@@ -98,7 +98,7 @@ TEST(LogWriter, has_no_patience_without_end) {
     const auto again = std::chrono::steady_clock::now();
     EXPECT_FALSE(log.writer->finish());
     EXPECT_LT(std::chrono::steady_clock::now() - again, LogWriter::patience) << "it waits once";
-    log.gate->open(2);    // and the thread ends
+    log.gate->open(2);    // so that the thread ends
 }
 
 TEST(LogWriter, without_memory_at_first_the_log_is_opened_later) {

@@ -1,4 +1,4 @@
-// What hosts hear of a gateway: bytes that were counted by hand from the protocol text.
+// The frames of a gateway as hosts receive them: bytes computed by hand from the protocol text.
 #include <gtest/gtest.h>
 #include <managed/gateway_device.hpp>
 
@@ -79,7 +79,7 @@ protected:
         device.take(ano::FrameView{question}, asker, now);
         return heard();
     }
-    /// The one answer to a question by the link `fc`, which may manage.
+    /// The single answer to a question on the link `fc`, which may manage.
     Bytes answer(const Bytes& question, ano::TimePoint now = start) {
         const auto all = answers(question, manager, now);
         return all.size() == 1 ? all.front() : Bytes{};
@@ -187,7 +187,7 @@ TEST_F(GatewayAsDevice, does_not_let_two_close_each_others_link) {
     const GatewayDevice::Asker ground{8, "ground", true, false};
     const Bytes close_ground = write(en_ground, {0}), close_fc = write(en_fc, {0}), open_ground = write(en_ground, {1});
     EXPECT_EQ(answer(close_ground), acknowledges(close_ground));
-    const auto said = answers(close_fc, ground);    // what it said before its link was closed
+    const auto said = answers(close_fc, ground);    // sent before its link was closed
     ASSERT_EQ(said.size(), 1u);
     EXPECT_EQ(said[0][3], 0xA0);
     EXPECT_EQ(value(en_fc), 1);
@@ -336,7 +336,7 @@ TEST_F(GatewayAsDevice, loses_no_answer_by_a_configuration_that_changes_nothing_
     EXPECT_EQ(value(forget_after), 60'000);
 }
 
-// Whatever one says, the other hears; the first word is a question in the name of the other.
+// Each receives all frames of the other; the first frame is a question with the address of the other.
 TEST_F(GatewayAsDevice, does_not_talk_with_another_gateway_for_ever) {
     for (const std::uint8_t other_id : {std::uint8_t{22}, self}) {
         Settings others = file;

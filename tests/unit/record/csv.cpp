@@ -30,7 +30,7 @@ std::string line_of(const Bytes& frame) {
     return out;
 }
 
-/// What stands behind the last quotation mark or comma.
+/// The text after the last quotation mark or comma.
 std::vector<std::string> cells_of(std::string line) {
     line.pop_back();
     return support::split_csv_line(line);

@@ -31,14 +31,14 @@ std::string bytes(std::string_view digits) {
     return {data.begin(), data.end()};
 }
 
-/// The topics that it decodes to.
+/// The topics of its decoded messages.
 std::vector<std::string> topics_of(DecodedChannels& decoded, const RecordedFrame& frame) {
     std::vector<std::string> topics;
     for (const DecodedMessage& message : decoded.decode(frame)) topics.push_back(decoded.channels()[message.channel].topic);
     return topics;
 }
 
-/// The lines of a definition that are no comment.
+/// The lines of a definition that are not comments.
 std::string without_comments(const std::string& text) {
     std::string out;
     for (std::size_t at = 0; at < text.size();) {
@@ -179,7 +179,7 @@ bool is_of_type(const ano::Json& value, const ano::Json& schema) {
     return type == "object" && has_what_its_schema_says(value, schema);
 }
 
-// A schema without properties leaves them open.
+// A schema without properties permits any.
 bool has_what_its_schema_says(const ano::Json& object, const ano::Json& schema) {
     if (!object.is_object() || schema["type"] != "object" || !schema["properties"].is_object()) return false;
     const ano::Json& known = schema["properties"];
@@ -220,7 +220,7 @@ TEST(DecodedChannels, every_json_is_as_its_schema_says) {
             if (value.is_null()) {
                 EXPECT_FALSE(json.contains(key)) << vector.name << " " << key;
             } else if (vector.name == "log in GBK" && key == "str") {
-                EXPECT_EQ(json[key], "\u89e3\u9501");    // recordings have texts as people read them, in JSON as in CDR
+                EXPECT_EQ(json[key], "\u89e3\u9501");    // texts in recordings are converted for people, in JSON as in CDR
             } else {
                 EXPECT_EQ(json[key], value) << vector.name << " " << key;
             }
@@ -266,7 +266,7 @@ TEST(DecodedChannels, other_layouts_are_new_channels) {
     EXPECT_EQ(decoded.channels().size(), channels + 2) << "other messages keep their channels";
 }
 
-// One orientation of a device, whichever frame it sends.
+// One orientation of a device, for any of its frames.
 TEST(DecodedChannels, euler_angles_of_lx_units_and_their_quaternion_are_one_orientation) {
     const Bytes angles = support::frame(0xDD, 0xFE, 0x03, {0, 0, 0, 0, 0x28, 0x23, 1});                    // yaw 90°
     const Bytes quaternion = support::frame(0xDD, 0xFE, 0x04, {0x9F, 0x1B, 0, 0, 0, 0, 0x61, 0xE4, 1});    // yaw -90°

@@ -1,4 +1,4 @@
-// Every recording carries what decodes its frames.
+// Every recording contains the layouts that decode its frames.
 #include <record/decoding.hpp>
 #include <record/mcap/mcap_format.hpp>
 #include <record/mcap/mcap_index.hpp>
@@ -36,7 +36,7 @@ RecordedFrame passed(std::uint64_t second) {
     return {.time_ns = second * 1'000'000'000, .link = "fc", .frame = ano::FrameView{frame}};
 }
 
-/// A frame before, and one after a change; `size`: what is written until the change.
+/// A frame before a change, and one after it; `size`: the bytes written before the change.
 std::string recorded(RecordingFormat format, const DecodingPtr& first, const DecodingPtr& then, std::size_t* size = nullptr) {
     std::string file;
     const auto writer = make_recording_writer(format, {"anogated test", 1, 2, first}, file);

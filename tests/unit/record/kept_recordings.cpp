@@ -1,4 +1,4 @@
-// Which recordings go.
+// Which recordings are removed.
 #include <record/kept_recordings.hpp>
 
 #include <gtest/gtest.h>
@@ -124,10 +124,10 @@ TEST(KeptRecordings, of_those_of_one_time_the_first_by_name_goes_first) {
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 100, .age = {}, .free = 0}), "f-1 ");
 }
 
-/// A folder that is looked at again and again, while both clocks go on.
+/// A folder that is checked repeatedly, while both clocks advance.
 class AgesOfRecordings : public testing::Test {
 protected:
-    /// A recording that is written now.
+    /// A recording that is being written.
     void write(const std::string& name) { write(name, real); }
     void write(const std::string& name, std::chrono::seconds changed) {
         for (KeptRecording& one : all)
@@ -170,7 +170,7 @@ TEST_F(AgesOfRecordings, are_at_first_what_they_were_however_far_ahead_the_clock
     all.push_back({"now", 100, real, true, {}});
     EXPECT_EQ(age_of("flight-4"), 72h);
     EXPECT_EQ(age_of("flight-0"), 0s);
-    RecordingAges next_start;    // and the clock is what it was: there is one of 2106 now
+    RecordingAges next_start;    // and the clock is back: a file of 2106 exists now
     all.back().is_written = false;
     next_start.look(all, real + 1h, 0s);
     EXPECT_EQ(all[4].age, 96h);
@@ -188,7 +188,7 @@ TEST_F(AgesOfRecordings, are_at_first_what_they_were_though_the_clock_was_not_se
 }
 
 TEST_F(AgesOfRecordings, are_none_of_what_is_far_ahead_and_it_goes_before_others_that_have_none) {
-    for (const auto clock : {now, now - 5 * 365 * 24h, 100s}) {    // set; of when the system was built; of 1970
+    for (const auto clock : {now, now - 5 * 365 * 24h, 100s}) {    // set; the time of the system's build; 1970
         all.clear();
         write("flight", now - 1h);
         write("before", now - 9 * 24h);

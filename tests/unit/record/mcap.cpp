@@ -51,7 +51,7 @@ std::string write_mcap(const std::vector<KeptItem>& items, bool end = true, std:
     return support::write_recording(RecordingFormat::mcap, items, head, end, often);
 }
 
-// Every record of a file, by its kind; without those in chunks.
+// Every record of a file by its kind, except those in chunks.
 std::vector<mcap::Record> records_of(std::string_view file) {
     std::vector<mcap::Record> all;
     file.remove_prefix(mcap::magic.size());
@@ -114,7 +114,7 @@ TEST(Mcap, what_was_flushed_is_read_of_a_file_that_ends_there) {
     }
     const std::size_t before = file.size();
     writer.flush(file);
-    EXPECT_EQ(file.size(), before);    // nothing new
+    EXPECT_EQ(file.size(), before);    // nothing new was written
 }
 
 TEST(Mcap, gives_all_that_is_whole_before_a_cut_at_any_byte) {
@@ -149,7 +149,7 @@ TEST(Mcap, a_chunk_is_ended_when_it_has_a_mebibyte) {
     EXPECT_EQ(read_recording(file).items.size(), frames);
 }
 
-// As others find messages: summary, chunk index, message index.
+// Messages as other programs find them: summary, chunk index, message index.
 TEST(Mcap, its_indexes_lead_to_every_message) {
     const auto items = a_bit_of_everything();
     const std::string file = write_mcap(items, true, 2);
@@ -196,12 +196,12 @@ TEST(Mcap, its_indexes_lead_to_every_message) {
         EXPECT_EQ(index_size, all_index_bytes);
     }
     EXPECT_EQ(found[head.time_ns + 1], 5u);
-    EXPECT_EQ(found[head.time_ns + 1 - 3'600'000'000'000], 2u);    // the last loss is told with the time of the frame before
+    EXPECT_EQ(found[head.time_ns + 1 - 3'600'000'000'000], 2u);    // the last loss has the time of the previous frame
 }
 
 TEST(Mcap, a_loss_that_no_frame_follows_is_in_a_file_that_was_flushed) {
     const std::string file = write_mcap({came(euler), lost(7, "euler 7")}, false,
-                                        1);    // it ends there, as of a program that was killed
+                                        1);    // without an end, as of a killed program
     const auto items = read_recording(file).items;
     ASSERT_EQ(items.size(), 2u);
     EXPECT_EQ(items[1].lost, 7u);
@@ -307,7 +307,7 @@ TEST(Mcap, a_chunk_is_what_it_tells_of_itself_or_it_is_not_read) {
     EXPECT_EQ(fault_of(endless), "a record is longer than 64 MiB");
 }
 
-// So many chunks of two frames each, of which those with these numbers are damaged, in what they have packed.
+// Many chunks of two frames each; those with these numbers are damaged in their compressed data.
 struct DamagedFile {
     std::string bytes;
     std::vector<KeptItem> items;
@@ -352,12 +352,12 @@ TEST(Mcap, goes_on_behind_a_damaged_chunk_and_tells_what_was_in_it) {
         EXPECT_EQ(read.skipped.first[0].at, file.damaged_at[0]);
         EXPECT_EQ(read.skipped.first[1].at, file.damaged_at[1]);
         EXPECT_EQ(read.skipped.bytes, read.skipped.first[0].size + read.skipped.first[1].size);
-        // Two frames, what both say, and the orientation.
+        // Two frames, their decoded messages, and the orientation.
         EXPECT_EQ(read.skipped.first[0].messages, std::optional<std::uint64_t>{5});
     }
 }
 
-// It had the channel of frames.
+// The damaged chunk contained the channel of frames.
 TEST(Mcap, finds_frames_also_where_the_chunk_that_told_their_channel_is_damaged) {
     for (const bool is_ended : {true, false}) {
         const DamagedFile file = with_damaged_chunks({0}, is_ended);
@@ -404,7 +404,7 @@ TEST(Mcap, a_chunk_in_a_chunk_is_nothing) {
     EXPECT_TRUE(read.items.empty());
 }
 
-// As `mcap` and others save it: without chunks, with other numbers, with fields behind those that are known.
+// As saved by `mcap` and others: without chunks, with other numbers, with additional fields after the known ones.
 TEST(Mcap, understands_what_others_saved) {
     const KeptItem item = came(wind, "radio");
     std::string data, file;
@@ -418,9 +418,9 @@ TEST(Mcap, understands_what_others_saved) {
     mcap::put_channel(file, {900, 77, mcap::frames_topic, "cdr"});
     mcap::put_channel(file, {901, 77, "/other", "cdr"});
     mcap::put_message(file, {901, 0, 1, 1, data});
-    mcap::put_message(file, {902, 0, 1, 1, data});    // of a channel that nobody told
+    mcap::put_message(file, {902, 0, 1, 1, data});    // of a channel that is not declared
     mcap::put_message(file, {900, 0, item.time_ns, item.time_ns, data});
-    file += '\x90';    // of somebody's own
+    file += '\x90';    // of another program
     mcap::put(file, std::uint64_t{3});
     file += "abc";
     const auto read = read_recording(file_of(file));
@@ -468,7 +468,7 @@ TEST(Mcap, a_message_that_is_no_cdr_is_none) {
     for (std::size_t at = 4; at < good.size(); ++at) {
         std::string long_text = good;
         long_text[at] = '\xFF';
-        read_with(long_text);    // under the sanitizers
+        read_with(long_text);    // detects invalid reads under the sanitizers
     }
 }
 

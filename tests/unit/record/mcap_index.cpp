@@ -34,7 +34,7 @@ std::vector<KeptItem> flight(std::size_t frames) {
 
 struct Reading {
     std::optional<McapIndex> index;
-    std::size_t bytes = 0;    // that were read
+    std::size_t bytes = 0;    // bytes read
 };
 
 Reading read_index(const std::string& file) {
@@ -79,7 +79,7 @@ TEST(McapIndex, is_none_of_a_file_that_was_cut_at_any_byte) {
 
 TEST(McapIndex, is_none_where_a_byte_of_the_summary_is_another) {
     const std::string file = support::write_recording(RecordingFormat::mcap, flight(5), head);
-    const std::string schema = "ano_msgs/msg/RecordedFrame";    // stands there first: in the data it is packed
+    const std::string schema = "ano_msgs/msg/RecordedFrame";    // its first occurrence: in the data it is compressed
     const std::size_t summary = file.find(schema);
     ASSERT_NE(summary, std::string::npos);
     for (std::size_t at = summary; at < file.size(); ++at) {

@@ -183,7 +183,7 @@ TEST(Pcapng, a_packet_says_nothing_that_is_outside_of_its_block) {
     put(option, packet + 28 + 16 + 2, std::uint16_t{0xFFFF});    // the length of epb_flags
     const auto read = read_pcapng(option);
     ASSERT_EQ(read.items.size(), 1u);
-    EXPECT_EQ(read.items[0].boottime_ns, 0u);    // options end where they are nonsense
+    EXPECT_EQ(read.items[0].boottime_ns, 0u);    // invalid options are ignored from there on
 }
 
 std::string block_of(std::uint32_t type, std::uint32_t size) {

@@ -58,7 +58,7 @@ TEST(RecordingGlance, tells_how_long_it_is_from_its_first_frame_to_its_last) {
         return glance(support::write_pcapng(items, head, end)).seconds;
     };
     constexpr std::uint64_t second = 1'000'000'000;
-    const std::uint64_t begin = head.time_ns - 60 * second;    // what was kept before it was saved
+    const std::uint64_t begin = head.time_ns - 60 * second;    // stored before it was saved
     EXPECT_EQ(seconds(begin, begin + 61 * second), 61.0);
     EXPECT_EQ(seconds(begin, begin + 3600 * second, 5 * second, 7 * second), 2.0) << "the clock was set";
     EXPECT_EQ(seconds(begin, begin + 61 * second, 0, 0, false), std::nullopt);
@@ -130,7 +130,7 @@ TEST(RecordingGlance, knows_whose_an_mcap_file_is_and_whether_it_was_ended) {
         EXPECT_EQ(glance_at_mcap(empty.substr(0, size)).head.program, "") << size;
 }
 
-// As the one that a program makes which filters recordings: it keeps their Metadata, but puts what it is itself in front.
+// As made by a program that filters recordings: it keeps their Metadata, but writes its own before it.
 TEST(RecordingGlance, takes_an_mcap_file_that_another_program_saved_for_none_of_ours) {
     std::string file{mcap::magic};
     for (const std::string_view program : {"filter", "anogated 0.1.0"})

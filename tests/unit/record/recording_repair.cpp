@@ -1,4 +1,4 @@
-// A recording that was cut, at any byte, is a whole one again.
+// A recording truncated at any byte is repaired.
 #include <ano/wire.hpp>
 #include <record/crc32.hpp>
 #include <record/mcap/mcap_format.hpp>
@@ -106,7 +106,7 @@ TEST_P(Repair, a_file_cut_at_every_byte_of_its_last_mebibyte) {
     auto items = flight(frames);
     for (KeptItem& item : items) {
         if (item.frame.empty()) continue;
-        support::Bytes data(frame_size);    // that can't be packed
+        support::Bytes data(frame_size);    // that can't be compressed
         for (auto& byte : data) byte = random.byte();
         item.frame = support::frame(0xDC, 0xFF, 0xFB, data);
     }
@@ -124,14 +124,14 @@ TEST_P(Repair, a_file_cut_at_every_byte_of_its_last_mebibyte) {
         if (result.keep != before.keep) {
             ASSERT_GT(result.keep, before.keep);
             ASSERT_GE(result.frames, before.frames);
-            if (++files % 8 == 1 || at + 5000 > file.size()) {    // to read it takes its time
+            if (++files % 8 == 1 || at + 5000 > file.size()) {    // reading takes time
                 const std::string made = repaired(file, result);
                 ASSERT_EQ(frames_in(made), result.frames) << at;
                 ASSERT_TRUE(repair(GetParam(), made, 65536).is_whole) << at;
             }
             before = result;
         } else if (result.append != before.append) {
-            ASSERT_TRUE(result.is_whole || result.append.empty()) << at;    // within what ends it
+            ASSERT_TRUE(result.is_whole || result.append.empty()) << at;    // within the end of the file
         }
         if (at < file.size()) growing.give(std::string_view{file}.substr(at, 1));
     }
@@ -166,7 +166,7 @@ TEST_P(Repair, what_power_left_of_zeros_or_of_nonsense_is_cut_off) {
     }
 }
 
-// As others check it; of pcapng, which has none, always.
+// As other programs check it; always true for pcapng, which has no checksum.
 bool has_the_checksum_that_it_tells(std::string_view file) {
     std::string_view rest = file.substr(mcap::magic.size());
     while (const auto record = mcap::take_record(rest)) {
@@ -200,7 +200,7 @@ TEST_P(Repair, a_damaged_part_stays_where_something_good_is_behind_it) {
     const std::string file = support::write_recording(GetParam(), items, head, false, 8);
     std::string damaged = file;
     const bool is_mcap = GetParam() == RecordingFormat::mcap;
-    std::size_t last = 0;    // where the last chunk or packet is
+    std::size_t last = 0;    // the position of the last chunk or packet
     if (is_mcap) {
         std::string_view rest = std::string_view{file}.substr(mcap::magic.size());
         std::vector<std::size_t> ends;
@@ -234,7 +234,7 @@ TEST_P(Repair, a_damaged_part_stays_where_something_good_is_behind_it) {
         EXPECT_TRUE(has_indexes_right_behind_their_chunks(repaired(damaged, result)));
     }
     EXPECT_TRUE(repair(GetParam(), repaired(damaged, result)).is_whole);
-    // Behind the last one there is nothing good: it goes.
+    // After the last one there is nothing valid: it is removed.
     std::string bad_end = file;
     if (is_mcap) bad_end[last + 40] ^= 0x55;
     else bad_end[last + 8] = '\x7F';

@@ -31,7 +31,7 @@ TEST(Replay, says_nothing_again_that_may_move_a_vehicle) {
     for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0x40, 0x41, 0x61, 0xC0, 0xE1, 0xF0})
         EXPECT_TRUE(may(support::frame(0x30, 0xDC, id, {0, 0, 0}))) << +id;
     EXPECT_TRUE(may(support::frame(0x30, 0xDC, 0xE0, {0x10, 0xAB, 0})));
-    EXPECT_FALSE(may(support::frame(0x30, 0xDC, 0xE0, {0, 0, 0})));    // asks
+    EXPECT_FALSE(may(support::frame(0x30, 0xDC, 0xE0, {0, 0, 0})));    // a question
     const Bytes command = support::frame(0x30, 0xDC, 0x40, {0, 0, 0});
     Bytes content{192, 168, 0, 1, 0x0A, 0x1A, 192, 168, 0, 2, 0x0A, 0x1A};
     EXPECT_TRUE(may(support::frame(0x30, 0xDC, 0xB1, {1, 2, 3})));    // can't be read
@@ -53,7 +53,7 @@ TEST(Replay, a_clock_that_was_set_changes_nothing) {
     due(clock, 1000s, 10s);
     EXPECT_EQ(due(clock, 1000s - 1h, 11s), 1s);
     EXPECT_EQ(due(clock, 1002s, 12s), 2s);
-    EXPECT_EQ(due(clock, 1003s, 5s), 2s);    // another start of the computer: files that were joined
+    EXPECT_EQ(due(clock, 1003s, 5s), 2s);    // another boot of the computer: joined files
     EXPECT_EQ(due(clock, 1004s, 6s), 3s);
     ReplayClock other{1};
     due(other, 1000s, 0s);
@@ -83,7 +83,7 @@ TEST(Replay, knows_the_risk_of_what_a_tunnel_frame_brings) {
     EXPECT_EQ(risk(support::frame(0x30, 0xDC, 0xC0, {1})), Risk::command);
     EXPECT_EQ(risk(tunnelled(support::frame(0x30, 0xDC, 0xC0, {1}))), Risk::tunnel);
     EXPECT_EQ(risk(tunnelled(support::frame(0xFE, 0xDC, 0x03, {0}))), Risk::tunnel);    // of a host
-    EXPECT_EQ(risk(tunnelled(tunnelled(euler))), Risk::tunnel);                         // who knows what else is deeper
+    EXPECT_EQ(risk(tunnelled(tunnelled(euler))), Risk::tunnel);                         // its deeper content is unknown
     EXPECT_EQ(risk(tunnelled({1, 2, 3})), Risk::tunnel);
 }
 

@@ -10,7 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 using State = DiskPace::State;
 
-/// A disk that is asked for one write after the other, and looked at every 150 ms.
+/// A disk that gets one write after the other, and is checked every 150 ms.
 class DiskPaces : public testing::Test {
 protected:
     static constexpr ano::Duration beat = 150ms;
@@ -21,7 +21,7 @@ protected:
         if (told.empty() || told.back() != state) told.push_back(state);
         return state;
     }
-    /// A write that takes so long.
+    /// A write of this duration.
     void write(ano::Duration time) {
         for (ano::Duration silence = beat; silence < time; silence += beat) look(silence);
     }
@@ -31,7 +31,7 @@ protected:
 
     DiskPace pace;
     ano::TimePoint now{1000s};
-    std::vector<State> told;    // without those that are as the one before
+    std::vector<State> told;    // without consecutive equal ones
 };
 
 TEST_F(DiskPaces, a_disk_that_hangs_is_silent_until_it_answers) {

@@ -1,4 +1,4 @@
-// What the thread of a recorder does, on a disk that is well and on one that is not.
+// The work of a recorder's thread, on a disk that works and on one that fails.
 #include <recording/disk_writer.hpp>
 
 #include <support/failing_disk_calls.hpp>
@@ -38,7 +38,7 @@ protected:
         if (!disk_) disk_ = std::make_unique<DiskWriter>(settings, progress);
         return *disk_;
     }
-    /// A batch of numbered frames, as the loop gives it.
+    /// A batch of numbered frames, as passed by the loop.
     void take(int frames) {
         auto batch = std::make_shared<std::string>();
         for (int i = 0; i < frames; ++i) {
@@ -285,7 +285,7 @@ TEST_F(DiskWriters, what_a_disk_took_and_lost_for_want_of_room_is_written_again)
     turn();
     take(10);
     turn(DiskWriter::sync_time);
-    failing_disk.sync_error = ENOSPC;    // as a file system says that has its files elsewhere
+    failing_disk.sync_error = ENOSPC;    // as reported by a network file system
     take(10);
     turn(DiskWriter::sync_time);
     failing_disk.sync_error = 0;
@@ -483,7 +483,7 @@ TEST_F(DiskWriters, losses_are_told_by_the_names_of_their_messages) {
     EXPECT_EQ(files().names, "euler 120, 0xEE 1");
 }
 
-/// A process may have files of so many bytes.
+/// Limits the size of the process's files.
 class LimitOfFiles {
 public:
     explicit LimitOfFiles(rlim_t bytes) {

@@ -1,4 +1,4 @@
-// The rules of the folder of recordings: what counts as one, what goes, what is made whole.
+// The rules of the folder of recordings: which files are recordings, which are removed, and which are repaired.
 #include <recording/recordings_folder.hpp>
 #include <support/files.hpp>
 #include <support/recorded.hpp>
@@ -223,7 +223,7 @@ TEST_F(RecordingsFolder, deletes_what_is_being_repaired_as_what_is_not) {
 TEST_F(RecordingsFolder, stops_the_repair_of_what_is_deleted) {
     dir.write("old.pcapng", recording(3, false));
     const UniqueFd old{::open((dir / "old.pcapng").c_str(), O_RDWR | O_CLOEXEC)};
-    constexpr off_t large = off_t{8} * 1024 * 1024 * 1024;    // of zeros, that take nothing of the disk: seconds to read
+    constexpr off_t large = off_t{8} * 1024 * 1024 * 1024;    // of zeros that use no disk space: seconds to read
     ASSERT_EQ(::ftruncate(old.get(), large), 0);
     std::vector<RepairedFile> repaired(1);
     std::thread repairer{[&] { repaired = repair_recordings(folder); }};

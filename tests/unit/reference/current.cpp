@@ -1,4 +1,4 @@
-// The generated files of the repository are those that the tables make. tools/update-generated writes them.
+// The generated files of the repository match the tables. tools/update-generated writes them.
 #include <ano_json/describe.hpp>
 #include <anoctl/text/reference.hpp>
 #include <config/config.hpp>
@@ -33,7 +33,7 @@ namespace {
 
 using namespace reference;
 
-/// With ANOGATE_UPDATE=1 in the environment the file becomes what is made.
+/// With ANOGATE_UPDATE=1 in the environment the file is overwritten with `made`.
 void is_current(const std::string& file, const std::string& made) {
     const auto path = support::source_file(file);
     if (std::getenv("ANOGATE_UPDATE")) std::ofstream{path} << made;

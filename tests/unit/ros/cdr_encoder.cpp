@@ -53,7 +53,7 @@ TEST(CdrEncoder, a_sequence_has_its_number_and_an_array_has_none) {
     EXPECT_EQ(
         cdr(m, {Value{ano::Bytes{two}}, Value{ano::Bytes{two}}, std::int64_t{4}, std::int64_t{5}, std::uint64_t{1}, 1.0}),
         bytes("00 01 00 00  02 00 00 00 01 02  01 02 00 00  04 00 05 00 00 00 01 00 00 00 00 00 00 00  00 00 00 00 00 00 F0 3F"));
-    // Nothing is aligned for elements that are not there.
+    // Absent elements need no alignment.
     EXPECT_EQ(
         cdr(message_of({field(RosType::float64, Shape::sequence), field(RosType::uint8)}), {std::uint64_t{0}, std::int64_t{9}}),
         bytes("00 01 00 00  00 00 00 00 09"));

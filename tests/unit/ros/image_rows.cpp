@@ -23,14 +23,14 @@ using support::operator+;
 constexpr std::uint64_t second = 1'000'000'000;
 constexpr std::uint8_t image_id = 0xB0;
 
-/// Rows of an image; `flag` is what the sender numbers it with.
+/// Rows of an image; `flag` is the sender's number of the image.
 Bytes rows(unsigned flag, std::uint8_t color, unsigned width, unsigned height, const Bytes& pixels) {
     const auto low = [](unsigned n) { return static_cast<std::uint8_t>(n); };
     Bytes data{low(flag), low(flag >> 8), color, low(width), low(width >> 8), low(height), low(height >> 8)};
     return data + Bytes(10) + pixels;
 }
 
-/// The pixels of the image that these rows end; empty: none.
+/// The pixels of the image that these rows complete; empty: none.
 Bytes ended(ImageRows& images, const Bytes& data, std::uint64_t time_ns = second, std::uint64_t sender = 1) {
     const ano::Reading reading = ano::read(image_id, data);
     const WholeImage* const image = reading ? images.hear(sender, reading, time_ns) : nullptr;
@@ -55,7 +55,7 @@ TEST(ImageRows, one_that_lost_a_frame_is_not_told) {
     EXPECT_EQ(ended(images, rows(2, 0, 1, 3, {4, 5})), Bytes{});    // another flag: the next image
     EXPECT_EQ(ended(images, rows(2, 0, 1, 3, {6})), (Bytes{4, 5, 6}));
     ended(images, rows(3, 0, 1, 3, {1, 2}));
-    EXPECT_EQ(ended(images, rows(3, 0, 1, 3, {7, 8})), Bytes{});    // more than are missing
+    EXPECT_EQ(ended(images, rows(3, 0, 1, 3, {7, 8})), Bytes{});    // more than missing
     EXPECT_EQ(ended(images, rows(3, 0, 1, 3, {9})), (Bytes{7, 8, 9}));
     ended(images, rows(4, 0, 1, 2, {1}), 10 * second);
     EXPECT_EQ(ended(images, rows(4, 0, 1, 2, {2}), 11 * second + 1), Bytes{});

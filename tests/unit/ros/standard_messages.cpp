@@ -22,7 +22,7 @@ using support::operator+;
 
 constexpr std::uint64_t second = 1'000'000'000;
 
-/// A device, and what each of its topics said last, as a program shows it that has the definition.
+/// A device, and the last message of each of its topics, as shown by a program that has the definition.
 struct HeardDevice {
     StandardMessages messages{"fc/device_5"};
     std::uint64_t now_ns = 1'700'000'000 * second + 7;

@@ -12,7 +12,7 @@ namespace {
 const KeptConfig sample{{{"/etc/a.json", "{} // \xFF\xFE"}, {"/etc/conf.d/b.json", std::string{"a\0b", 3}}},
                         {{"/etc/a.json", "{\"links\": []}"}}};
 
-/// What is kept at `path`; `fault`: why it can't be read.
+/// The configuration stored at `path`; `fault`: why it can't be read.
 struct Kept {
     explicit Kept(const std::string& path) : config{kept_config(path, fault)} {}
     std::string fault;
@@ -50,8 +50,7 @@ TEST(KeptConfig, that_is_damaged_is_none) {
         EXPECT_FALSE(Kept{path}.config) << bytes;
         EXPECT_EQ(Kept{path}.fault, path + ": damaged; remove it") << bytes;
     }
-    for (const char nested :
-         {'\x81', '\x9F', '\xA1', '\xBF', '\x5F', '\x7F', '\xC1'}) {    // arrays, maps, strings, tags in each other
+    for (const char nested : {'\x81', '\x9F', '\xA1', '\xBF', '\x5F', '\x7F', '\xC1'}) {    // nested arrays, maps, strings, tags
         dir.write("kept", std::string(10'000'000, nested));
         EXPECT_FALSE(Kept{path}.config);
         EXPECT_EQ(Kept{path}.fault, path + ": damaged; remove it");

@@ -70,13 +70,13 @@ TEST_F(Alarms, one_that_is_cancelled_or_gone_does_not_ring_and_the_loop_ends) {
     auto gone = std::make_unique<Alarm>(clock, says('g'));
     auto ringer = std::make_unique<Alarm>(clock, [&] {
         rung += 'r';
-        gone.reset();    // while it rings
+        gone.reset();    // while it is called
         cancelled.cancel();
     });
     cancelled.set(now + 1h);
     gone->set(now + 1h);
     ringer->set(now + 1ms);
-    io.run();    // nothing is left to wait for
+    io.run();    // nothing more to wait for
     EXPECT_EQ(rung, "r");
     ringer->set(ano::Clock::now() + 1h);
     ringer.reset();
@@ -136,7 +136,7 @@ TEST_F(Alarms, one_that_rang_when_no_other_was_set_may_be_set_again) {
 TEST_F(Alarms, one_that_need_not_wait_rings_when_the_loop_has_done_what_it_does) {
     Alarm hurried{clock, says('h'), 10s}, unset{clock, says('u')}, due{clock, says('d'), 10s};
     hurried.set(now + 1h);
-    due.set(now);    // its slack has not passed
+    due.set(now);    // its slack has not elapsed
     asio::post(io, [&] {
         hurried.hurry();
         hurried.hurry();

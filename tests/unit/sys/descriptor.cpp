@@ -24,7 +24,7 @@ struct DescriptorInLoop : testing::Test {
         descriptor.open(UniqueFd{ends[0]});
         there = UniqueFd{ends[1]};
     }
-    /// Something to read, and all that it leads to.
+    /// Makes it readable, and runs the resulting calls.
     void say() {
         EXPECT_EQ(::write(there.get(), "x", 1), 1);
         for (int i = 0; i < 3; ++i) loop.turn();

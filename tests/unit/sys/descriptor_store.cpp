@@ -14,7 +14,7 @@ namespace {
 
 constexpr int passed = 3;
 
-/// As systemd starts a process: one descriptor, and in the environment for whom it is.
+/// The way in which systemd starts a process: one descriptor, and the process that it is for in the environment.
 void pass_one(pid_t to) {
     const int fd = ::open("/dev/null", O_RDONLY);
     if (fd != passed) ::dup2(fd, passed);

@@ -18,7 +18,7 @@ using anogate::HeldFolder;
 namespace fs = std::filesystem;
 
 struct HeldFolders : testing::Test {
-    /// Our own folder within a folder of that mode.
+    /// Our own folder within a folder with that mode.
     std::string below(const std::string& name, mode_t mode) const {
         fs::create_directories(dir / name + "/inner");
         const std::string inner = dir / name + "/inner";

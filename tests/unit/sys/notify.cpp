@@ -31,7 +31,7 @@ TEST_F(Watchdog, is_fed_twice_in_its_time) {
     EXPECT_EQ(watchdog_interval(), 1500ms) << "for this one";
 }
 
-// Whoever starts us may have been started by systemd, and left its variables.
+// The process that starts us may have been started by systemd, and left its variables.
 TEST_F(Watchdog, of_another_process_is_not_ours_to_feed) {
     set("3000000", std::to_string(::getppid()));
     EXPECT_EQ(watchdog_interval(), std::nullopt);

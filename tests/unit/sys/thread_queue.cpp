@@ -1,4 +1,4 @@
-// What one thread hands to another.
+// Objects passed from one thread to another.
 #include <sys/thread_queue.hpp>
 
 #include <gtest/gtest.h>

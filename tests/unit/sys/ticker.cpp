@@ -30,7 +30,7 @@ TEST(Ticker, one_that_is_stopped_by_its_call_waits_for_no_other) {
     EXPECT_TRUE(io.stopped());
 }
 
-// The loop handles the due call and the end in one round, the end first.
+// The loop handles the due call and the stop in one round, the stop first.
 TEST(Ticker, one_that_is_stopped_when_a_call_is_due_already_does_not_go_on) {
     asio::io_context io;
     int calls = 0;

@@ -1,4 +1,4 @@
-// A host calibrates the simulated devices: what it finds straightens what they send.
+// A host calibrates the simulated devices: the result corrects their measurements.
 #include <host/calibration.hpp>
 #include <world/car.hpp>
 #include <world/faulty_line.hpp>
@@ -25,12 +25,12 @@ using support::Bytes;
 template <class Device>
 struct Workshop {
     explicit Workshop(std::uint64_t seed) : bench{ano::world::Settings{0, 50, seed}}, host{bench.device.device().info().id} {
-        bench.write("SIM_SWAY", 0.0f);    // of the one that has it
+        bench.write("SIM_SWAY", 0.0f);    // for the device that has it
     }
 
-    // The hand lets it go some seconds after it was stored.
+    // The simulated hand releases it some seconds after the values were stored.
     void wait_until_let_go() { bench.run_for(60s); }
-    // The host and the device on a line without faults, until it ends.
+    // Runs the host and the device on a line without faults, until the task ends.
     void drive(Calibration& task) {
         task.start(bench.now);
         for (const auto end = bench.now + 10min; !task.end() && bench.now < end;) {
@@ -103,7 +103,7 @@ void rounds_the_compass() {
     }
 }
 
-// On a line, as `sim:imu,restart_after=15s`: its old calibration is active again in the middle.
+// On a line, as `sim:imu,restart_after=15s`: its old calibration becomes active again halfway.
 TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_one_that_restarts_meanwhile) {
     const ano::TimePoint start{1000s};
     ano::world::FaultyLine line{ano::world::make_device("imu", {0, 50, 1}, start), {.restart_after = 15s}, 1, start};

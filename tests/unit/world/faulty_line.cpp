@@ -1,4 +1,4 @@
-// What goes wrong on demand between a simulated device and who talks to it.
+// Configured faults between a simulated device and its peer.
 #include <world/faulty_line.hpp>
 #include <world/kinds.hpp>
 
@@ -164,7 +164,7 @@ TEST(FaultyLine, is_slow_and_twenty_may_wait) {
     EXPECT_EQ(day.count(0xE3), 21u) << "it is idle again";
 }
 
-// As a device does that loses power: what was not stored is lost.
+// Like a device that loses power: values that were not stored are lost.
 TEST(FaultyLine, a_device_that_restarts_is_silent_for_a_second_and_has_its_stored_values_again) {
     BadDay day{{.restart_after = 5s}};
     auto& parameters = day.line.device().device().parameters();

@@ -1,4 +1,4 @@
-// The simulated flight controller flies, as arithmetic.
+// The flight of the simulated flight controller, as arithmetic.
 #include <world/flight_controller.hpp>
 
 #include <support/simulated.hpp>
@@ -173,7 +173,7 @@ TEST(FlightController, flies_its_waypoints) {
 TEST(FlightController, looks_at_the_next_waypoint_or_where_that_says) {
     FlyingFc fc;
     put(fc, 1, 116.2999, 39.9, 200);                 // 8.5 m to the west
-    put(fc, 2, 116.2998, 39.9, 200, {.yaw = 90});    // and on, looking back to the east
+    put(fc, 2, 116.2998, 39.9, 200, {.yaw = 90});    // further on, looking back to the east
     fc.fly_to(2);
     ASSERT_TRUE(fc.command(12, std::uint8_t{1}));
     const auto yaw = [&] { return fc.flight().body().angles().yaw / degree; };

@@ -1,4 +1,4 @@
-// A host and a simulated device on a bad day.
+// A host and a simulated device on a bad link.
 #include <host/commands.hpp>
 #include <host/parameter_write.hpp>
 #include <host/parameters.hpp>

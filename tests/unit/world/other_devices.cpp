@@ -125,7 +125,7 @@ struct DrivenCar : Simulated<Car> {
         ano::store(data.data() + 7, y);
         return does(0xC0, data);
     }
-    // 0x41 for a while.
+    // Sends 0x41 for a while.
     void steer(ano::Duration time, int speed, int turn) {
         ano::Draft<"realtime_control"> control;
         ASSERT_TRUE(control.set<"ctrl_spd_x">(speed) && control.set<"ctrl_yaw_dps">(turn));
