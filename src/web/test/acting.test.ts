@@ -8,7 +8,7 @@ import { messageInChinese, reasonInChinese } from "../src/words_of_device";
 const page = globalThis as { location?: unknown; fetch: unknown };
 page.location ??= { pathname: "/", hash: "" };
 
-/** A gateway that answers one after the other: lines and then the end of the connection, or a refusal. */
+/** A gateway with these answers in order: lines followed by the end of the connection, or a refusal. */
 function gateway(...answers: (string[] | { status: number; body: string })[]): string[] {
   const asked: string[] = [];
   page.fetch = async (route: string) => {
@@ -23,7 +23,7 @@ function gateway(...answers: (string[] | { status: number; body: string })[]): s
 test("finds a job again when the contact was lost, and tells how it ended", async () => {
   const asked = gateway(['{"id": 7, "state": "running", "progress": 0.5, "message": ""}'], { status: 503, body: "" }, ['{"id": 7, "state": "done", "message": "", "result": {"bytes": 5}}']);
   const seen: Job[] = [];
-  // A full gateway is an answer: it is told, and nobody asks for ever.
+  // "Busy" (503) is an answer: it is reported, and the request is not repeated for ever.
   const full = await follow("/devices/220/firmware", { method: "POST" }, (job) => seen.push(job));
   assert.equal(full.ok, false);
   assert.deepEqual(asked, ["/devices/220/firmware", "/jobs/7"]);

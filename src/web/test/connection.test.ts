@@ -108,7 +108,7 @@ inBrowser("all are opened anew at once, and the old ones' ends open no further",
   it.pass(10 * retryAfter);
   assert.deepEqual([it.sockets.length, it.heard], [2, []]);
   it.last.onclose();
-  reopenAll(); // it waits no longer
+  reopenAll(); // it no longer waits
   assert.equal(it.sockets.length, 3);
   it.pass(retryAfter / 2);
   it.last.onclose();
@@ -132,7 +132,7 @@ inBrowser("one that says so stays open while the page is hidden, and is opened a
   it.pass(1);
   assert.equal(it.sockets.length, 2);
   it.last.onclose();
-  it.hide(false); // at once
+  it.hide(false); // immediately
   assert.equal(it.sockets.length, 3);
   it.hide(true);
   reopenAll();

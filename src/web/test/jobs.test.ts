@@ -18,7 +18,7 @@ test("tells how a job ended, with its evidence", () => {
   assert.equal(!cancelled.ok && cancelled.refusal.error, "cancelled");
 });
 
-/** What the gateway answers, one question after the other; "gone": it is not there. */
+/** The answers of the gateway, in order of the requests; "gone": it is not reachable. */
 async function answered(answers: (Job | "gone" | 404)[]): Promise<{ told: string[]; end: Awaited<ReturnType<typeof begin>> }> {
   const before = { fetch: globalThis.fetch, location: globalThis.location, setTimeout: globalThis.setTimeout };
   Object.assign(globalThis, {

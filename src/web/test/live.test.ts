@@ -70,7 +70,7 @@ test("a gateway is lost when it was silent for so long that people see it within
   assert.equal(alive.lostAt(), 1250 + lostAfter);
   assert.equal(alive.contact(1250 + lostAfter - 1), "live");
   assert.equal(alive.contact(1250 + lostAfter), "lost");
-  const drawing = 3 * (1000 / 60); // a timer that is late by a frame, and two that it takes to be seen
+  const drawing = 3 * (1000 / 60); // a timer that is late by one frame, and two frames until it is shown
   assert.ok(lostAfter + drawing < 1000);
   alive.restart(9000);
   assert.equal(alive.contact(9500), "live", "what was hidden asked nothing");

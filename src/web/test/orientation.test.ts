@@ -1,4 +1,4 @@
-// One orientation of a device, whichever frame comes.
+// One orientation of a device, for any frame.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";

@@ -75,7 +75,7 @@ test("takes the chosen fields out of the frames, by the gateway's steady clock",
   assert.ok(data.heard.has(220 * 256 + 3));
 });
 
-/** How high the highest bar is, and how many lines are drawn over gaps, of a drawing of 360 pixels from -180 to 180. */
+/** The height of the highest bar, and the number of lines drawn across gaps, in a drawing of 360 pixels from -180 to 180. */
 function drawn(unit: string, values: (number | null)[]): { highest: number; lines: number } {
   const found = { highest: 0, lines: 0 };
   Object.assign(globalThis, { devicePixelRatio: 1 });

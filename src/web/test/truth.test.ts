@@ -57,19 +57,19 @@ test("a device that others know to be lost is lost until it is heard again", () 
   unseen.wasLost(100);
   assert.equal(unseen.heardAt, 100);
   assert.equal(unseen.isLost(110, 105), true);
-  unseen.wasLost(100.1); // told again
+  unseen.wasLost(100.1); // reported again
   assert.equal(unseen.heardAt, 100);
   unseen.hear(0x06, 111);
   assert.equal(unseen.isLost(111, 105), false);
-  unseen.wasLost(100.1); // told before it was heard
+  unseen.wasLost(100.1); // dated before it was heard
   assert.equal(unseen.isLost(111, 105), false);
-  const brief = new Presence(); // too few frames to know its period
+  const brief = new Presence(); // too few frames to determine its period
   brief.hear(0x06, 50);
   assert.equal(brief.isLost(60, 0), false);
   brief.wasLost(50.2);
   assert.equal(brief.isLost(60, 0), true);
   assert.equal(brief.heardAt, 50);
-  brief.isBack(); // while nobody listened
+  brief.isBack(); // while this page received nothing
   assert.equal(brief.isLost(61, 61), false);
   brief.wasLost(70);
   assert.deepEqual([brief.isLost(71, 0), brief.heardAt], [true, 70]);
@@ -79,7 +79,7 @@ test("a device that is heard where it is not known to be the same stays lost, as
   const presence = new Presence();
   send(presence, 0x06, 0.1, 0, 10);
   const last = presence.heardAt;
-  send(presence, 0x06, 0.1, 20, 24); // a stranger
+  send(presence, 0x06, 0.1, 20, 24); // an unknown device
   assert.equal(presence.isLost(24, 0), false);
   presence.wasLost(last + 0.1, "radio");
   assert.deepEqual([presence.isLost(24, 0), presence.elsewhere], [true, "radio"]);

@@ -1,4 +1,4 @@
-// What acts, to its end; and what goes wrong.
+// Actions from start to end, and their failures.
 import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { test } from "node:test";
@@ -13,7 +13,7 @@ test("writes the parameters that were changed, and no other", async () => {
   await outcome(page, ".outcome", /✓ 1 written and read back/);
   assert.match(await textOf(page, "#parameter-1-text"), /stored: 7/);
   await type(page, "#parameter-1", "400");
-  await outcome(page, "#parameter-1-text .fault", /must be -?\d+ to \d+/); // while it is typed: nothing is sent
+  await outcome(page, "#parameter-1-text .fault", /must be -?\d+ to \d+/); // while typing, before anything is sent
   assert.ok(await page.$$eval("main button.main", (all) => all.find((one) => one.textContent === "Write changes (1)").disabled));
   await press(page, "back to 7");
   await choose(page, here.gateway, "backup.json", JSON.stringify({ parameters: { SIM_TURN: 0, SIM_SPEED: 300 } }));
@@ -43,14 +43,14 @@ test("asks before a command, and lands by a button that is held", async () => {
   const box = await button.boundingBox();
   await page.mouse.move(box.x + 9, box.y + 9);
   await page.mouse.down();
-  await new Promise((resolve) => setTimeout(resolve, 200)); // a brush
+  await new Promise((resolve) => setTimeout(resolve, 200)); // a touch that is too short
   await page.mouse.up();
   assert.doesNotMatch(await textOf(page, ".pinned"), /LAND/);
   const finger = await page.target().createCDPSession();
   const touch = (type, ...touchPoints) => finger.send("Input.dispatchTouchEvent", { type, touchPoints });
   await touch("touchStart", { x: box.x + 9, y: box.y + 9 });
   await page.waitForSelector(".hold.land.held");
-  await touch("touchMove", { x: box.x + 9, y: box.y - 60 }); // it slips off
+  await touch("touchMove", { x: box.x + 9, y: box.y - 60 }); // the finger moves off the button
   await page.waitForSelector(".hold.land:not(.held)");
   await touch("touchEnd");
   await new Promise((resolve) => setTimeout(resolve, 1000));
@@ -95,7 +95,7 @@ test("calibrates a compass", async () => {
   await page.browserContext().close();
 });
 
-/** Milliseconds from `act` to the moment that the page has drawn that the gateway is lost, by the page's clock, and how much of them its timers were late: so much the computer had other things to do. */
+/** Milliseconds from `act` until the page has drawn that the gateway is lost, by the page's clock, and the delay of its timers within that time, which other load of the computer causes. */
 async function lostAfter(page, act) {
   await page.evaluate(() => {
     const every = 10;

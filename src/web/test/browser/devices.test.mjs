@@ -1,4 +1,4 @@
-// What acts on a device, and what a device says, to the end.
+// Actions on a device, and its messages, from start to end.
 import assert from "node:assert/strict";
 import dgram from "node:dgram";
 import { test } from "node:test";
@@ -16,7 +16,7 @@ test("a question is deaf to a second touch, and its command is carried out once"
   const isStillAsked = await page.evaluate(async () => {
     document.querySelector(".command:nth-child(4) button").click(); // HOVER
     while (!document.querySelector(".confirm .main")) await new Promise((drawn) => { setTimeout(drawn); });
-    document.querySelector(".confirm .main").click(); // at once
+    document.querySelector(".confirm .main").click(); // immediately
     await new Promise((drawn) => { setTimeout(drawn, 50); });
     return document.querySelector(".confirm") !== null;
   });
@@ -59,7 +59,7 @@ test("a picture that was half gone by is not called lost", async () => {
 test("a second touch on what begins a calibration begins no other, and hides nothing", async () => {
   const page = await here.open({ hash: "#/220/calibration" });
   await page.waitForSelector("main button.main");
-  await page.$eval("main button.main", (button) => { button.click(); button.click(); }); // the second before the gateway has answered
+  await page.$eval("main button.main", (button) => { button.click(); button.click(); }); // the second one arrives before the answer of the gateway
   await page.waitForFunction(() => [...document.querySelectorAll("main button")].some((one) => one.textContent === "Cancel and restore"));
   await drawnAgain(page, "main", 1).catch(() => undefined);
   assert.equal(await page.$("main p.bad[role=alert]"), null);

@@ -1,4 +1,4 @@
-// What was typed and not written; what is said of writes; jobs of others.
+// Edits that were not written; the results of writes; jobs of other clients.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { asked, confirm, go, outcome, press, shot, textOf, type, until, world } from "./gateway.mjs";
@@ -45,7 +45,7 @@ test("waypoints that were changed and not sent stay on their device, are marked,
   await go(page, "#/220/waypoints");
   await until("they are there", async () => (await rows()) === before + 1);
   assert.equal(await page.$eval(altitude, (input) => input.value), "12.5");
-  await press(page, "Read again"); // shows what the device has only once they are discarded
+  await press(page, "Read again"); // shows the values of the device only after the edits are discarded
   await new Promise((done) => setTimeout(done, 1000));
   assert.equal(await rows(), before + 1);
   await shot(page, "waypoints-not-sent");

@@ -1,4 +1,4 @@
-// Firmware: refused where it does not fit, cancelled in the middle, and whole in the end.
+// Firmware: refused if it does not fit, cancelled halfway, and complete at the end.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { asked, choose, confirm, go, outcome, press, textOf, until, world } from "./gateway.mjs";
@@ -51,7 +51,7 @@ test("an upgrade that is cancelled leaves the device in its loader, and another 
   await choose(page, here.gateway, "image.bin", Buffer.alloc(5000, 7));
   await upgrade(page);
   await outcome(page, "main", /✓ The device has checked the image: 5000 bytes/);
-  // Nothing contradicts that: not now, not when the devices are asked again, and not when the page is opened again.
+  // No later text contradicts that: not now, not when the devices are requested again, and not when the page is reopened.
   const stale = () => page.$eval("main", (main) => /is in its boot loader|cancelled|✕|Refused/.exec(main.textContent)?.[0]);
   const end = Date.now() + 4000;
   while (Date.now() < end) assert.equal(await stale(), undefined);

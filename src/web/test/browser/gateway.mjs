@@ -1,4 +1,4 @@
-// A gateway with simulated devices, and a browser that looks at it.
+// A gateway with simulated devices, and a browser that shows its page.
 import { spawn } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -11,7 +11,7 @@ const root = join(dirname(fileURLToPath(import.meta.url)), "../../../..");
 const program = process.env.ANOGATED ?? join(root, "build/run/src/anogated");
 export const shots = process.env.ANOGATE_SHOTS ?? join(root, "build/web-shots");
 
-/** Whatever comes true in the end; else the test fails. */
+/** Repeats `ask` and returns its first true value; throws after `patience` ms. */
 export async function until(what, ask, patience = 30000) {
   const end = Date.now() + patience;
   for (;;) {
@@ -25,7 +25,7 @@ export async function until(what, ask, patience = 30000) {
 const usualLinks = ["sim:fc", "sim:imu", "serial:/dev/absent", "udp-listen:127.0.0.1:0,name=ground"];
 
 export class Gateway {
-  /** `sections`: of the configuration, beside the links; a function is given the folder in which the gateway may write. */
+  /** `sections`: a function that returns further sections of the configuration; its argument is the folder in which the gateway may write. */
   static async start(links = usualLinks, sections = undefined) {
     const gateway = new Gateway();
     gateway.folder = mkdtempSync(join(tmpdir(), "anogate-web-"));
@@ -50,7 +50,7 @@ export class Gateway {
     this.port = Number(new URL(this.address).port);
   }
 
-  /** Root's gateways ask for a token; a user's own at a loopback address does not. */
+  /** A gateway of root requires a token; a user's own on a loopback address does not. */
   token(access) {
     const file = /the tokens are in (\S+)/.exec(this.said)?.[1];
     return file && new RegExp(`^${access} (\\S+)`, "m").exec(readFileSync(file, "utf8"))[1];
@@ -61,7 +61,7 @@ export class Gateway {
     this.process.kill("SIGTERM");
     await this.ended;
   }
-  /** After it was killed. */
+  /** Starts it again after it was killed. */
   async runAgain() {
     await this.ended;
     await this.run(this.port);
@@ -79,7 +79,7 @@ export class Gateway {
 const launch = { executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--disable-gpu", "--mute-audio", ...(process.getuid() === 0 ? ["--no-sandbox"] : [])], protocolTimeout: 60000 };
 export const launchBrowser = () => puppeteer.launch(launch);
 
-/** That of the whole run, else one of its own. */
+/** The browser of the whole run if there is one, otherwise a new one. */
 export async function openBrowser() {
   const address = process.env.ANOGATE_BROWSER;
   if (!address) return launchBrowser();
@@ -88,7 +88,7 @@ export async function openBrowser() {
   return browser;
 }
 
-/** The gateway of a file of tests, and `open`, which opens a page of it. */
+/** The gateway of a test file, and `open`, which opens one of its pages. */
 export function world(links, sections) {
   const it = {};
   before(async () => ([it.gateway, it.browser] = await Promise.all([Gateway.start(links, sections), openBrowser()])));
@@ -100,7 +100,7 @@ export function world(links, sections) {
   return it;
 }
 
-/** A page in a context of its own, let in with a token where one is needed. `faults`: what the browser complained of; `elsewhere`: what was asked of others. */
+/** A page in its own context, signed in with a token if one is needed. `faults`: errors reported by the browser; `elsewhere`: requests to other servers. */
 export async function openPage(browser, gateway, { access = "control", language = "en", width = 1440, height = 900, dark = false, hash = "#/" } = {}) {
   const context = await browser.createBrowserContext();
   const page = await context.newPage();
@@ -111,7 +111,7 @@ export async function openPage(browser, gateway, { access = "control", language 
   page.on("console", (message) => message.type() === "error" && !/40[1349]|422|504/.test(message.text()) && page.faults.push(message.text()));
   page.on("request", (request) => !/^(data|blob):/.test(request.url()) && !request.url().startsWith(gateway.address) && page.elsewhere.push(request.url()));
   await page.evaluateOnNewDocument((tag) => Object.defineProperty(navigator, "languages", { get: () => [tag] }), language);
-  // What moves all the time takes a processor for itself where there is no graphics card.
+  // Without a graphics card, continuous animations use up one processor.
   await page.emulateMediaFeatures([{ name: "prefers-reduced-motion", value: "reduce" }, { name: "prefers-color-scheme", value: dark ? "dark" : "light" }]);
   await page.setViewport({ width, height });
   await page.goto(gateway.address + "/" + hash);
@@ -133,7 +133,7 @@ export const go = (page, hash) => page.evaluate((to) => { location.hash = to; },
 export const asked = (page, route, options) => page.evaluate((path, options) => fetch(path, options).then((answer) => answer.json()), route, options);
 export const wider = (page) => page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
 
-/** Until what is drawn has changed so often: the page lives, and what was to come has come. */
+/** Waits until the drawn content has changed `times` times: the page is updated, and pending values have arrived. */
 export const drawnAgain = (page, selector, times) =>
   page.evaluate((selector, times) => new Promise((done) => {
     let left = times;
@@ -155,7 +155,7 @@ export async function press(page, words, within = "main") {
     }, words, within));
 }
 
-/** Says yes to a question; it is deaf to a second touch at first. */
+/** Confirms a question, which ignores clicks at first. */
 export async function confirm(page, within = "main") {
   await page.waitForSelector(`${within} .confirm .main`);
   await until("the question is answered", () =>
@@ -165,7 +165,7 @@ export async function confirm(page, within = "main") {
     }, within));
 }
 
-/** Its words, when they are such. */
+/** Waits until the text of the element matches `words`; returns the text. */
 export const outcome = (page, selector, words) => until(`${selector} says ${words}`, async () => {
   const text = await page.$eval(selector, (element) => element.textContent).catch(() => "");
   return words.test(text) && text;
@@ -178,7 +178,7 @@ export async function type(page, selector, text) {
   await page.type(selector, text);
 }
 
-/** A file that a user chooses in a form. */
+/** Writes a file and selects it in a form. */
 export async function choose(page, gateway, name, content) {
   const file = join(gateway.folder, name);
   writeFileSync(file, content);

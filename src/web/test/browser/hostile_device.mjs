@@ -1,4 +1,4 @@
-// A device of our own, by UDP: what it says is up to us.
+// A device of our own, by UDP, with messages chosen by the test.
 import dgram from "node:dgram";
 
 export function frame(from, to, id, data) {
@@ -13,14 +13,14 @@ export function frame(from, to, id, data) {
 const f32 = (value) => { const bytes = Buffer.alloc(4); bytes.writeFloatLE(value); return bytes; };
 const f64 = (value) => { const bytes = Buffer.alloc(8); bytes.writeDoubleLE(value); return bytes; };
 
-/** Names that every object has or several parameters have, and numbers that are none or hardly: [type, name, value]. */
+/** Names that every object has or that are duplicated, and numbers that are not finite or extreme: [type, name, value]. */
 const odd = [
   [8, "constructor", f32(1)], [8, "__proto__", f32(2)], [8, "toString", f32(3)], [8, "NAN", f32(NaN)], [8, "FAR", f32(1e38)], [8, "ENDLESS", f32(-Infinity)],
   [9, "FARTHEST", f64(1e308)], [6, "ALL_BITS", Buffer.alloc(8, 255)], [7, "LEAST", Buffer.from([0, 0, 0, 0, 0, 0, 0, 128])], [10, "WORDS", Buffer.from("°C µ \u202e\u{1F681}")],
   [8, "TWICE", f32(10)], [8, "TWICE", f32(11)],
 ];
 
-/** A device behind UDP with so many parameters, some of them odd, that takes what is written. */
+/** A UDP device with `count` parameters, some of them odd, which stores written values. */
 export class LargeDevice {
   constructor(port, count) {
     this.values = Array.from({ length: count }, (_, id) => odd[id] ?? [8, "P_" + id, f32(id)]);
@@ -55,7 +55,7 @@ export class LargeDevice {
   }
 }
 
-/** A device behind UDP whose every word is HTML. */
+/** A UDP device whose texts are all HTML. */
 export class HostileDevice {
   constructor(port, words) {
     this.address = 30;
@@ -67,7 +67,7 @@ export class HostileDevice {
     });
     this.timer = setInterval(() => {
       this.send(0xa0, [1, ...Buffer.from(words)]);
-      this.send(0xa1, [0, 0, 192, 127, ...Buffer.from(words)]); // a value that is no number
+      this.send(0xa1, [0, 0, 192, 127, ...Buffer.from(words)]); // a value that is not a number
       this.send(0x03, [1, 0, 2, 0, 3, 0, 0]);
     }, 200);
   }
@@ -90,7 +90,7 @@ export class HostileDevice {
 const i16 = (value) => [value & 255, (value >> 8) & 255];
 const i32 = (value) => [value & 255, (value >> 8) & 255, (value >> 16) & 255, (value >> 24) & 255];
 
-/** A vehicle in flight, by UDP, ten times a second; kill() is a crash, and stop() is after it has landed. `voltage` is of the battery. */
+/** A flying vehicle that sends by UDP ten times a second; kill() simulates a crash, stop() ends it after landing. `voltage` is that of the battery. */
 export class FlyingDevice {
   constructor(port, { address = 50, name = "Falcon", voltage = 15.2, satellites = 14 } = {}) {
     Object.assign(this, { port, address, name, voltage, satellites });

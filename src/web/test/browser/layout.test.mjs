@@ -12,13 +12,13 @@ const pages = {
 };
 const widths = [360, 390, 768, 820, 960, 1024, 1280, 1440];
 
-/** Words of labels, buttons, headings and links that are broken over two lines. */
+/** Words of labels, buttons, headings and links that are split over two lines. */
 const brokenWords = (page) => page.evaluate(() => {
   const found = [], range = document.createRange();
   for (const element of document.querySelectorAll("label, button, nav a, h1, h2, h3, th, dt, .brand, .contact, .contact-of-device, .tag, legend, summary")) {
     const walker = document.createTreeWalker(element, NodeFilter.SHOW_TEXT);
     for (let node = walker.nextNode(); node; node = walker.nextNode()) {
-      if (node.parentElement.closest("code, bdi, small") && !node.parentElement.closest("button, nav")) continue; // of devices and addresses: as long as they like
+      if (node.parentElement.closest("code, bdi, small") && !node.parentElement.closest("button, nav")) continue; // names of devices and addresses: of any length
       for (const { 0: word, index } of node.data.matchAll(/[A-Za-z]{2,}/g)) {
         range.setStart(node, index);
         range.setEnd(node, index + word.length);
@@ -30,7 +30,7 @@ const brokenWords = (page) => page.evaluate(() => {
   return found;
 });
 
-/** By how many pixels a page scrolls whose content ends above the end of the window. */
+/** The number of pixels by which a page scrolls although its content ends within the window. */
 const needlessScroll = (page) => page.evaluate(() => {
   const last = [...document.querySelectorAll("main > *")].reduce((end, one) => Math.max(end, one.getBoundingClientRect().bottom + scrollY), 0);
   const bar = document.querySelector(".pinned")?.getBoundingClientRect().height ?? 0;
@@ -38,13 +38,13 @@ const needlessScroll = (page) => page.evaluate(() => {
   return last + bar + 24 < innerHeight ? Math.max(0, more) : 0;
 });
 
-/** Fields and buttons of the page that lie under the action bar, or under the header, when they have the focus. */
+/** Fields and buttons of the page that are covered by the action bar or the header when they have the focus. */
 const hiddenFields = (page) => page.evaluate(async () => {
   const found = [], fields = [...document.querySelectorAll("main input, main select, main button")].filter((one) => !one.disabled && one.offsetParent !== null);
   const step = Math.max(1, Math.floor(fields.length / 25));
   for (const field of [...fields.filter((_, i) => i % step === 0), ...fields.slice(-3)]) {
     let rect, bar, head, isHidden = true;
-    for (let tries = 0; isHidden && tries < 3 && field.isConnected; ++tries) { // rows that come meanwhile may move it
+    for (let tries = 0; isHidden && tries < 3 && field.isConnected; ++tries) { // new rows may move it
       scrollTo(0, 0);
       field.blur();
       field.focus();

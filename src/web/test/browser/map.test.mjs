@@ -1,4 +1,4 @@
-// A map under the track: where it lies, and what is said where there is none.
+// A map under the track: its position, and the message if there is none.
 import assert from "node:assert/strict";
 import dgram from "node:dgram";
 import { renameSync, writeFileSync } from "node:fs";
@@ -21,20 +21,20 @@ function png(red, green, blue) {
     all.writeUInt32BE(crc(body), body.length + 4);
     return all;
   };
-  const head = Buffer.from([0, 0, 1, 0, 0, 0, 1, 0, 8, 3, 0, 0, 0]); // 8 bits, by a palette
+  const head = Buffer.from([0, 0, 1, 0, 0, 0, 1, 0, 8, 3, 0, 0, 0]); // 8 bits, with a palette
   return Buffer.concat([Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]), chunk("IHDR", head), chunk("PLTE", Buffer.from([red, green, blue])), chunk("IDAT", deflateSync(Buffer.alloc(257 * 256))), chunk("IEND", Buffer.alloc(0))]);
 }
 
-const zoom = 18; // a tile is 117 m wide at home
+const zoom = 18; // a tile is 117 m wide at the home position
 const tileAt = (lng, lat) => {
   const sine = Math.sin((lat * Math.PI) / 180), n = 2 ** zoom;
   return { x: Math.floor((lng / 360 + 0.5) * n), y: Math.floor((0.5 - Math.log((1 + sine) / (1 - sine)) / (4 * Math.PI)) * n) };
 };
 const around = ({ x, y }, picture) => [-1, 0, 1].flatMap((i) => [-1, 0, 1].map((k) => ({ zoom, x: x + i, y: y + k, picture })));
-/** Green where the simulated world begins, blue where Chinese maps have that place, 570 m to the east. */
+/** Green at the origin of the simulated world, blue at its position on Chinese maps, 570 m to the east. */
 const tiles = [...around(tileAt(116.3, 39.9), png(20, 160, 60)), ...around(tileAt(116.30624, 39.9014), png(30, 60, 200))];
 
-/** A device that says where it is, by satellites: at the place where the simulated world begins. */
+/** A device that sends its satellite position: the origin of the simulated world. */
 function satellites(port) {
   const data = Buffer.alloc(23);
   data.set([3, 12]);
@@ -64,7 +64,7 @@ async function withMap(datum, content, look) {
   }
 }
 
-/** The colour beside the vehicle, which is in the middle. */
+/** The colour next to the vehicle, which is in the middle. */
 const colour = (page) => page.evaluate(() => {
   const canvas = document.querySelector(".track canvas");
   return canvas && [...canvas.getContext("2d").getImageData(canvas.width / 2 + 40, canvas.height / 2 + 23, 1, 1).data.slice(0, 3)].join(" ");
@@ -79,7 +79,7 @@ test("lies under the track where satellites say the vehicle is, by the datum of 
       await isColoured(page, wanted);
       await page.waitForFunction(() => document.querySelector(".about-map")?.textContent === "© somebody");
       await shot(page, "map-" + datum);
-      await press(page, "Map"); // and without
+      await press(page, "Map"); // and without it
       await until("the grid is back", async () => (await colour(page)) !== wanted);
       await press(page, "Map");
       await page.evaluate(() => { location.hash = "#/220/waypoints"; });

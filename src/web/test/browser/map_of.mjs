@@ -1,7 +1,7 @@
 // A .pmtiles file (version 3) of given pictures, all of the type PNG.
 import { gzipSync } from "node:zlib";
 
-/** As the textbook goes along Hilbert's curve. */
+/** The position on Hilbert's curve, by the textbook algorithm. */
 function numberOf({ zoom, x, y }) {
   const n = 2 ** zoom;
   let number = 0;

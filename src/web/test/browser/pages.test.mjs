@@ -1,4 +1,4 @@
-// Every page against the simulated world, in both languages, on a phone and on a desk.
+// Every page with the simulated world, in both languages, on a phone and on a desktop.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -8,13 +8,13 @@ import { drawnAgain, Gateway, openPage, shot, until, wider, world } from "./gate
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const here = world();
 
-/** Where there is something to see on each. */
+/** The element that shows the content of each page. */
 const pages = {
   "overview": ".branch", "frames": ".rows li", "charts": ".uplot", "log": "h1", "images": "canvas.picture", "recordings": "h1 ~ *", "220/vehicle": ".figure dd small",
   "220/parameters": ".set li", "220/commands": ".command", "220/waypoints": ".waypoints tr", "220/calibration": "button.main", "220/firmware": ".file",
 };
 
-/** A page that has lost its gateway for a moment, on a busy computer, is grey: it is looked at again, also when the gateway is back by the end. */
+/** On a busy computer a page may lose its gateway for a moment and is grey then: the check is repeated, even if the gateway is back at its end. */
 async function violations(page) {
   await page.evaluate(axe);
   for (;;) {
@@ -51,7 +51,7 @@ for (const [language, width, height, dark] of [["en", 1440, 900, false], ["zh-CN
   });
 
 test("the form of the token has the room to be read, and the header says what is missing", async () => {
-  if (!here.gateway.token("view")) return; // a user's own gateway asks for none
+  if (!here.gateway.token("view")) return; // a gateway of the same user needs no token
   for (const [width, height] of [[1280, 800], [390, 844]]) {
     const page = await here.open({ access: "", width, height });
     await page.waitForSelector(".login");
@@ -115,8 +115,8 @@ test("a tab that is hidden asks for nothing", async () => {
     document.dispatchEvent(new Event("visibilitychange"));
   });
   let asked = 0;
-  const beats = (n) => page.evaluate((n) => new Promise((done) => { const timer = setInterval(() => --n <= 0 && (clearInterval(timer), done()), 100); }), n); // the page asks at such
-  await beats(3); // what was on its way
+  const beats = (n) => page.evaluate((n) => new Promise((done) => { const timer = setInterval(() => --n <= 0 && (clearInterval(timer), done()), 100); }), n); // the page sends its requests at this interval
+  await beats(3); // the requests that were on their way
   page.on("request", () => ++asked);
   await beats(12);
   assert.equal(asked, 0);

@@ -1,5 +1,5 @@
-// Takes page.png, the picture of the README, from a simulated flight: node test/browser/picture.mjs
-// Where no font has Chinese letters, which the language's button shows: CHINESE_FONT=FILE.
+// Makes page.png, the picture of the README, from a simulated flight: node test/browser/picture.mjs
+// If no font has Chinese letters, which the language button shows: CHINESE_FONT=FILE.
 import { readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";

@@ -1,4 +1,4 @@
-// Recordings: begun, ended, taken home, deleted; and what is said where the disk takes nothing.
+// Recordings: started, ended, downloaded, deleted; and the message if the disk accepts no data.
 import assert from "node:assert/strict";
 import { copyFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -27,7 +27,7 @@ test("one is begun by a name, ended, taken home and deleted", async () => {
   assert.equal(size, (await all(page)).recordings[0].bytes);
   assert.deepEqual(readdirSync(folderIn(here.gateway.folder)).filter((one) => !one.startsWith(".")), [name]);
   await press(page, "Delete…");
-  await page.waitForSelector(".recordings .confirm button:focus"); // asked first
+  await page.waitForSelector(".recordings .confirm button:focus"); // a confirmation is shown first
   await page.keyboard.press("Escape");
   assert.equal((await all(page)).recordings.length, 1);
   await press(page, "Delete…");

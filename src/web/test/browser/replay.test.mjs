@@ -1,4 +1,4 @@
-// A gateway that only plays a recording: who is in it can be watched, and is asked nothing.
+// A gateway that only plays a recording: its devices can be watched, but receive no requests.
 import assert from "node:assert/strict";
 import { copyFileSync, existsSync, mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -8,18 +8,18 @@ import { drawnAgain, Gateway, go, openBrowser, openPage, outcome, shot, textOf, 
 
 const here = { folder: mkdtempSync(join(tmpdir(), "anogate-replay-")) };
 
-/** Some flight of the simulated flight controller, as the gateway records it. */
+/** A part of a flight of the simulated flight controller, recorded by the gateway. */
 async function record(file) {
   const folderIn = (folder) => join(folder, "recordings");
   const gateway = await Gateway.start(["sim:fc"], (folder) => ({ record: { folder: folderIn(folder) } }));
   try {
-    const folder = folderIn(gateway.folder); // made when the gateway listens already
+    const folder = folderIn(gateway.folder); // created after the gateway listens
     const found = () => existsSync(folder) && readdirSync(folder).find((name) => name.endsWith(".pcapng"));
     await until("some is written", () => found() && statSync(join(folder, found())).size > 10000);
     await gateway.stop();
     copyFileSync(join(folder, found()), file);
   } finally {
-    await gateway.end(); // else this process would wait for it
+    await gateway.end(); // otherwise this process would wait for it
   }
 }
 
@@ -47,7 +47,7 @@ for (const { language, width, height, of, devices, nothing } of screens)
     assert.equal(await textOf(page, ".branch .calm"), of);
     assert.match(await textOf(page, ".facts"), new RegExp(devices));
     assert.match(await textOf(page, "section[aria-labelledby=drops]"), new RegExp(nothing));
-    const ofLink = (all) => all.map((one) => one.textContent).filter((text) => text.includes("flight")); // not that this machine stood still
+    const ofLink = (all) => all.map((one) => one.textContent).filter((text) => text.includes("flight")); // ignores stalls of this machine
     assert.deepEqual(await page.$$eval(".troubles li", ofLink), []);
     assert.equal(await page.$$eval(".flows .warn, .troubled", (all) => all.length), 0);
     assert.equal(await textOf(page, ".flows div:last-child dd"), language === "en" ? "0 /s" : "0 /秒");

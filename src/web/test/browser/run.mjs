@@ -1,5 +1,5 @@
 // All tests in a browser: node test/browser/run.mjs [FILE...]
-// One browser for all. Two files at a time, each with a gateway of its own: what is drawn is drawn by the processor here, and more at once
+// One browser for all. Two files at a time, each with its own gateway: the processor renders everything here, so more at a time
 // would only wait for each other.
 import { spawn } from "node:child_process";
 import { existsSync, readdirSync, rmSync } from "node:fs";
@@ -12,12 +12,12 @@ const given = process.argv.slice(2);
 const files = given.length > 0 ? given : readdirSync(here).filter((name) => name.endsWith(".test.mjs")).map((name) => join(here, name));
 if (given.length === 0 && existsSync(shots)) for (const name of readdirSync(shots)) if (name.endsWith(".png")) rmSync(join(shots, name));
 
-/** Its exit status, and how the browser ended if that was in the middle. */
+/** Runs the tests; returns their exit status, and the reason if the browser ended before them. */
 async function run() {
   const browser = await launchBrowser();
   let ended, said = "";
   browser.process().on("exit", (status, signal) => { ended ??= `${signal ?? `status ${status}`}; its last words:\n${said}`; });
-  browser.process().stderr.on("data", (words) => { said = (said + words).slice(-4000); }); // unread, they would hold it up
+  browser.process().stderr.on("data", (words) => { said = (said + words).slice(-4000); }); // if unread, they would block it
   const tests = spawn(process.execPath, ["--test", "--test-reporter=spec", "--test-concurrency=2", ...files], {
     stdio: ["ignore", "inherit", "inherit"],
     env: { ...process.env, ANOGATE_BROWSER: browser.wsEndpoint() },

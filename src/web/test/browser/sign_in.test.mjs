@@ -9,7 +9,7 @@ const phone = { access: null, width: 390, height: 844 };
 const here = world();
 const options = { skip: process.getuid() !== 0 && "a user's own gateway asks for no token" };
 
-/** What the gateway answers at its socket. */
+/** The answer of the gateway on its socket. */
 const asked = (method, path, body) => new Promise((done, failed) => {
   const sent = request({ socketPath: join(here.gateway.folder, "control.sock"), method, path, headers: { "Content-Type": "application/json", "Content-Length": Buffer.byteLength(body) } }, (answer) => {
     let text = "";

@@ -1,6 +1,6 @@
-// How fast the page is: ANOGATED=PATH npm run speed
-// and what one that is looked at costs the gateway: ANOGATED=PATH npm run speed cost
-// Prints figures, and judges none: they are of this computer and of what else it does.
+// The speed of the page: ANOGATED=PATH npm run speed
+// and the cost of an open page for the gateway: ANOGATED=PATH npm run speed cost
+// Prints figures without judging them: they depend on this computer and its other load.
 import { readdirSync, readFileSync } from "node:fs";
 import { Gateway, openBrowser, openPage } from "./gateway.mjs";
 import { Traffic } from "./traffic.mjs";
@@ -11,7 +11,7 @@ const pause = (seconds) => new Promise((done) => { setTimeout(done, seconds * 10
 const median = (all) => [...all].sort((a, b) => a - b)[Math.floor(all.length / 2)];
 const percent = (share) => `${(share * 100).toFixed(1)} %`;
 
-/** Seconds of the processor that all threads of a process have used. */
+/** CPU time of all threads of a process, in seconds. */
 const used = (pid) => readdirSync(`/proc/${pid}/task`).reduce((sum, thread) => sum + Number(readFileSync(`/proc/${pid}/task/${thread}/schedstat`, "utf8").split(" ")[0]) / 1e9, 0);
 
 async function charts(browser, gateway) {
@@ -24,7 +24,7 @@ async function charts(browser, gateway) {
 
 const framesIn = (page) => page.evaluate(() => fetch("links").then((answer) => answer.json()).then((links) => links.reduce((sum, link) => sum + link.frames_in, 0)));
 
-/** What of a processor the gateway takes, and frames a second that it routes, for so many seconds. */
+/** The share of a processor that the gateway uses, and its routed frames per second, measured for `seconds`. */
 async function costs(gateway, counter, seconds) {
   const [before, frames, began] = [used(gateway.process.pid), await framesIn(counter), performance.now()];
   await pause(seconds);
@@ -34,14 +34,14 @@ async function costs(gateway, counter, seconds) {
 
 const looked = { "#/": ".branch", "#/220/vehicle": ".figure dd small", "#/charts": ".uplot" };
 
-/** With and without a page that looks, in turns: what else the computer does is in both. */
+/** Alternates between rounds with and without an open page, so that other load of the computer affects both. */
 async function inTurns(browser, gateway, counter, hash) {
   const alone = [], watched = [];
   for (let round = 0; round < 5; ++round) {
     alone.push(await costs(gateway, counter, 2));
     const page = await openPage(browser, gateway, { hash });
     await page.waitForSelector(looked[hash]);
-    await pause(1); // what is asked but once
+    await pause(1); // requests that are sent only once
     watched.push(await costs(gateway, counter, 2));
     await page.browserContext().close();
   }
@@ -51,7 +51,7 @@ async function inTurns(browser, gateway, counter, hash) {
   console.log(`${hash} at ${of(alone, "frames").toFixed(0)} and ${of(watched, "frames").toFixed(0)} frames/s: ${percent(without)} of a core without a page, ${percent(beside)} with one; ${(beside / of(watched, "frames") * 1e6).toFixed(2)} against ${(without / of(alone, "frames") * 1e6).toFixed(2)} µs a frame, ${median(ratios).toFixed(3)} times that (${ratios[1].toFixed(3)} to ${ratios.at(-2).toFixed(3)})`);
 }
 
-/** What a page costs, beside frames that come by UDP and are told to one listener. */
+/** The cost of a page, with frames that are received by UDP and forwarded to one receiver. */
 async function cost() {
   const gateway = await Gateway.start(["udp-listen:127.0.0.1:0,name=vehicle", "udp-listen:127.0.0.1:0,name=ground"]);
   const browser = await openBrowser();
@@ -75,7 +75,7 @@ async function cost() {
 
 async function drawing(page, gateway) {
   const session = await page.createCDPSession();
-  await session.send("Performance.enable", { timeDomain: "threadTicks" }); // not while others have the processor
+  await session.send("Performance.enable", { timeDomain: "threadTicks" }); // excludes the time of other processes
   const busy = async () => Object.fromEntries((await session.send("Performance.getMetrics")).metrics.map((one) => [one.name, one.value])).TaskDuration;
   const [frames, tasks] = [await framesIn(page), await busy()];
   const drawn = await page.evaluate(() => new Promise((done) => {
@@ -87,7 +87,7 @@ async function drawing(page, gateway) {
   console.log(`${chosen.length} series, ${(((await framesIn(page)) - frames) / 5).toFixed(0)} frames/s in: drawn ${drawn.toFixed(0)} times/s, main thread ${percent(((await busy()) - tasks) / 5)} of a core`);
 }
 
-/** Questions and frames in so many seconds, of a tab that nobody sees. */
+/** Requests and frames of a hidden tab within some seconds. */
 async function hidden(browser, gateway) {
   const page = await charts(browser, gateway);
   const session = await page.createCDPSession();
@@ -114,7 +114,7 @@ async function fourPages(browser, gateway, first) {
   for (const one of others) await one.browserContext().close();
 }
 
-/** A page is there as soon as it has values. */
+/** A page counts as open as soon as it shows values. */
 async function opening(page, gateway) {
   const took = [];
   for (let i = 0; i < 5; ++i) {

@@ -1,4 +1,4 @@
-// Frames of vehicles at a rate, by UDP, and one who hears them.
+// Frames of vehicles at a rate, by UDP, and their receiver.
 import dgram from "node:dgram";
 import { frame } from "./hostile_device.mjs";
 
@@ -13,7 +13,7 @@ export class Traffic {
     this.frames = senders.flatMap((from) => Object.entries(lengths).flatMap(([id, length]) => (id <= 4 ? [1, 2, 3] : [1]).map((n) => frame(from, 255, Number(id), Array.from({ length }, (_, i) => (i % 2 ? 0 : n + i))))));
   }
 
-  /** To the port `vehicle`; what comes from `ground` is thrown away. `alone`: each frame in a datagram of its own, as evenly as timers go. */
+  /** Sends to the port `vehicle`; frames from `ground` are discarded. `alone`: each frame in its own datagram, as evenly as timers permit. */
   begin(vehicle, ground, rate, alone = false) {
     const inDatagram = alone ? 1 : mostInDatagram;
     clearInterval(this.timer);
@@ -22,7 +22,7 @@ export class Traffic {
     this.timer = setInterval(() => {
       if (performance.now() - hearing > 500) {
         hearing = performance.now();
-        this.ear.send(frame(254, 220, 0, [0, 0, 0]), ground, "127.0.0.1"); // it is there
+        this.ear.send(frame(254, 220, 0, [0, 0, 0]), ground, "127.0.0.1"); // registers the ground station
       }
       for (const due = ((performance.now() - began) * rate) / 1000; sent < due;) {
         const count = Math.min(inDatagram, Math.ceil(due - sent));

@@ -1,4 +1,4 @@
-// The operator sees the truth: a device that is lost, values beyond their limits, errors that devices log.
+// The operator sees the true state: lost devices, values beyond their limits, errors that devices log.
 import assert from "node:assert/strict";
 import dgram from "node:dgram";
 import { test } from "node:test";
@@ -8,7 +8,7 @@ import { FlyingDevice, frame } from "./hostile_device.mjs";
 const here = world(["sim:imu", "udp-listen:127.0.0.1:0,name=ground", "udp-listen:127.0.0.1:0,name=field", "--route", "0x35=ground", "--route", "0x39=ground"]);
 const groundPort = async (page) => (await asked(page, "links")).find((link) => link.name === "ground").port;
 
-/** Until the title of the page is like `words`. */
+/** Waits until the title of the page matches `words`. */
 async function titled(page, words) {
   let title = "";
   await until(`a title ${words}`, async () => words.test((title = await page.title()))).catch((error) => {
@@ -16,7 +16,7 @@ async function titled(page, words) {
   });
 }
 
-/** Counts what would be heard and felt. */
+/** Counts sounds and vibrations. */
 const withEars = (page) => page.evaluate(() => {
   window.heard = { tones: 0, shakes: 0 };
   const start = OscillatorNode.prototype.start;
@@ -55,7 +55,7 @@ for (const [width, height] of [[1440, 900], [390, 844]])
       await titled(page, /^Vehicle · Falcon$/);
       await outcome(page, ".contact-of-device.live", /Falcon .*\/s · 0\.\d s/);
       await new Promise((done) => setTimeout(done, 1500)); // its period is known
-      await page.mouse.click(5, height - 200); // sounds are allowed behind a touch
+      await page.mouse.click(5, height - 200); // browsers allow sounds after a touch
       await withEars(page);
       await shot(page, `alive-${width}`);
       const { took, late } = await shownAfter(page, [
@@ -73,7 +73,7 @@ for (const [width, height] of [[1440, 900], [390, 844]])
       assert.match(await textOf(page, ".contact-of-device"), /no data for \d+ s/);
       assert.match(await textOf(page, ".contact.live"), /live/, "the gateway is there");
       await shot(page, `killed-${width}`);
-      await go(page, "#/frames"); // whichever page is open
+      await go(page, "#/frames"); // on any page
       await outcome(page, ".alerts li.lost", /Falcon no data for \d+ s.*last state: airborne/);
       await until("it sounds again", () => page.evaluate(() => window.heard.shakes > 1), 10000);
       await press(page, "Silence");
@@ -87,7 +87,7 @@ for (const [width, height] of [[1440, 900], [390, 844]])
     }
   });
 
-/** Another tab in front: the browser slows down the timers of `page`, and draws it no more. */
+/** Opens another tab in front: the browser slows down the timers of `page`, and stops drawing it. */
 async function hide(page) {
   const other = await page.browserContext().newPage();
   await other.goto("about:blank");
@@ -103,7 +103,7 @@ test("a page behind another tab tells by title, sound and vibration which vehicl
     await outcome(page, ".flag", /^airborne$/);
     await titled(page, /^Vehicle · Hawk$/);
     await new Promise((done) => setTimeout(done, 1500)); // its period is known
-    await page.mouse.click(5, 600); // sounds are allowed behind a touch
+    await page.mouse.click(5, 600); // browsers allow sounds after a touch
     await withEars(page);
     const other = await hide(page);
     await page.evaluate(() => {
@@ -125,7 +125,7 @@ test("a page behind another tab tells by title, sound and vibration which vehicl
     await titled(page, /^Vehicle · Hawk$/);
     assert.ok(await page.evaluate(() => document.hidden));
     const limits = (list) => asked(page, "devices/59/limits", { method: "PUT", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ limits: list }) });
-    await limits([{ field: "power.voltage", side: "below", red: 14 }]); // by somebody else, while nobody looks
+    await limits([{ field: "power.voltage", side: "below", red: 14 }]); // by another client, while the page is hidden
     device.voltage = 13.2;
     await titled(page, /^⚠ Hawk: battery/);
     await limits([]);
@@ -157,7 +157,7 @@ test("a page behind another tab tells that the gateway is gone, and finds it aga
     await here.gateway.runAgain();
     await until("the title of before", async () => (await page.title()) === well);
     assert.ok(await page.evaluate(() => document.hidden));
-    here.gateway.process.kill("SIGSTOP"); // no connection ends
+    here.gateway.process.kill("SIGSTOP"); // no connection is closed
     await until("a title", async () => /^⚠ The gateway does not answer/.test(await page.title()));
     here.gateway.process.kill("SIGCONT");
     await until("the title of before", async () => (await page.title()) === well);
@@ -295,7 +295,7 @@ test("a value beyond its limit is amber, then red, on every page and for all who
     await press(page, "Save limits");
     await outcome(page, "main .outcome", /✓ Saved in the gateway/);
     assert.equal((await asked(page, "devices/52/limits")).limits.length, 2);
-    const other = await here.open({ hash: "#/frames", width: 390, height: 844 }); // somebody else, who set nothing
+    const other = await here.open({ hash: "#/frames", width: 390, height: 844 }); // another client, which set nothing
     await other.mouse.click(5, 800);
     await withEars(other);
     device.voltage = 14.2; // 3.55 V a cell
@@ -307,7 +307,7 @@ test("a value beyond its limit is amber, then red, on every page and for all who
     await page.waitForSelector(".limit.red");
     await shot(other, "alarm-red-390");
     await shot(page, "alarms-red");
-    const late = await here.open({ hash: "#/overview" }); // opened after the value came: the gateway judges, not the page
+    const late = await here.open({ hash: "#/overview" }); // opened after the value arrived: the gateway evaluates it, not the page
     await outcome(late, ".alerts li.red", /battery per cell 3\.30 V below 3\.40 V/);
     await late.browserContext().close();
     device.voltage = 15.2;
@@ -428,7 +428,7 @@ test("texts of a device are isolated, and none of their characters is invisible"
     });
     assert.ok(await page.$$eval(".log li bdi", (all) => all.some((one) => one.textContent.includes("all "))));
     await go(page, "#/54/vehicle");
-    await asked(page, "devices/scan", { method: "POST", headers: { "Content-Type": "application/json" }, body: "{}" }); // its name
+    await asked(page, "devices/scan", { method: "POST", headers: { "Content-Type": "application/json" }, body: "{}" }); // the device's name
     await outcome(page, "main h1 bdi", /KIN/);
     for (const hash of ["#/log", "#/frames", "#/54/vehicle", "#/54/commands", "#/overview"]) {
       await go(page, hash);
