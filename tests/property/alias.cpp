@@ -1,5 +1,5 @@
-// Two devices with one id behind two links, under two aliases, and a host: all write to all, twenty at a time in
-// flight, and every acknowledgement reaches its writer with the checks of the frame as it was sent.
+// Two devices with one id on two links, with two aliases, and a host: each writes to the others, at most twenty writes in flight,
+// and every acknowledgement reaches its writer with the checks of the frame as it was sent.
 #include <gateway/alias.hpp>
 
 #include <support/allocations.hpp>
@@ -21,7 +21,7 @@ using support::Bytes;
 namespace {
 
 constexpr std::uint8_t host = 0xFE;
-constexpr std::uint8_t device = 0xDE;    // what both call themselves
+constexpr std::uint8_t device = 0xDE;    // the id of both
 
 struct Network {
     Aliases flow1{{{.device = device, .as = 31}}, 64};
@@ -30,7 +30,7 @@ struct Network {
 
     Aliases* link_of(std::uint8_t address) { return address == 31 ? &flow1 : address == 32 ? &flow2 : nullptr; }
 
-    // What arrives of `frame`, which its sender, known as `from` to the others, puts on its line.
+    // Returns `frame` as its receiver gets it. `from` is the address by which the others know its sender.
     Bytes carry(Bytes frame, std::uint8_t from) {
         if (Aliases* link = link_of(from)) frame = bytes(link->inbound(ano::FrameView{frame}, now));
         EXPECT_EQ(frame[1], from);

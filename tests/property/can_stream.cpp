@@ -1,4 +1,4 @@
-// Random frames of random senders, cut, mixed, and joined again: all arrive, whole, in each sender's order.
+// Random frames of random senders, cut, mixed, and reassembled: all arrive, complete, in each sender's order.
 #include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
 
@@ -17,7 +17,7 @@ using support::Bytes;
 
 namespace {
 
-// A bus that takes a few CAN frames now and then, and of which each sender is one gateway.
+// A bus that accepts a few CAN frames now and then; each sender is one gateway.
 class Bus {
 public:
     Bus(const CanSettings& can, support::Random& random) : random_{random}, cutter_{can}, streams_{can, 4096} {}
@@ -106,7 +106,7 @@ TEST(CanStream, a_bus_that_loses_and_alters_delivers_nothing_that_was_not_sent) 
             const auto source = static_cast<std::uint8_t>(1 + random.below(20));
             const Bytes frame = support::frame(source, 0xFE, 0x03, Bytes(random.below(60u), source));
             const std::span<const std::uint8_t> waiting = frame;
-            bool altered = false;    // one byte at most: two may make up for each other in the checks
+            bool altered = false;    // one byte at most: two changes may cancel out in the checks
             for (const auto& piece : cutter.cut({&waiting, 1})) {
                 if (random.one_in(20)) continue;
                 Bytes data(piece.bytes.begin(), piece.bytes.end());
@@ -126,7 +126,7 @@ TEST(CanStream, a_bus_that_loses_and_alters_delivers_nothing_that_was_not_sent) 
         streams.finish([&](ano::FrameView f) { got_out += f.bytes().size(); });
         const ReceiveCounters counters = streams.received();
         EXPECT_GT(got_out, 0u);
-        EXPECT_LE(counters.bytes_in, put_in);    // padding is none of them
+        EXPECT_LE(counters.bytes_in, put_in);    // without padding
         EXPECT_EQ(counters.bytes_in, got_out + counters.skipped_bytes) << "seed " << seed;
     }
 }

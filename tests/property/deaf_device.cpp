@@ -1,4 +1,5 @@
-// Devices with the vendor's parser, which one flipped bit of LEN makes deaf: whatever is asked of them takes at most a second longer.
+// Devices with the vendor's parser, which stops finding frames after one flipped bit of LEN: any operation takes at most a second
+// longer.
 #include <host/commands.hpp>
 #include <host/firmware.hpp>
 #include <host/parameter_write.hpp>
@@ -27,7 +28,7 @@ using support::FakeDevice;
 using support::LineFaults;
 using support::Simulation;
 
-// A question for the parameter count with a damaged LEN: 187 more bytes are waited for.
+// A question for the parameter count with a damaged LEN: the parser waits for 187 more bytes.
 const Bytes bad_header{0xAB, 0xFE, 0xDC, 0xE0, 190, 0x00, 1, 0, 0, 0x6E, 0x60};
 
 struct Deaf {
@@ -42,7 +43,7 @@ struct Deaf {
         };
         simulation.be_uart();
     }
-    // That flush a parser.
+    // The time of the zero bytes that flush a parser.
     ano::Duration time_of_zeros() const { return ano::Duration{10s} * 210 / static_cast<int>(line.baud); }
 
     LineFaults line;
@@ -96,7 +97,7 @@ struct Count final : Task {
     }
 };
 
-// The device was asked before, one question at a time.
+// Asks the device several times, one question at a time, so that its parameter count is known.
 void know_count(Deaf& deaf) {
     for (int i = 0; i < 5; ++i) {
         Count count{deaf.device};
@@ -138,7 +139,8 @@ TEST(DeafDevice, an_operation_takes_at_most_a_second_longer_after_a_damaged_head
         }
 }
 
-// A list fills the line, so that its answers take long, and may have had the flush of this second. A command does not wait for the next.
+// The answers of a list occupy the line for a long time, and the list may have used the flush of this second. A command does not
+// wait for the next one.
 TEST(DeafDevice, an_operation_right_after_a_list_takes_at_most_a_second_longer_too) {
     for (const unsigned baud : {9600u, 19200u, 57600u, 115200u})
         for (const Operation& operation : operations()) {
@@ -158,7 +160,7 @@ TEST(DeafDevice, an_operation_right_after_a_list_takes_at_most_a_second_longer_t
         }
 }
 
-// The command before it may be TAKE_OFF, and this one LAND.
+// The previous command may be TAKE_OFF, and this one LAND.
 TEST(DeafDevice, a_call_never_waits_for_a_flush) {
     for (const unsigned baud : {9600u, 57600u, 115200u, 500000u})
         for (const Operation& before : operations())
@@ -174,7 +176,7 @@ TEST(DeafDevice, a_call_never_waits_for_a_flush) {
             }
 }
 
-// The flush of the first one bars the flush of the second one.
+// The flush of the first operation delays that of the second.
 TEST(DeafDevice, of_two_operations_in_a_row_each_is_heard_behind_a_header_of_its_own) {
     std::vector<Operation> all = operations();
     all.pop_back();    // an upgrade takes many seconds
@@ -196,7 +198,7 @@ TEST(DeafDevice, of_two_operations_in_a_row_each_is_heard_behind_a_header_of_its
                     const auto without = time_of(clean, second, false, after), with = time_of(disturbed, second, true, after);
                     ASSERT_TRUE(without);
                     EXPECT_TRUE(with);
-                    // Right behind a flush the next one is a second away, and its zero bytes take 36 ms at 57600 baud.
+                    // Immediately after a flush the next one is a second away, and its zero bytes take 36 ms at 57600 baud.
                     EXPECT_LE(with.value_or(1h) - *without, (after == 0ms ? 1100ms : 1000ms) + who_it_is);
                 }
 }

@@ -1,5 +1,5 @@
-// What is decoded for others, read by its definition alone, says what our own decoding says: for every message of the table and any
-// bytes of DATA. The reader of CDR is Fast-CDR, which ROS 2 uses, where the computer has it.
+// Decoded messages for other programs, read by their definition alone, have the values of our own decoding, for every message of
+// the table and any bytes of DATA. The reader of CDR is Fast-CDR, which ROS 2 uses, if it is installed.
 #include <ano/messages.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
@@ -40,7 +40,7 @@ anogate::RecordedFrame passed(const Bytes& frame, std::uint64_t time_ns = 1) {
     return {.time_ns = time_ns, .link = "fc", .frame = ano::FrameView{frame}};
 }
 
-/// DATA that some layout takes, and more or less of it.
+/// DATA that fits a layout, and shorter or longer DATA.
 Bytes random_data(const ano::Message& row, Random& random) {
     std::size_t size = row.variant.length != 0 ? row.variant.length : row.fixed_size;
     if (row.is_open()) size += random.below(40u);
@@ -58,7 +58,7 @@ Bytes random_data(const ano::Message& row, Random& random) {
     return data;
 }
 
-/// A value of ours, as the message has it: bytes are numbers there.
+/// A value of our decoding in the form of the message, in which bytes are numbers.
 Json as_in_the_message(const ano::Reading& reading, const ano::Field& field, const Json& value) {
     if (field.type != ano::Type::bytes && field.type != ano::Type::frames) return value;
     Json bytes = Json::array();
@@ -66,7 +66,7 @@ Json as_in_the_message(const ano::Reading& reading, const ano::Field& field, con
     return bytes;
 }
 
-/// What differs between what `told` says and what our decoding says; empty: nothing. A field of two units is found by the second name.
+/// The differences between `told` and our own decoding; empty: none. A field with two units is found by its second name.
 std::string difference(const Json& told, const Bytes& frame) {
     const ano::Reading reading = ano::read(ano::FrameView{frame});
     const Json own = ano::frame_to_json(ano::FrameView{frame}, {.encoding = ano::Encoding::automatic})["fields"];
@@ -110,7 +110,7 @@ private:
 };
 #endif
 
-/// Calls `see(frame, definition, data)` for each message, ours first, that many random frames of every layout make.
+/// Calls `see(frame, definition, data)` for each message made from `usual` random frames of every layout, our own message first.
 template <class See>
 void with_random_messages(std::uint64_t usual, See&& see) {
     std::map<std::size_t, RosDefinition> definitions;

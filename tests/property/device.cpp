@@ -1,4 +1,4 @@
-// A device, whatever it hears: it answers a frame at most once, and what it acknowledges it has stored, or the nearest that it may.
+// A device with any input: it answers a frame at most once, and an acknowledged value was stored, or the nearest permitted value.
 #include <ano/conversation.hpp>
 #include <ano/reading.hpp>
 #include <ano/wire.hpp>
@@ -56,7 +56,7 @@ Value random_value(Random& random, Type type) {
     return is_nan(value) ? Value{1.0} : value;
 }
 
-// A device with parameters of every type, whose values it keeps itself.
+// A device with parameters of every type, whose values this object stores.
 struct Thing {
     Thing(std::uint8_t id, Random& random, const Profile& profile = {}) : device{{.id = id, .name = "thing"}, profile} {
         for (std::size_t i = random.below(12u); i-- > 0;) add_parameter(random);
@@ -93,7 +93,7 @@ struct Thing {
     int runs = 0;
 };
 
-// A frame of the table, mostly laid out as it should be, and numbers in it that mean something.
+// A frame of the message table, mostly with a valid layout, and with meaningful numbers in it.
 Bytes random_frame(Random& random, std::uint8_t from, std::uint8_t to) {
     const ano::Message& row = ano::messages[random.below(ano::messages.size())];
     const std::uint8_t id = random.one_in(2)
@@ -163,7 +163,7 @@ TEST(Device, gives_a_waypoint_back_as_it_was_written) {
     }
 }
 
-// Whatever comes, the answers are one at most, to the one who asked, and its memory stays what it was.
+// For any input: at most one answer, to the sender of the request, and no growth of memory.
 TEST(Device, answers_every_frame_at_most_once) {
     for (std::uint64_t seed = 0; seed < support::trials(200); ++seed) {
         Random random{seed};
@@ -204,7 +204,7 @@ TEST(Device, answers_every_frame_at_most_once) {
     }
 }
 
-// The same where frames wait, and are dropped when too many do.
+// The same if frames wait, and are dropped when too many wait.
 TEST(Device, answers_what_waited_at_most_once) {
     for (std::uint64_t seed = 0; seed < support::trials(100); ++seed) {
         Random random{seed};
@@ -228,14 +228,14 @@ TEST(Device, answers_what_waited_at_most_once) {
     }
 }
 
-// Two devices hear each other: what one says is never the beginning of a talk.
+// Two devices receive each other's frames: no frame of one starts an exchange.
 TEST(Device, makes_no_storm_with_another) {
     for (std::uint64_t seed = 0; seed < support::trials(3000); ++seed) {
         Random random{seed};
         Thing a{0x21, random, any_profile(random)}, b{random.of<std::uint8_t>({0x22, 0xD2, 0xDC}), random, any_profile(random)};
         const std::uint8_t other = b.device.info().id;
         std::deque<Bytes> line;
-        // As if one had asked the other.
+        // As if one device had sent a request to the other.
         line.push_back(random.one_in(2) ? random_frame(random, other, 0x21) : random_frame(random, 0x21, other));
         std::size_t heard = 0;
         while (!line.empty()) {
@@ -248,7 +248,8 @@ TEST(Device, makes_no_storm_with_another) {
     }
 }
 
-// Frames that are late, lost, again, in any order: the image passes if and only if every part arrived, and is then as it was sent.
+// Frames that are late, lost, repeated, in any order: the image is accepted if and only if every part arrived, and then equals
+// the sent one.
 TEST(Device, passes_an_image_that_is_whole) {
     for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         Random random{seed};

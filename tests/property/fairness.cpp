@@ -1,5 +1,5 @@
-// Who waits for whom, as arithmetic: senders that offer a slow line more than it carries, and one that does not; classes in
-// random mixes. The figures are those of the floods in which commands of a third host were lost.
+// Waiting times as arithmetic: senders that offer a slow line more than its capacity, and one that does not; classes in random
+// mixes. The figures are those of the floods in which commands of a third host were lost.
 #include <gateway/outbox.hpp>
 #include <gateway/pacer.hpp>
 
@@ -30,18 +30,18 @@ constexpr std::uint8_t third_id = 0xC0;
 // Writes of parameters: 14 bytes each.
 struct Flooder {
     ChannelId channel;
-    std::uint8_t addresses;    // it takes turns with so many, from `first` down
+    std::uint8_t addresses;    // it cycles through this number of addresses, from `first` down
     std::uint8_t first;
     Duration gap;
 };
 
-// A paced line as a link drives it: what may go is gathered, and is on the wire at once behind what is ahead of it.
+// A paced line as a link drives it: frames that may be sent are gathered, and begin to leave at once after those before them.
 struct Line {
     explicit Line(std::uint32_t line_rate) : rate{line_rate}, pacer{{.rate = line_rate}} { outbox.open(); }
 
     struct Waited {
-        std::size_t frames = 0;    // that left before it and after it came
-        Duration time{};           // until its first byte left
+        std::size_t frames = 0;    // sent between its arrival and its own turn
+        Duration time{};           // until its first byte was sent
     };
 
     void flush() {
@@ -63,7 +63,7 @@ struct Line {
             pacer.sent(bytes, now);
         }
         outbox.set_congested();
-        timer = std::max(pacer.next_at(outbox.next(now).size), now + 100us);    // a clock goes on
+        timer = std::max(pacer.next_at(outbox.next(now).size), now + 100us);    // time advances
     }
     void arrived(TimePoint at) {
         ASSERT_FALSE(commands.empty());
@@ -76,7 +76,7 @@ struct Line {
         commands.push_back({now, left});
         outbox.push(ano::FrameView{support::frame(source, 0xDC, third_id, Bytes(11))}, urgent, now, channel);
     }
-    // For 19 s, the flooders, and a command of the third each 100 ms.
+    // Runs the flooders for 19 s, and a command of the third every 100 ms.
     void run(const std::vector<Flooder>& flooders, std::uint8_t third, ChannelId channel) {
         std::vector<TimePoint> next(flooders.size(), now);
         TimePoint next_command = now + 50ms;
@@ -128,7 +128,7 @@ const Flood floods[] = {
     {960, {{ChannelId{1}, 250, 0xFE, 5ms}}},
     {11520, {{ChannelId{1}, 250, 0xFE, 500us}}},
     {960, {{ChannelId{1}, 250, 0xFE, 5ms}, {ChannelId{2}, 1, 0xFE, 10ms}}},
-    // All of them behind one channel, as behind another gateway.
+    // All of them on one channel, as through another gateway.
     {960, {{third_channel, 1, 30, 10ms}, {third_channel, 1, 31, 10ms}}},
     {11520, {{third_channel, 1, 30, 1ms}, {third_channel, 1, 31, 1ms}}},
 };
@@ -147,7 +147,7 @@ TEST(Fairness, the_one_command_of_a_third_is_never_lost_and_waits_for_two_frames
     }
 }
 
-// Whatever they send: one large frames, one small ones, one under many addresses, one that waits for each frame to have left.
+// For any senders: one with large frames, one with small ones, one with many addresses, one that waits until each frame was sent.
 TEST(Fairness, channels_that_always_wait_have_equal_shares) {
     for (std::uint64_t seed = 1; seed <= support::trials(5); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -182,7 +182,7 @@ TEST(Fairness, channels_that_always_wait_have_equal_shares) {
     }
 }
 
-// Three classes on a line, each offered so many times what it carries.
+// Three classes on a line, each offered a multiple of its capacity.
 struct Mix {
     struct Class {
         double offered;
@@ -205,7 +205,7 @@ struct Mix {
         for (const TimePoint end = now + time; now < end;) {
             std::array<std::span<const std::uint8_t>, 1> piece;
             const bool sends = outbox.gather(piece, now) == 1;
-            const std::size_t bytes = sends ? piece[0].size() : 10;    // or an idle line
+            const std::size_t bytes = sends ? piece[0].size() : 10;    // or the line is idle
             if (sends) {
                 classes[piece[0][3]].left += bytes;
                 outbox.sent_frame();
@@ -227,7 +227,7 @@ struct Mix {
         }
     }
     double share(std::size_t c) const { return static_cast<double>(classes[c].left) / static_cast<double>(total); }
-    // A tenth, or what it offered when that is less; but for the frames that wait at the end.
+    // A tenth, or the offered share if that is less, minus the frames that wait at the end.
     void expect_shares() const {
         for (std::size_t c = 0; c < 3; ++c) {
             const double wanted = std::min(0.1, classes[c].offered);
@@ -260,7 +260,7 @@ TEST(Shares, less_than_a_tenth_is_not_lost) {
     mix.expect_shares();
 }
 
-// A tenth of 9600 baud carries 96 bytes/s: a frame of 1008 bytes would need ten seconds and is stale after five.
+// A tenth of 9600 baud is 96 bytes/s: a frame of 1008 bytes would need ten seconds and is stale after five.
 TEST(Shares, what_is_stale_before_its_turn_keeps_the_turn_for_the_next) {
     Mix mix{960, {{{3, 14, 1}, {3, 208, 1}, {3, 1008, 1}}}};
     mix.run(150s);
@@ -273,7 +273,7 @@ TEST(Shares, every_mix) {
         support::Random random{seed};
         Mix mix{random.of<std::uint32_t>({11520, 50000}), {}};
         for (std::size_t c = 0; c < 3; ++c) {
-            // What a tenth of the line carries within half of the age of telemetry, at the most.
+            // At most the bytes that a tenth of the line sends within half of the age of telemetry.
             const std::size_t most = std::min<std::size_t>(c == 2 ? 4104 : 300, mix.rate / 10 / 2 * (c == 2 ? 5 : 1));
             mix.classes[c] = {random.of({0.0, 0.02, 0.05, 0.2, 0.5, 1.0, 3.0}),
                               ano::overhead + random.below(most - ano::overhead), 1 + random.below(10u)};

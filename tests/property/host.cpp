@@ -1,4 +1,4 @@
-// What a host achieves over bad lines and slow ones, in simulated time; and that no task runs for ever.
+// The results of a host over faulty and slow lines, in simulated time; and that every task ends.
 #include <host/firmware.hpp>
 #include <host/parameter_apply.hpp>
 #include <host/parameters.hpp>
@@ -28,7 +28,7 @@ struct Read {
     bool is_whole = true;
 };
 
-// Everything of a device with n parameters; `whole`: which must come whole.
+// Reads everything of a device with n parameters; `whole`: the result must be complete.
 Read read_all(std::size_t n, LineFaults line, std::uint64_t seed, bool whole = true) {
     FakeDevice fake;
     fake.make_parameters(n);
@@ -94,7 +94,7 @@ TEST(Host, at_random_loss_on_a_fast_line_121_parameters_are_read_in_seconds) {
     }
 }
 
-// Blocking code in the device's interrupt: questions that come while it sends an answer are lost.
+// Blocking code in the device's interrupt: questions that arrive while it sends an answer are lost.
 TEST(Host, a_device_that_loses_questions_while_it_answers_is_asked_one_at_a_time) {
     using namespace std::chrono_literals;
     FakeDevice fake;
@@ -130,7 +130,7 @@ TEST(Host, a_line_that_loses_at_random_is_not_taken_for_such_a_device) {
     EXPECT_GT(device.window(), 1u);
 }
 
-// `rate=30`: a question waits up to three seconds before it leaves.
+// `rate=30`: a question waits up to three seconds before it is sent.
 TEST(Host, waiting_in_our_own_queue_is_no_waiting_for_an_answer) {
     using namespace std::chrono_literals;
     FakeDevice fake;
@@ -195,7 +195,7 @@ TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
     }
 }
 
-// Each kind of task against a device that answers a part, over a bad line, among random frames that look like answers.
+// Each kind of task with a device that answers partly, over a faulty line, among random frames that look like answers.
 TEST(Host, random_frames_at_random_times_never_hang_a_task) {
     for (std::uint64_t seed = 1; seed <= support::trials(100 * support::task_kinds); ++seed) {
         support::Random random{seed};
@@ -230,7 +230,7 @@ TEST(Host, random_frames_at_random_times_never_hang_a_task) {
     }
 }
 
-// Whatever the line does: what is done is stored, what is refused by a failure is as it was.
+// For any faults of the line: values of a successful apply are stored, and those of a failed one are as before.
 TEST(Host, an_apply_with_rollback_leaves_all_or_nothing_or_says_what_not) {
     using namespace std::chrono_literals;
     for (std::uint64_t seed = 1; seed <= support::trials(200); ++seed) {
@@ -252,7 +252,7 @@ TEST(Host, an_apply_with_rollback_leaves_all_or_nothing_or_says_what_not) {
         apply.start(simulation.now);
         simulation.run(apply);
         ASSERT_TRUE(apply.end()) << "seed " << seed;
-        simulation.pass(10s);    // what is still on the line
+        simulation.pass(10s);    // the frames still on the line
         for (const auto& row : apply.rows()) {
             const auto id = static_cast<std::size_t>(std::stoi(row.name.substr(4)));
             const auto now = value_of(fake.parameters[id].value, *ano::parameter_type(fake.parameters[id].type));

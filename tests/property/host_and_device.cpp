@@ -1,4 +1,4 @@
-// Both engines, on a line that loses up to a third of what is said: whatever the host says of an exchange at its end is so.
+// Both engines, on a line that loses up to a third of the frames: the result that the host reports for an exchange is true.
 #include <device/device.hpp>
 #include <host/commands.hpp>
 #include <host/firmware.hpp>
@@ -34,7 +34,7 @@ ano::device::Profile any_profile(Random& random) {
     return profile;
 }
 
-// A host, a device, and the line between them, whose time is a number.
+// A host, a device, and the line between them, in simulated time.
 struct Line {
     explicit Line(std::uint64_t seed) : random{seed}, device{{.id = 0x21, .name = "thing"}, any_profile(random)} {}
 
@@ -108,7 +108,7 @@ ano::host::AnyValue any_value(Random& random, const ano::device::Value& like) {
     return value;
 }
 
-// Done: that value, or the nearest that the device may store. Refused: the value is as it was, or it can't be read.
+// Done: the device has that value, or the nearest permitted one. Refused: the value is unchanged, or it can't be read.
 void write_and_compare(Line& line, const ano::host::ParameterInfo& info) {
     const auto& row = line.device.parameters()[info.id];
     const ano::device::Value before = row.get();
@@ -152,7 +152,7 @@ TEST(HostAndDevice, agree_on_parameters) {
     EXPECT_GT(done, 10 * timed_out);
 }
 
-// What may not be repeated is carried out once at most; "done" means once.
+// A command that must not be repeated is carried out at most once; "done" means once.
 TEST(HostAndDevice, agree_on_commands) {
     int done = 0;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {

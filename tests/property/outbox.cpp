@@ -1,5 +1,5 @@
-// The outbox against lists of frames kept as simply as can be. After every step nothing is unaccounted for, and what
-// has left is a sequence of whole frames and at most the beginning of one.
+// The outbox compared with lists of frames in the simplest form. After every step every frame is accounted for, and the sent
+// bytes are a sequence of whole frames and at most the beginning of one.
 #include <gateway/outbox.hpp>
 
 #include <support/allocations.hpp>
@@ -41,7 +41,7 @@ std::size_t bytes_of(const Frames& frames) {
     return sum;
 }
 
-// What stands in the order of its turns, round and round; the first is next.
+// Elements in the order of their turns, cyclically; the first is next.
 template <class Member>
 std::size_t longest(const std::vector<Member>& ring) {
     std::size_t most = 0;
@@ -138,14 +138,14 @@ struct ClassQueue {
         tidy();
         return frame;
     }
-    // Who has nothing left has no turn, but that a channel keeps its own.
+    // A sender with nothing waiting has no turn; a channel keeps its turn.
     void tidy() {
         for (Place& place : places) std::erase_if(place.senders, [](const Sender& s) { return s.bytes() == 0; });
         if (bytes() > 0) return;
         places.clear();
         shared = false;
     }
-    // Without the frame of this number.
+    // Removes the frame with this number.
     void erase(std::uint64_t number) {
         for (Place& place : places)
             for (Sender& sender : place.senders)
@@ -236,7 +236,7 @@ struct Model {
                                                                     : age.rest;
         return now - frame.at >= limit;
     }
-    // Drops what would be next and is stale, and returns the numbers.
+    // Drops the next frames that are stale, and returns their numbers.
     std::vector<std::uint64_t> drop_stale(TimePoint now, std::size_t c) {
         std::vector<std::uint64_t> dropped;
         while (const Frame* next = queues[c].next()) {
@@ -246,7 +246,7 @@ struct Model {
         }
         return dropped;
     }
-    // The class whose turn it is; none: 3.
+    // The class whose turn it is; 3: none.
     std::size_t next() {
         std::array<std::size_t, 3> sizes{};
         for (std::size_t c = 0; c < 3; ++c)
@@ -331,7 +331,7 @@ struct Trial {
         EXPECT_EQ(support::allocations, before);
         model.push(frame, policies[id], now, from);
     }
-    // Takes a part of what gather() gives, of any length.
+    // Sends a part, of any length, of the bytes from gather().
     void send_part() {
         const auto given = gather();
         std::size_t total = 0;
@@ -440,7 +440,7 @@ TEST(Outbox, does_as_the_simple_one_does) {
     for (std::size_t r = 0; r < std::size(send_counters); ++r) {
         const auto name = send_counters[r].name;
         if (name == "limited" || name == "denied_out" || name == "held_back" || name == "flush_bytes")
-            continue;    // not of what is offered here
+            continue;    // does not count offered frames
         EXPECT_TRUE(causes >> r & 1) << name << " never came up";
     }
 }

@@ -1,4 +1,4 @@
-// A slow line offered four times its rate: an outbox and a pacer, a wire that takes its time, timers that come late.
+// A slow line that is offered four times its rate: an outbox and a pacer, a wire with transmission times, late timers.
 #include <gateway/outbox.hpp>
 #include <gateway/pacer.hpp>
 
@@ -26,13 +26,13 @@ constexpr std::uint32_t rate = 11520;    // 115200 baud, 8N1
 constexpr QueuePolicy urgent{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 constexpr QueuePolicy telemetry{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
 
-// The driver and the wire behind it: bytes leave one by one at `rate`.
+// The driver and the wire after it: bytes leave one by one at `rate`.
 struct Wire {
     TimePoint idle_at{};
     Duration busy{};
     Duration max_ahead{};
 
-    // Returns when the last of `bytes` has left.
+    // Returns the time at which the last of `bytes` has left.
     TimePoint write(std::size_t bytes, TimePoint now) {
         const Duration time = Duration{std::chrono::seconds{bytes}} / rate;
         idle_at = std::max(idle_at, now) + time;
@@ -59,7 +59,7 @@ struct Line {
         std::memcpy(bytes.data(), &at, sizeof at);
         outbox.push(ano::FrameView{support::frame(0xDC, 0xFE, id, bytes)}, policy, now);
     }
-    // What a link does when it may send.
+    // The work of a link when it may send.
     void flush() {
         std::array<std::span<const std::uint8_t>, 64> pieces;
         for (;;) {
@@ -83,7 +83,7 @@ struct Line {
         outbox.set_congested();
         timer = pacer.next_at(outbox.next(now).size) + random.below(2000u) * 1us;
     }
-    // `kinds` telemetry ids and one urgent frame in a while.
+    // Offers `kinds` telemetry ids, and an urgent frame now and then.
     void run(Duration time, unsigned kinds, std::size_t offered_rate) {
         const Duration gap = Duration{21s} / offered_rate;    // between frames of 21 bytes
         TimePoint next_urgent = now + 50ms;
@@ -140,7 +140,7 @@ TEST(Pacing, light_traffic_does_not_wait) {
     EXPECT_EQ(line.outbox.counters().superseded, 0u);
 }
 
-// A machine that slept, a clock that somebody set: nothing stands still, no line is overrun, every frame has its cause.
+// A machine that slept, a clock that was set: nothing stalls, the line is never overrun, every dropped frame has its cause.
 TEST(Pacing, a_clock_that_jumps_stops_nothing_and_loses_nothing_uncounted) {
     support::Random random{5};
     Outbox outbox{{}};

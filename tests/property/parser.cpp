@@ -1,4 +1,4 @@
-// The parser against a reference that is too simple to be wrong, and what must hold for any input.
+// The parser compared with a reference that is simple enough to be right, and properties that hold for any input.
 #include <support/both_parsers.hpp>
 #include <support/bytes.hpp>
 #include <support/noisy_line.hpp>
@@ -25,7 +25,7 @@ Bytes random_bytes(Random& random, std::size_t n) {
     return bytes;
 }
 
-// Few, so that most have been heard before.
+// From few values, so that most were received before.
 std::uint8_t random_source(Random& random) { return random.of<std::uint8_t>({1, 1, 2, ano::head, random.byte()}); }
 std::uint8_t random_id(Random& random) { return random.of<std::uint8_t>({0x01, 0x03, 0x34, 0xA0, 0xB1, random.byte()}); }
 
@@ -37,7 +37,7 @@ Bytes random_frame(Random& random, std::size_t max_data) {
     return support::frame(random_source(random), random.byte(), random_id(random), data);
 }
 
-// What a line may bring: good frames, damaged, cut short and nested ones, false headers, noise, bytes that are nearly
+// Input that a line may deliver: valid frames, damaged, truncated and nested ones, false headers, noise, bytes that are nearly
 // all HEAD.
 Bytes random_piece(Random& random, std::size_t max_data) {
     switch (random.below(9)) {
@@ -80,7 +80,7 @@ Bytes random_piece(Random& random, std::size_t max_data) {
     }
 }
 
-// An image, whole, damaged, cut short, or claimed by a false header.
+// An image: complete, damaged, truncated, or claimed by a false header.
 Bytes random_image(Random& random) {
     const auto color = random.of<std::uint8_t>({0, 0, 1, 6, 7});
     const auto width = random.of<std::uint16_t>({160, 320, 1001, 0, 3}), height = random.of<std::uint16_t>({120, 240, 20, 0});
@@ -107,7 +107,7 @@ Bytes random_image(Random& random) {
     return bytes;
 }
 
-// Behind a good frame, headers enough that the search for two frames in a row has next to nothing left to spend.
+// After a valid frame, enough headers to use nearly all credit of the search for two consecutive frames.
 Bytes flood(std::size_t max_data) {
     Bytes bytes = support::frame(1, 2, 3, {});
     for (std::size_t heads = 0; heads < 2100; heads += max_data) {
@@ -213,7 +213,7 @@ TEST(FrameParser, finds_exactly_the_good_frames_among_noise_without_a_header_how
 }
 
 TEST(FrameParser, finds_in_a_mebibyte_of_random_bytes_only_what_the_reference_finds) {
-    // With max_data as it is by default, and with so many short candidates that a few are frames by accident.
+    // With the default of max_data, and with so many short candidates that a few are frames by chance.
     for (const bool many_candidates : {false, true}) {
         Random random{1};
         BothParsers both{{}};
@@ -229,7 +229,7 @@ TEST(FrameParser, finds_in_a_mebibyte_of_random_bytes_only_what_the_reference_fi
     }
 }
 
-// Candidates whose LEN is two HEADs are refused many at a time; a good frame may stand anywhere among them.
+// Candidates whose LEN is two HEADs are rejected many at a time; a valid frame may be anywhere among them.
 TEST(FrameParser, finds_a_good_frame_among_heads_as_the_reference_does) {
     constexpr std::size_t length_of_heads = 0xABAB;
     for (const std::size_t max_data : {std::size_t{4096}, length_of_heads - 1, length_of_heads, std::size_t{65535}})
@@ -252,7 +252,7 @@ TEST(FrameParser, finds_a_good_frame_among_heads_as_the_reference_does) {
         }
 }
 
-// Behind one false header in 50 frames, or one damaged LEN, 99.5 % of the good frames are 20 ms and two frames late at the most.
+// With one false header in 50 frames, or one damaged LEN, 99.5 % of the valid frames are at most 20 ms and two frames late.
 class FullLine : public testing::TestWithParam<std::tuple<std::uint32_t, support::Noise>> {};
 
 TEST_P(FullLine, brings_its_good_frames_in_time) {

@@ -1,4 +1,4 @@
-// Which peers of a listening socket are overdue, worked out anew from all that ever came.
+// The overdue peers of a listening socket, recomputed from the whole input.
 #include <gateway/peers/peer_book.hpp>
 
 #include <support/random.hpp>
@@ -25,7 +25,7 @@ struct Model {
         bool host = false;
         TimePoint heard;
         bool once = true;
-        std::vector<TimePoint> refused{};    // since it was heard
+        std::vector<TimePoint> refused{};    // since it was last heard
     };
     std::map<ChannelId, Peer> peers;
 
@@ -89,7 +89,7 @@ TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
                 model.peers.erase(id);
             }
             ASSERT_EQ(book.overdue(now), model.overdue(now)) << seed << " " << step;
-            // Nobody is overdue before the next look, who is not now.
+            // No peer becomes overdue before the next check.
             const TimePoint look = book.next_look(now);
             if (!book.overdue(now).empty()) continue;
             ASSERT_GT(look, now) << seed << " " << step;

@@ -1,5 +1,5 @@
-// Hosts of several addresses ask the devices of one link, which answer 0xFE only, whatever they like: each answer reaches
-// exactly the one who asked, and every acknowledgement names the bytes that were sent.
+// Hosts with several addresses ask the devices of one link, which answer only 0xFE, in any way: each answer reaches exactly the
+// host that asked, and every acknowledgement contains the checks of the sent bytes.
 #include <gateway/alias.hpp>
 #include <gateway/present_as.hpp>
 #include <gateway/queue_policy.hpp>
@@ -24,14 +24,14 @@ namespace {
 
 constexpr std::uint8_t host = 0xFE;
 constexpr std::array<std::uint8_t, 5> askers{host, 0xD2, 7, 100, 0xFD};
-constexpr std::array<std::uint8_t, 3> devices{0xDC, 0xDD, 31};    // the last calls itself 0xDE
+constexpr std::array<std::uint8_t, 3> devices{0xDC, 0xDD, 31};    // the address of the last is also 0xDE
 
 Bytes bytes(ano::FrameView frame) {
     EXPECT_TRUE(ano::frame_at(frame.bytes()));
     return {frame.bytes().begin(), frame.bytes().end()};
 }
 
-// What a device answers: to 0xFE, or not at all.
+// The answer of a device: to 0xFE, or none.
 Bytes answer(const Bytes& request, std::uint8_t self) {
     const Bytes data{request.begin() + 6, request.end() - 2};
     const std::size_t n = request.size();
@@ -52,7 +52,7 @@ Bytes answer(const Bytes& request, std::uint8_t self) {
     return reply(0x00, {request[3], request[n - 2], request[n - 1]});
 }
 
-// The link, and what is behind it.
+// The link, and the devices on it.
 struct Link {
     PresentAs hosts{host, 64};
     Aliases aliases{{{.device = 0xDE, .as = 31}}, 64};
@@ -66,7 +66,7 @@ struct Link {
     Bytes in(const Bytes& said) { return bytes(hosts.inbound(aliases.inbound(ano::FrameView{said}, now), now)); }
 };
 
-// Few of each kind, so that hosts often ask the same.
+// Few of each kind, so that hosts often send equal questions.
 Bytes question(support::Random& random, std::uint8_t from, std::uint8_t to) {
     const std::uint8_t n = random.below<std::uint8_t>(2);
     switch (random.below(9u)) {
@@ -86,8 +86,8 @@ TEST(PresentAs, every_answer_reaches_exactly_the_one_who_asked) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         support::Random random{seed};
         Link link;
-        std::array<std::deque<Bytes>, devices.size()> at_work;    // what each device has not answered yet, in its words
-        std::map<Bytes, int> owed;                                // answers as the askers are to see them
+        std::array<std::deque<Bytes>, devices.size()> at_work;    // not yet answered by each device, as received
+        std::map<Bytes, int> owed;                                // answers as the hosts must receive them
         std::size_t unanswered = 0;
         for (int step = 0; step < 2000 || unanswered > 0; ++step) {
             link.now += random.below(10u) * 1ms;

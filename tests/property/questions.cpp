@@ -1,6 +1,6 @@
-// A queue of questions before an outbox, whatever comes, leaves, is answered, fails or ages: at most eight questions are
-// unanswered, commands and all else never wait for them, the questions of one channel keep their order, channels take turns,
-// and every frame is accounted for.
+// A queue of questions before an outbox. Whatever is received, sent, answered, fails or expires: at most eight questions are
+// unanswered, commands and all other frames never wait for them, the questions of one channel keep their order, channels take
+// turns, and every frame is accounted for.
 #include <gateway/question_queue.hpp>
 
 #include <support/allocations.hpp>
@@ -40,12 +40,12 @@ Bytes other_frame(Random& random) {
     return support::frame(host, fc, id, data);
 }
 
-// The device at the other end, and what it knows.
+// The device at the other end, and its state.
 struct Device {
     std::map<std::uint16_t, ano::TimePoint> unanswered;
     std::deque<Bytes> others;
     int last = -1;
-    int channels = 1;                    // that questions come by, which their numbers tell
+    int channels = 1;                    // of the questions; derived from their numbers
     std::map<int, int> left, last_of;    // by channel
 
     void hear(const Bytes& frame, ano::TimePoint now) {
@@ -57,7 +57,7 @@ struct Device {
         for (auto it = unanswered.begin(); it != unanswered.end();)
             it = now >= it->second + InFlight::patience ? unanswered.erase(it) : std::next(it);
         unanswered[number(frame)] = now;
-        // Those that another sender's question took the place of may still be answered.
+        // Those replaced by another sender's question may still be answered.
         const auto recent = std::count_if(unanswered.begin(), unanswered.end(),
                                           [&](const auto& one) { return now < one.second + InFlight::early; });
         ASSERT_LE(static_cast<std::size_t>(recent), InFlight::max_questions);
@@ -207,7 +207,7 @@ TEST(Questions, who_asks_little_is_served_in_turn_whoever_floods) {
 TEST(Questions, who_has_most_waiting_gives_way_with_its_oldest) {
     Line line{{.bytes = 1000}};
     line.device.channels = 2;
-    for (int n = 0; n < 8; ++n) line.ask(0, n);    // on their way
+    for (int n = 0; n < 8; ++n) line.ask(0, n);    // sent, not yet answered
     for (int n = 0; n < 5; ++n) line.ask(1, n);
     for (int n = 8; n < 400; ++n) line.ask(0, n);
     const std::uint64_t full = line.queue.counters().queue_full;
@@ -269,7 +269,7 @@ TEST(Questions, commands_and_sticks_pass_those_that_wait) {
 
 TEST(Questions, age_counts_from_when_they_came) {
     Line line{{.age = 5s}};
-    for (std::uint16_t n = 0; n < 9; ++n) line.push(question(n));    // and nothing leaves
+    for (std::uint16_t n = 0; n < 9; ++n) line.push(question(n));    // nothing is sent
     line.now += 4999ms;
     EXPECT_EQ(line.queue.next_look(line.now), line.now + 1ms);
     EXPECT_FALSE(line.queue.release(line.now));

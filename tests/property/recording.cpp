@@ -1,4 +1,4 @@
-// Recorded, read and recorded again: the same bytes. And the seeds of the fuzz target with many changes of them.
+// Recorded, read and recorded again: the bytes are equal. And the seeds of the fuzz target with many mutations.
 #include <support/files.hpp>
 #include <support/random.hpp>
 #include <support/recorded.hpp>
@@ -42,7 +42,7 @@ KeptItem random_item(Random& random) {
     return item;
 }
 
-// Losses one behind the other are one.
+// Adjacent losses are merged.
 std::vector<KeptItem> as_read(const std::vector<KeptItem>& items) {
     std::vector<KeptItem> all;
     for (const KeptItem& item : items) {
@@ -68,7 +68,7 @@ TEST_P(Recording, recorded_and_read_and_recorded_again_is_the_same_bytes) {
         const bool ended = !random.one_in(3);
         if (!ended) items.push_back(random_item(random)), items.back() = random_item(random);
         while (!ended && !items.empty() && items.back().frame.empty())
-            items.pop_back();    // told with the next frame, or at the end
+            items.pop_back();    // reported with the next frame, or at the end
         const std::string file = support::write_recording(GetParam(), items, head, ended);
         const auto read = support::read_recording(file, 1 + random.below(5000u));
         ASSERT_EQ(read.fault, "") << seed;

@@ -1,4 +1,4 @@
-// What the ring of the last frames holds, beside a list that forgets nothing.
+// The content of the ring of the latest frames, compared with a list that keeps everything.
 #include <record/ring.hpp>
 #include <support/random.hpp>
 
@@ -21,7 +21,7 @@ struct Pushed {
     ano::TimePoint at;
 };
 
-/// How many of the last of `all` fit in `most`.
+/// How many of the last of `all` fit into `most`.
 std::size_t fitting(const std::vector<Pushed>& all, std::size_t most) {
     std::size_t count = 0, cost = 0;
     while (count < all.size() && (cost += all[all.size() - 1 - count].cost) <= most) ++count;
@@ -61,7 +61,7 @@ TEST(RingProperty, forgets_only_what_it_must) {
         for (unsigned i = 0; i < 100; ++i) {
             all.push_back({i, random.below(std::size_t{400}), ano::TimePoint{} + i * 10ms});
             ring.push(i, all.back().cost, all.back().at);
-            // What did not fit once is not back when there is room: so at least since the last time that nothing else fitted.
+            // Dropped items do not return when space becomes free, so the size can grow by at most one per step.
             std::size_t least = 0;
             for (std::size_t k = 1; k <= all.size(); ++k) {
                 const std::vector<Pushed> until{all.begin(), all.begin() + static_cast<std::ptrdiff_t>(k)};

@@ -1,4 +1,4 @@
-// The router against the rules as config/README.md tells them, worked out anew for every frame from all that ever came.
+// The router compared with the rules of config/README.md, recomputed for every frame from the whole input.
 #include <gateway/router.hpp>
 
 #include <support/allocations.hpp>
@@ -42,7 +42,7 @@ struct Model {
         ChannelId by;
         TimePoint heard;
     };
-    std::map<std::uint8_t, Claim> claims;    // of addresses whose home was not heard since
+    std::map<std::uint8_t, Claim> claims;    // of addresses that were not heard at home since
     std::map<std::uint8_t, TimePoint> next_claim;
     std::map<std::uint8_t, LinkId> left;    // the link of an address whose only channel was closed
 
@@ -86,7 +86,7 @@ struct Model {
             if (const auto a = age(channel, source, now); a && *a < limit) set.insert(id);
         return set;
     }
-    /// Where the source is at home; of a pinned one, on this link.
+    /// The channels of the source's home; of a pinned address, those on this link.
     ChannelSet homes(std::uint8_t source, LinkId link, TimePoint now) const {
         ChannelSet all = heard_within(Duration::max(), source, now);
         for (const auto& [id, channel] : channels)
@@ -119,7 +119,7 @@ struct Model {
         return std::ranges::any_of(channel.heard,
                                    [&](const Heard& heard) { return ano::address::is_host(heard.source) == hosts; });
     }
-    /// The channels where devices are, and those of them where no host is.
+    /// The channels with devices; `alone`: only those without a host.
     ChannelSet with_devices(bool alone) const {
         ChannelSet set;
         for (const auto& [id, channel] : channels)
@@ -209,7 +209,7 @@ struct Trial {
         const ChannelId from = it->first;
         const std::uint8_t source = addresses[random.below(std::size(addresses))];
         const std::uint8_t destination = addresses[random.below(std::size(addresses))];
-        if (source == destination) return;    // of a host and a device with one address: unit/gateway/router_acts.cpp
+        if (source == destination) return;    // a host and a device with one address: see unit/gateway/router_acts.cpp
         model.hear(from, source, now);
 
         const auto before = support::allocations;
@@ -248,7 +248,8 @@ TEST(Router, decides_as_the_rules_say) {
     }
 }
 
-// An address has one home: the first that spoke, unless it was silent for three questions or lost its wire and did not speak since.
+// An address has one home: its first channel, unless that was silent for three questions, or lost its link and was not heard
+// since.
 TEST(Router, moves_an_address_after_silence_alone) {
     for (std::uint64_t seed = 1; seed <= support::trials(60) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -273,7 +274,7 @@ TEST(Router, moves_an_address_after_silence_alone) {
         };
         for (int step = 0; step < 300; ++step) {
             const TimePoint next = now + random.of<Duration>({1ms, 500ms, 500ms, 2s, 4s});
-            while (router->next_question().value_or(TimePoint::max()) <= next) {    // the gateway looks in time
+            while (router->next_question().value_or(TimePoint::max()) <= next) {    // the gateway checks in time
                 now = *router->next_question();
                 while (const auto question = router->take_question(now))
                     EXPECT_EQ(question->channels, ChannelSet{static_cast<ChannelId>(*home)});

@@ -1,4 +1,4 @@
-// A slow line in simulated time: setpoints in a flexible message beside a flood, and a device that takes one frame per read.
+// A slow line in simulated time: setpoints in a flexible message with a flood, and a device that handles one frame per read.
 #include <gateway/outbox.hpp>
 #include <gateway/pacer.hpp>
 
@@ -28,7 +28,7 @@ struct Leaving {
     TimePoint begin, end;    // on the wire
 };
 
-// An outbox, a pacer, and a wire of `rate`; timers come up to 1 ms late.
+// An outbox, a pacer, and a wire with `rate`; timers are up to 1 ms late.
 class SlowLine {
 public:
     SlowLine(std::uint32_t rate, Duration gap, std::uint64_t seed, std::size_t flush_bytes = 0)
@@ -65,7 +65,7 @@ public:
 
     TimePoint now{1s};
     TimePoint timer = TimePoint::max();
-    std::vector<Duration> ages;    // of setpoints, when their last byte has left
+    std::vector<Duration> ages;    // of setpoints, when their last byte was sent
     std::vector<Leaving> leavings;
     std::size_t most_in_a_write = 0;
     std::size_t zeros = 0;
@@ -92,7 +92,7 @@ private:
     support::Random random_;
 };
 
-// 50 setpoints of 8 bytes a second, and four times what a line of 9600 baud carries, by another program.
+// 50 setpoints of 8 bytes a second, and another program that sends four times the capacity of a line of 9600 baud.
 void run(SlowLine& line, QueuePolicy setpoints) {
     TimePoint next_setpoint = line.now, next_other = line.now;
     for (const TimePoint end = line.now + 60s; line.now < end;) {
@@ -130,7 +130,7 @@ TEST(Setpoints, in_a_flexible_message_arrive_young_over_9600_baud_beside_a_flood
     RecordProperty("median_without_class_us", static_cast<int>(median(usual.ages) / 1us));
 }
 
-// 206 zero bytes before a request that is repeated take 0.86 s at 2400 baud.
+// 206 zero bytes before a repeated request take 0.86 s at 2400 baud.
 TEST(Setpoints, do_not_wait_for_the_zero_bytes_of_a_flush) {
     SlowLine line{240, {}, 2, 206};
     TimePoint next_setpoint = line.now, next_request = line.now + 130ms;

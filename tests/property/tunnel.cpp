@@ -1,4 +1,4 @@
-// Laws of wrapping and unwrapping over random frames, and the seeds of the fuzz target with many changes of them.
+// Properties of wrapping and unwrapping with random frames, and the seeds of the fuzz target with many mutations.
 #include <support/bytes.hpp>
 #include <support/files.hpp>
 #include <support/random.hpp>

@@ -1,5 +1,5 @@
-// Two gateways joined by two links, each direction with its own delay: every broadcast arrives everywhere, nothing goes
-// round, and with the links in one group a command arrives exactly once, while a link fails as well.
+// Two gateways connected by two links, each direction with its own delay: every broadcast arrives everywhere, no frame loops, and
+// with the links in one group a command arrives exactly once, even while a link fails.
 #include <gateway/forwarder.hpp>
 
 #include <support/bytes.hpp>
@@ -24,9 +24,9 @@ using support::Bytes;
 
 namespace {
 
-constexpr unsigned device = 0;    // channel 0 of each; 1 and 2 join the two
+constexpr unsigned device = 0;    // channel 0 of each; 1 and 2 connect the two
 
-// A gateway: every channel is that of a link of its own, and what is offered to it leaves at once.
+// A gateway: every channel has its own link, and offered frames are sent at once.
 struct Node {
     struct Leaves {
         ChannelId to;
@@ -36,7 +36,7 @@ struct Node {
         : group_of_links{group}, forwarder{std::make_unique<Forwarder>(GatewaySettings{}, number)} {
         for (unsigned n = 0; n <= joints; ++n) add(n, n != device && probed);
     }
-    /// Anew, as one that may be probed, or not.
+    /// Replaces the link of a channel by one on which probes are allowed, or not.
     void open(unsigned channel, bool probed) {
         forwarder->remove_link(channels[channel]->link);
         add(channel, probed);
@@ -59,7 +59,7 @@ struct Node {
     std::uint8_t group_of_links;
     std::unique_ptr<Forwarder> forwarder;
     std::vector<Channel*> channels;
-    TimePoint ticks_at = TimePoint::max();    // the next call that was arranged
+    TimePoint ticks_at = TimePoint::max();    // the next scheduled call
 
 private:
     void add(unsigned channel, bool probed) {
@@ -87,16 +87,16 @@ struct World {
         TimePoint at;
         std::uint64_t number;
         unsigned node, channel;
-        Bytes bytes;    // none: something is due
+        Bytes bytes;    // empty: a timer is due
         bool operator>(const Event& other) const { return std::tie(at, number) > std::tie(other.at, other.number); }
     };
-    /// Where a way leads from a channel of a node.
+    /// The end of a path that begins at a channel of a node.
     struct End {
         unsigned node, channel;
     };
     using Carries = std::function<bool(const Bytes&)>;
 
-    /// Two, joined by two ways, each channel to that of the same number.
+    /// Two nodes connected by two paths, each channel to the channel with the same number.
     explicit World(std::uint8_t group) : World{2, 2, group} {
         join({0, 1}, {1, 1});
         join({0, 2}, {1, 2});
@@ -153,7 +153,7 @@ struct World {
     Duration delay[2][2]{};
     TimePoint failing_from[2] = {TimePoint::max(), TimePoint::max()};
     std::priority_queue<Event, std::vector<Event>, std::greater<>> events;
-    std::vector<std::map<std::uint64_t, int>> arrived;    // how often, by frame_key()
+    std::vector<std::map<std::uint64_t, int>> arrived;    // number of arrivals by frame_key()
     int times(unsigned node, const Bytes& bytes) { return arrived[node][frame_key(ano::FrameView{bytes})]; }
     TimePoint now{}, end = TimePoint::max();
     std::uint64_t numbers = 0;
@@ -167,7 +167,7 @@ Bytes attitude(int n) {
     return support::frame(0xDC, 0xFE, 0x03, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)});
 }
 
-// What one device says to everybody.
+// A broadcast of one device.
 Bytes telemetry(int n) {
     return support::frame(0xDC, 0xFF, 0x03, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)});
 }
@@ -178,7 +178,7 @@ template <class Test>
 void for_all_delays(Test test) {
     constexpr std::uint64_t ways = 81;
     const std::uint64_t step = std::max<std::uint64_t>(ways / support::trials(ways), 2) -
-                               1;    // no power of three: all four vary
+                               1;    // not a power of three, so that all four vary
     for (std::uint64_t way = 0; way < ways; way += step) {
         const Duration a = delays[way / 27], b = delays[way / 9 % 3], c = delays[way / 3 % 3], d = delays[way % 3];
         SCOPED_TRACE(testing::Message() << a / 1ms << ' ' << b / 1ms << ' ' << c / 1ms << ' ' << d / 1ms);
@@ -186,7 +186,8 @@ void for_all_delays(Test test) {
     }
 }
 
-// Until the loop is known three times at most, however long the way round takes: a copy may be of a board that sends the same bytes.
+// At most three times until the loop is known, however slow the path is: a copy may be from another board that sends the same
+// bytes.
 TEST(TwoGateways, every_broadcast_arrives_and_soon_once_and_nothing_goes_round) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         for (const bool grouped : {false, true}) {
@@ -212,7 +213,7 @@ TEST(TwoGateways, every_broadcast_arrives_and_soon_once_and_nothing_goes_round) 
     });
 }
 
-// The same bytes again and again, as of a device at rest.
+// The same bytes repeatedly, as from a device at rest.
 TEST(TwoGateways, a_broadcast_that_repeats_still_arrives) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         World world{0};
@@ -225,7 +226,7 @@ TEST(TwoGateways, a_broadcast_that_repeats_still_arrives) {
     });
 }
 
-// Ground stations on both sides ask everybody who they are, once a second, in the same words.
+// Ground stations on both sides send the same broadcast question for device information once a second.
 TEST(TwoGateways, a_question_goes_round_at_most_once) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         World world{0};
@@ -241,7 +242,7 @@ TEST(TwoGateways, a_question_goes_round_at_most_once) {
     });
 }
 
-// With a ground station on both sides, each gateway may know of the other's by another way.
+// With a ground station on both sides, each gateway may have learned the other's on a different link.
 TEST(TwoGateways, what_is_for_hosts_on_both_sides_does_not_go_round) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         for (const std::uint8_t id : {std::uint8_t{0x03}, std::uint8_t{0xE0}}) {
@@ -277,21 +278,21 @@ TEST(TwoGateways, a_command_over_a_group_arrives_exactly_once) {
                 EXPECT_LE(times, 1);
                 missing += times == 0;
             }
-            // What was on its way when the link fell silent is lost, and what was sent until that showed.
+            // Frames on their way when the link fell silent are lost, and those sent until the silence was noticed.
             EXPECT_LE(missing, failing == 0 ? 0 : static_cast<int>((Router::group_silence + 1s) / 20ms));
             EXPECT_EQ(world.times(1, command(249)), 1) << "the other link has taken over";
         }
     });
 }
 
-// What one host says to everybody; many may say it.
+// A broadcast of one host; several hosts may send the same.
 Bytes order(int n) {
     return support::frame(0xFE, 0xFF, 0xC0, {0x10, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)});
 }
 bool vendors_bridge(const Bytes& frame) { return frame[1] == 0xFE && frame[2] == 0xFF; }
 bool lets_no_probe_through(const Bytes& frame) { return frame[3] != probe_id; }
 
-// `count` gateways, each joined to the next and the last to the first; one alone is joined to itself, as by a bridge.
+// `count` gateways, each connected to the next and the last to the first; a single one is connected to itself, as by a bridge.
 World ring_of(unsigned count, support::Random& random, Duration slowest, bool probed = true) {
     World world{count, 2, 0, probed};
     for (unsigned n = 0; n < count; ++n)
@@ -299,7 +300,7 @@ World ring_of(unsigned count, support::Random& random, Duration slowest, bool pr
     return world;
 }
 
-// Cold: nothing was ever sent before. The probe is back before the frame has gone round a second time.
+// No frame was sent before. The probe returns before the frame has passed the ring a second time.
 TEST(Ring, a_command_passes_three_times_at_most_and_once_when_the_ring_is_known) {
     support::Random random{1};
     for (std::uint64_t i = 0; i < support::trials(100); ++i) {
@@ -312,7 +313,7 @@ TEST(Ring, a_command_passes_three_times_at_most_and_once_when_the_ring_is_known)
         world.run();
         for (unsigned node = 0; node < count; ++node)
             for (int n = 0; n < 20; ++n) {
-                const int own = node == from;    // it does not hear itself
+                const int own = node == from;    // the sender does not receive its own frame
                 EXPECT_GE(world.times(node, order(n)) + own, 1) << node << ' ' << n;
                 EXPECT_LE(world.times(node, order(n)), n == 0 ? 3 : 1 - own) << node << ' ' << n;
             }
@@ -320,7 +321,8 @@ TEST(Ring, a_command_passes_three_times_at_most_and_once_when_the_ring_is_known)
     }
 }
 
-// A cable at one end, by which no probe leaves. The probe by the other end is back before the frame if its way is no slower.
+// A cable at one end, on which no probe is sent. The probe sent at the other end returns before the frame if its path is no
+// slower.
 TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_three_times) {
     support::Random random{5};
     for (std::uint64_t i = 0; i < support::trials(20); ++i) {
@@ -339,7 +341,7 @@ TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_three_times) {
     }
 }
 
-// At most 200 copies of a frame in a second, from two seconds on, and a hint.
+// After two seconds at most 200 copies of a frame in a second, and a hint.
 TEST(Ring, that_returns_no_probe_is_cut) {
     support::Random random{6};
     for (std::uint64_t i = 0; i < support::trials(100); ++i) {
@@ -364,7 +366,7 @@ TEST(Ring, that_returns_no_probe_is_cut) {
     }
 }
 
-// However slow, and whatever it is made of: every command arrives, and where the probe comes back it ends.
+// For any delay and any composition of the ring: every command arrives, and it stops looping if the probe returns.
 TEST(Ring, ends_when_its_probe_comes_back) {
     support::Random random{2};
     for (std::uint64_t i = 0; i < support::trials(40); ++i) {
@@ -385,7 +387,8 @@ TEST(Ring, ends_when_its_probe_comes_back) {
     }
 }
 
-// Entered by the ring itself: the first is a sender's, what comes after it may be one's that repeats itself until the loop is known.
+// The frame enters through the ring itself: the first is from a sender; later ones may be repeats of a sender until the loop is
+// known.
 TEST(Ring, that_a_frame_entered_elsewhere_ends) {
     for (const int tokens : {1, 2, 5})
         for (const Duration way : {0ms, 20ms, 400ms}) {
@@ -399,8 +402,7 @@ TEST(Ring, that_a_frame_entered_elsewhere_ends) {
         }
 }
 
-// Several hosts that say the same at any pace, and no ring: three gateways in a row, with hosts at all of them.
-// Where no probe may go, telemetry that goes round is cut within two seconds.
+// On links without probes, looping telemetry is cut within two seconds.
 TEST(Ring, of_cables_is_found_by_the_copies_of_telemetry) {
     support::Random random{10};
     for (std::uint64_t i = 0; i < support::trials(30); ++i) {
@@ -419,7 +421,7 @@ TEST(Ring, of_cables_is_found_by_the_copies_of_telemetry) {
     }
 }
 
-// Two boards with one address and the same bytes, on links where no probe may go: each as often as it likes.
+// Two boards with one address and the same bytes, on links without probes, each at any rate.
 TEST(Devices, that_send_the_same_lose_nothing) {
     support::Random random{8};
     for (std::uint64_t i = 0; i < support::trials(30); ++i) {
@@ -438,7 +440,7 @@ TEST(Devices, that_send_the_same_lose_nothing) {
     }
 }
 
-// The same where probes may go, at one rate.
+// The same on links with probes, at equal rates.
 TEST(Devices, that_send_the_same_at_one_rate_lose_nothing_from_the_first) {
     support::Random random{9};
     for (std::uint64_t i = 0; i < support::trials(30); ++i) {
@@ -457,7 +459,7 @@ TEST(Devices, that_send_the_same_at_one_rate_lose_nothing_from_the_first) {
     }
 }
 
-// Each at its own rate, whichever was there first, and also when the link of one is opened later.
+// Each at its own rate, in any order of appearance, and also if the link of one is opened later.
 TEST(Devices, that_send_the_same_at_any_rates_lose_nothing_from_the_first) {
     support::Random random{11};
     for (std::uint64_t i = 0; i < support::trials(60); ++i) {
@@ -483,7 +485,7 @@ TEST(Devices, that_send_the_same_at_any_rates_lose_nothing_from_the_first) {
     }
 }
 
-// The ring is closed after a while, by links that were there or by new ones, while a device sends.
+// The ring is closed after a while, by existing or new links, while a device sends.
 TEST(Ring, that_is_closed_later_never_storms) {
     support::Random random{12};
     for (std::uint64_t i = 0; i < support::trials(40); ++i) {
@@ -516,6 +518,7 @@ TEST(Ring, that_is_closed_later_never_storms) {
     }
 }
 
+// Several hosts that send the same bytes at any interval, without a ring: three gateways in a row, with hosts at all of them.
 TEST(Hosts, that_repeat_one_another_lose_nothing) {
     support::Random random{4};
     for (std::uint64_t i = 0; i < support::trials(50); ++i) {
@@ -531,7 +534,7 @@ TEST(Hosts, that_repeat_one_another_lose_nothing) {
             const unsigned node = random.below(3u);
             const auto all = leaves(node);
             unsigned leaf = all[random.below(all.size())];
-            if (leaf == 0) leaf = 3;    // a host is no cable here
+            if (leaf == 0) leaf = 3;    // this host is not on a cable
             const int what = random.below(3);
             world.send(node, leaf, order(what), at);
             for (unsigned other = 0; other < 3; ++other)
@@ -557,7 +560,7 @@ TEST(Hosts, one_that_repeats_itself_loses_nothing) {
     EXPECT_EQ(world.looped(), 0);
 }
 
-// At any pace, and wherever it stops: what is withheld from it is sent late at the latest.
+// For any interval, and any time at which it stops: withheld frames are sent late.
 TEST(Hosts, one_that_repeats_itself_and_stops_loses_nothing) {
     for (const Duration pace : {0ms, 1ms, 4ms, 20ms, 100ms, 250ms, 400ms, 490ms, 510ms, 700ms, 1000ms, 1900ms})
         for (const int times : {60, 63, 64, 65, 66, 67, 68, 70, 127, 130, 300}) {
@@ -569,7 +572,7 @@ TEST(Hosts, one_that_repeats_itself_and_stops_loses_nothing) {
         }
 }
 
-// One host on a cable, where no probe may go, the other not. Devices speak, or the hosts spoke before.
+// One host is on a cable, where no probe is sent, the other is not. Devices send, or the hosts sent before.
 TEST(Hosts, one_behind_a_cable_loses_nothing) {
     support::Random random{7};
     for (const bool devices_speak : {true, false})

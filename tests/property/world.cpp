@@ -1,5 +1,5 @@
-// A simulated world, whatever it is told: the same seed and the same frames at the same times are the same bytes; what it says are
-// whole frames of its own; and it answers each frame at most once.
+// A simulated world with any input: equal seeds and equal frames at equal times result in equal bytes; it sends whole frames of
+// its own; and it answers each frame at most once.
 #include <world/faulty_line.hpp>
 #include <world/kinds.hpp>
 
@@ -31,7 +31,7 @@ std::unique_ptr<SimulatedDevice> any_device(Random& random) {
     return make_device(random.of<std::string_view>({"fc", "fc", "imu", "flow", "radio", "car"}), settings, start);
 }
 
-// What hosts write, command and steer.
+// Frames by which hosts write, command and steer.
 Bytes random_frame(Random& random, std::uint8_t from, std::uint8_t to) {
     const auto id = random.of<std::uint8_t>(
         {0xE1, 0xE1, 0xC0, 0xC0, 0xE0, 0x61, 0x60, 0x40, 0x41, 0xC1, 0xF0, 0x00, random.byte()});
@@ -74,7 +74,7 @@ Faults any_faults(Random& random) {
     return faults;
 }
 
-// All that it says while it hears `deeds`, and when each arrives: of a new one each time, run in steps that `steps` chooses.
+// All bytes sent by a new device that receives random_deeds(), with the time of each frame; run in steps chosen by `steps`.
 Bytes all_said(std::uint64_t seed, std::uint64_t steps) {
     Random random{seed};
     auto device = any_device(random);
@@ -142,7 +142,7 @@ TEST(World, says_whole_frames_of_its_own_at_times_that_go_on) {
     }
 }
 
-// Of what it says at once, behind a run(): what is no telemetry and no log.
+// Of the frames sent at once after a run(), all except logs count: telemetry is sent by run().
 TEST(World, answers_every_frame_at_most_once) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         Random random{seed};
@@ -157,7 +157,8 @@ TEST(World, answers_every_frame_at_most_once) {
     }
 }
 
-// Two that hear all that the other one says, addressed to whom it may be: telemetry apart, what one says begins no talk.
+// Two worlds that receive all frames of each other, whatever their destination: except for telemetry, no frame starts an
+// exchange.
 TEST(World, makes_no_storm_of_two) {
     for (std::uint64_t seed = 0; seed < 15; ++seed) {
         Random random{seed};

@@ -64,7 +64,8 @@ struct Devices {
 
 private:
     int list_devices(DeviceClient& client, Streams& streams) const {
-        const Json found = with_losses(client.device_list(scan || !options.link.empty()));    // a link of this process needs a scan
+        const bool is_own_link = !options.link.empty();    // it has received nothing yet
+        const Json found = with_losses(client.device_list(scan || is_own_link));
         if (options.json) {
             for (const Json& device : found) streams.out << ano::json_text(device) << '\n';
             return fine;
