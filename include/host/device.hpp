@@ -226,7 +226,7 @@ private:
         Device& device;
     };
 
-    void identify(bool for_command, TimePoint now);
+    void identify(bool for_command);
     void recognise(const DeviceInfo& info, TimePoint now);
     void not_identified(const Ended& ended, TimePoint now);
     void not_acknowledged(const Exchange& exchange) noexcept;

@@ -145,7 +145,7 @@ bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept
 bool Device::waits_for_identity(Exchange& exchange, TimePoint now) {
     if (!exchange.is_of_same() || exchange.passes() || !is_in_doubt(exchange, now)) return false;
     exchange.hold();
-    identify(is_command(exchange) || exchange.frame().id() == id_of<"firmware">, now);
+    identify(is_command(exchange) || exchange.frame().id() == id_of<"firmware">);
     return true;
 }
 
@@ -155,9 +155,8 @@ Patience Device::patience_before_command() const noexcept {
             .wait = std::clamp(two_round_trips, least_wait_before_command, longest_wait_before_command)};
 }
 
-void Device::identify(bool for_command, TimePoint now) {
+void Device::identify(bool for_command) {
     if (identifies_ && (identifies_for_command_ || !for_command)) return;
-    static_cast<void>(now);
     forget(identification_);
     Request question = question::device_info(0);
     question.urgent = true;
@@ -168,7 +167,7 @@ void Device::identify(bool for_command, TimePoint now) {
 }
 
 void Device::identify_for_command(TimePoint now) {
-    if (known_as_ && (!is_identified() || !is_present(now) || pace_.pauses(now))) identify(true, now);
+    if (known_as_ && (!is_identified() || !is_present(now) || pace_.pauses(now))) identify(true);
 }
 
 void Device::not_identified(const Ended& ended, TimePoint now) {
