@@ -316,6 +316,27 @@ std::string with_two_layouts(anogate::RecordingFormat format, const Bytes& first
     return bytes;
 }
 
+// Bytes that are valid text in both encodings: "caf茅" or "café".
+TEST(ConvertedTexts, have_the_recorded_encoding_also_with_other_layouts) {
+    const TempDir dir;
+    const Bytes log = frame(30, 0xFE, 0xA0, {0, 'c', 'a', 'f', 0xC3, 0xA9});
+    std::string bytes;
+    const auto gbk = anogate::Decoding::parse(R"({"flexible": [], "encoding": {"fc": "gbk"}})");
+    ASSERT_TRUE(gbk);
+    const auto writer = anogate::make_recording_writer(anogate::RecordingFormat::pcapng, {"test", 1, 1, gbk}, bytes);
+    writer->write(anogate::RecordedFrame{.time_ns = 1, .link = "fc", .frame = ano::FrameView{log}}, bytes);
+    writer->end(bytes);
+    const std::string path = dir.write("texts.pcapng", bytes);
+    const std::string config = dir.write("mine.json",
+                                         R"({"flexible": [{"id": "0xF1", "fields": [{"name": "mine", "type": "u32"}]}]})");
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--config", config}}) {
+        std::vector<std::string> words{"convert", path, "-", "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const auto lines = support::anoctl(words);
+        EXPECT_NE(lines.out.find("caf茅"), std::string::npos) << lines.out << lines.err;
+    }
+}
+
 // The file is played repeatedly, and read ahead.
 TEST_F(Flexible, each_frame_of_a_replay_is_decoded_by_the_layouts_it_was_recorded_with) {
     const Bytes number = frame(30, 0xFE, 0xF1, {7, 0, 0, 0});

@@ -225,11 +225,12 @@ struct Convert {
     }
 
 private:
-    /// The layouts of `recorded`, or instead the `given` ones.
+    /// `recorded`, with the layouts `given` instead of its own.
     static DecodingPtr with(const std::optional<std::vector<ano::FlexibleSpec>>& given, const DecodingPtr& recorded) {
         if (recorded && !given) return recorded;
-        return std::make_shared<const anogate::Decoding>(given.value_or(std::vector<ano::FlexibleSpec>{}),
-                                                         recorded ? recorded->lx() : std::set<std::string, std::less<>>{});
+        const anogate::Decoding of_file = recorded ? *recorded : anogate::Decoding{};
+        return std::make_shared<const anogate::Decoding>(given.value_or(std::vector<ano::FlexibleSpec>{}), of_file.lx(),
+                                                         of_file.texts());
     }
     std::bitset<256> wanted_messages() const {
         std::bitset<256> wanted;
