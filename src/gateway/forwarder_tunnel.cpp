@@ -43,9 +43,9 @@ bool Forwarder::may_leave(LinkId to, ano::FrameView frame) {
     const bool is_stale = now_ - arrived_at_ >= limit(link.settings.outbox.age, policy(frame));
     if (is_stale) return refuse(to, frame, &SendCounters::stale), false;
     const SendCause cause = link.rules ? link.rules->refusal(frame, ++frame_number_, now_) : nullptr;
-    if (cause) refuse(to, frame, cause);
+    if (cause) return refuse(to, frame, cause), false;
     if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
-    return !cause;
+    return true;
 }
 
 void Forwarder::learn(Channel& from, ano::FrameView frame, TimePoint now) {
