@@ -1,5 +1,5 @@
-// What may not be done to a device now, because it is in the air or its address is not that of one known device; and which other host
-// writes to it.
+// Actions that are not allowed on a device now, because it is in the air or its address is not that of one known device; and
+// which other host writes to it.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -17,25 +17,26 @@ enum class Deed : std::uint8_t {
     ground    // upgrade, calibration, restore_defaults: never in the air
 };
 
-/// What the router knows about the address.
+/// The router's data about the address.
 struct Whereabouts {
-    bool is_known = false;               // it was heard, so that a frame to it is not flooded
+    bool is_known = false;               // a frame from it was received, so that a frame to it is not flooded
     bool in_conflict = false;            // two devices use it
     bool on_several_channels = false;    // channels that are not of one group
-    bool was_heard = false;              // however long ago: a command goes where that was last, by a link that is up
+    bool was_heard = false;              // at any time: a command is sent to the link of its last frame, if that is up
 };
 
 enum class Refusal : std::uint8_t {
-    no_device,    // broadcast, or an address that no device may have
+    no_device,    // broadcast, or an address that no device can have
     not_known,
     in_conflict,
     on_several_channels,
     in_the_air,    // unlocked or airborne; may be forced
 };
 
-/// Observes the traffic: hear() is called with every frame except those of this host. No allocation.
+/// Observes the traffic: hear() is called with every frame except those of this host. Does not allocate.
 ///
-/// A write of another host refuses nothing: anybody who reaches a link can send one, in anybody's name. It is only told.
+/// Writes of another host never cause a refusal: any program on a link can send one, with any source address. They are only
+/// reported.
 class AirGuard {
 public:
     /// A host counts as writing to a device for this long after its last write.
@@ -43,10 +44,10 @@ public:
 
     void hear(FrameView frame, TimePoint now) noexcept;
 
-    /// Why `deed` may not be done to `address`; std::nullopt: it may. `force` only overrides `in_the_air`.
+    /// The reason why `deed` is not allowed on `address`; std::nullopt: it is allowed. `force` only overrides `in_the_air`.
     std::optional<Refusal> refusal(Deed deed, std::uint8_t address, Whereabouts where, bool force = false) const noexcept;
 
-    /// By its last 0x06, however long ago: a device that fell silent in the air may still be flying.
+    /// By its last 0x06, however old: a device that stopped sending in the air may still be flying.
     bool is_in_the_air(std::uint8_t address) const noexcept { return devices_[address].in_the_air; }
     /// The address of the other host that writes to it; std::nullopt: none.
     std::optional<std::uint8_t> other_writer(std::uint8_t address, TimePoint now) const noexcept;

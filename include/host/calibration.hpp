@@ -30,15 +30,15 @@ using CalibrationValues = std::vector<std::pair<std::string, AnyValue>>;
 
 /// The names of the parameters that a calibration of `sensor` writes: 15 or 6.
 std::vector<std::string> calibration_names(Sensor sensor);
-/// Those that correct nothing.
+/// The values that correct nothing.
 CalibrationValues neutral_calibration(Sensor sensor);
 constexpr Sensor other_than(Sensor sensor) noexcept {
     return sensor == Sensor::accelerometer ? Sensor::compass : Sensor::accelerometer;
 }
-/// The calibration of `sensor` in parameters that were read; std::nullopt: one is missing.
+/// The calibration of `sensor` in parameters that were read; std::nullopt if one is missing.
 std::optional<CalibrationValues> calibration_in(const Parameters& parameters, Sensor sensor);
 
-/// Writes all calibration values, tells the device to use them, and reads them back.
+/// Writes all calibration values, sends the action that applies them, and reads them back.
 class CalibrationWrite final : public Task {
 public:
     CalibrationWrite(Device& device, DescriptionCache* cache, Sensor sensor, CalibrationValues values);
@@ -59,56 +59,61 @@ private:
     Parameters again_;
 };
 
-/// The old values are read, and stored by the owner before anything is changed; then the device clears them, so that it sends raw
-/// measurements; the user turns it; the new values are computed, written and read back; then what the device sends, which is corrected
-/// now, is compared with what the fit has promised, and the values are read once more, since it may have restarted before they were stored. When they are rejected, the task is cancelled or the device fails, the old values
-/// are written back before the task ends. After a crash the owner does that with CalibrationWrite.
+/// The old values are read, and the owner stores them before anything is changed. Then the device clears them, so that it sends
+/// raw measurements, and the user turns it. The new values are computed, written and read back. After that, the corrected samples
+/// of the device are compared with the residual of the fit, and the values are read once more, since the device may have
+/// restarted before it stored them. If the new values are rejected, the task is cancelled or the device fails, the old values are
+/// written back before the task ends. After a crash the owner writes them back with CalibrationWrite.
 ///
-/// A device that restarts uses its old calibration again. So each sign of a restart (RestartWatch) since it acknowledged the clear, or CAL_
-/// parameters that are not those of after the clear when the device was turned to all sides, discards all samples: it is cleared again. So
-/// do samples that need no correction although the old values are not such: they were corrected already. If it is the same after the next
-/// clear, the old values were wrong, or the device ignores the clear.
+/// A device that restarts uses its old calibration again. So all samples are discarded, and the calibration is cleared again, in
+/// these cases: a sign of a restart (RestartWatch) after the device acknowledged the clear; CAL_ parameters that differ, when the
+/// device was turned to all sides, from those after the clear; samples that need no correction although the old values do correct
+/// something, because the device corrected them already. If the last case occurs again after the next clear, the old values were
+/// wrong, or the device ignores the clear.
 ///
-/// Its CAL_ parameters show that it is cleared when they correct nothing. Of a device that does not show that, each sample may have been
-/// corrected: so the new values are proven on all sides (Step::prove), where they must be better than the old ones and hardly leave anything
-/// to correct.
+/// A device whose CAL_ parameters correct nothing after the clear shows that it is cleared. If a device does not show that, each
+/// of its samples may have been corrected. The new values are then checked on all sides (Step::prove): they must be better than
+/// the old ones and leave almost nothing to correct.
 class Calibration final : public Task {
 public:
     enum class Step : std::uint8_t { read, keep, clear, turn, confirm, keep_new, write, verify, prove, restore, over };
     static constexpr Duration time_to_turn = std::chrono::minutes{10};
     static constexpr Duration time_to_verify = std::chrono::minutes{1};
-    /// A device from which nothing came for so long, or no samples though other frames did, ends the task.
+    /// The task ends if the device sends nothing for this time, or no samples although it sends other frames.
     static constexpr Duration silent_after = std::chrono::milliseconds{4500};
-    /// Samples may come so much later than answers, as over a radio that sends answers first: those of before a clear or a store don't count.
+    /// Samples may arrive this much later than answers, for example over a radio that sends answers first. Samples from before a
+    /// clear or a store don't count.
     static constexpr Duration most_late = std::chrono::seconds{3};
-    /// Samples of an accelerometer that come sooner than that after one another count as one, their mean: what a fast device sends while it is
-    /// turned would look still.
+    /// Accelerometer samples that follow one another sooner than this count as one, their mean: otherwise the samples of a fast
+    /// device that is being turned would look still.
     static constexpr Duration spacing = std::chrono::milliseconds{15};
-    /// Of a device that may be silent by then, when the old values are written back.
+    /// The time for an answer while the old values are written back, when the device may already be silent.
     static constexpr Duration time_to_answer = std::chrono::milliseconds{400};
-    static constexpr unsigned max_restarts = 5;    // of the device; one more ends the task
-    /// So many in a row right behind the clear are no restarts of themselves: the task ends and says so.
+    static constexpr unsigned max_restarts = 5;    // of the device; the task ends after one more
+    /// This many gaps in a row directly after the clear are not restarts: the task ends and reports them.
     static constexpr unsigned max_silences = 3;
 
     Calibration(Device& device, Sensor sensor, DescriptionCache* cache = nullptr);
 
     void start(TimePoint now);
-    /// To be called when the owner has stored old_values() where they survive a crash; in Step::keep_new new_values().
+    /// To be called when the owner has stored old_values(), in Step::keep_new new_values(), where they survive a crash.
     void kept(TimePoint now);
-    /// In Step::keep_new: they could not be stored, so they are not written.
+    /// In Step::keep_new: the new values could not be stored, so they are not written.
     void not_kept(const std::string& why, TimePoint now);
-    /// There is a Step::keep_new.
+    /// Adds Step::keep_new to the flow.
     void keep_before_writing() noexcept { keeps_new_ = true; }
-    /// Only in Step::keep: replaces the values to be written back, when those that were read are left from an unfinished calibration.
+    /// Only in Step::keep: replaces the values to be written back, if those that were read are left over from an unfinished
+    /// calibration.
     void set_old_values(CalibrationValues values);
-    /// `refusal` is called right before the new values are written. It returns why they may not be written, as text; empty: they may.
+    /// `refusal` is called directly before the new values are written. It returns the reason why that is not allowed, as text;
+    /// empty: it is allowed.
     void ask_before_writing(std::function<std::string()> refusal) { refusal_ = std::move(refusal); }
-    /// To be called with every frame that comes from the device's side, in addition to Device::take().
+    /// To be called with every frame from the device's side, in addition to Device::take().
     void hear(FrameView frame, TimePoint now);
-    /// When look() has to be called, since a time is over; std::nullopt: not in this step.
+    /// When look() must be called, because a time-out ends; std::nullopt: not in this step.
     std::optional<TimePoint> due() const noexcept;
     void look(TimePoint now);
-    /// The task ends when the old values are written back.
+    /// The task ends after the old values are written back.
     void cancel(TimePoint now) override;
     /// Counts faces, or cells of the sphere.
     Progress progress() const noexcept override;
@@ -116,32 +121,34 @@ public:
 
     Step step() const noexcept { return end() ? Step::over : step_; }
     const CalibrationValues& old_values() const noexcept { return old_; }
-    /// Of the other sensor, which stay: they tell units of one type apart. Empty: it has none.
+    /// The values of the other sensor, which are not changed: they distinguish units of one type. Empty: the device has none.
     const CalibrationValues& other_values() const noexcept { return other_; }
-    /// What the device had after the last clear; empty before it was read.
+    /// The values of the device after the last clear; empty before they are read.
     const CalibrationValues& cleared_values() const noexcept { return cleared_; }
     /// Empty before they are computed.
     const CalibrationValues& new_values() const noexcept { return new_; }
-    /// True when nothing was changed, or the old values are written back.
+    /// True if nothing was changed, or the old values are written back.
     bool has_old_values() const noexcept;
-    /// In Step::prove those since the new values are in use.
+    /// In Step::prove only samples taken since the new values are in use.
     const SixFaces& faces() const noexcept { return faces_; }
     const CompassSphere& sphere() const noexcept { return sphere_; }
-    /// Of the old values and of the new ones, see SixFaces::fit() and CompassSphere::fit(); std::nullopt before they are computed.
+    /// Of the old values and of the new ones, see SixFaces::fit() and CompassSphere::fit(); std::nullopt before they are
+    /// computed.
     std::optional<std::pair<double, double>> residuals() const noexcept { return residuals_; }
-    /// The faces showed no better error matrix, so the old one stays and residuals are of lengths, see SixFaces::choose_measure().
+    /// True if the faces showed no better error matrix: the old one is kept and residuals are of lengths, see
+    /// SixFaces::choose_measure().
     bool keeps_error_matrix() const noexcept { return faces_.measure() == Measure::length; }
     /// How often the device restarted while it was turned, and the sign of the last one.
     unsigned restarts() const noexcept { return restarts_; }
     const std::string& last_restart() const noexcept { return last_restart_; }
-    /// The face on which Step::verify measures; it is another one than before when one face alone proves nothing.
+    /// The face on which Step::verify measures. It is another face than before if one face alone proves nothing.
     std::optional<Face> face_to_verify() const noexcept {
         return accelerometer_check_ ? std::optional{accelerometer_check_->face()} : std::nullopt;
     }
-    /// Whether it has to be turned for that, see faces_that_prove().
+    /// Whether the device must be turned to that face, see faces_that_prove().
     bool is_further_face() const noexcept { return !verified_faces_.empty(); }
-    /// The largest error that Step::verify has measured on a face that passed, or that it measured last, or the residual of Step::prove: cm/s²,
-    /// or a share of the field.
+    /// The largest error that Step::verify measured on a face that passed, or the last one it measured, or the residual of
+    /// Step::prove: cm/s², or a share of the field.
     std::optional<double> verified() const noexcept;
 
 private:
@@ -188,7 +195,7 @@ private:
     Sensor sensor_;
     DescriptionCache* cache_;
     Step step_ = Step::read;
-    DescriptionCache own_cache_;    // used when the caller has none
+    DescriptionCache own_cache_;    // used if the caller passes none
     std::unique_ptr<Parameters> reading_;
     std::unique_ptr<ParameterAction> clear_;
     std::unique_ptr<CalibrationWrite> write_;
@@ -198,24 +205,24 @@ private:
     CompassSphere sphere_;
     std::optional<RestartWatch> watch_;    // since the last clear
     bool keeps_new_ = false;
-    bool is_proven_ = false;        // what it sends is as promised; its parameters are read once more
+    bool is_proven_ = false;        // its samples fit the fit; its parameters are read once more
     bool was_corrected_ = false;    // the samples needed no correction, once
     bool needs_proof_ = false;      // on all sides
     std::optional<double> proof_;
     unsigned restarts_ = 0;
-    unsigned silences_ = 0;    // of those, in a row right behind the clear
+    unsigned silences_ = 0;    // of those, in a row directly after the clear
     std::string last_restart_;
     std::optional<AccelerometerCheck> accelerometer_check_;
     std::vector<AccelerometerCheck> further_checks_, verified_faces_;    // on other faces than this one
     std::optional<CompassCheck> compass_check_;
     TimePoint step_since_{};
-    TimePoint settled_at_{};    // samples count from then on
+    TimePoint settled_at_{};    // samples count from this time on
     TimePoint last_mean_{};
     Vector acceleration_sum_{}, rotation_sum_{};    // of the samples since then
     unsigned summed_ = 0;
     std::optional<std::pair<double, double>> residuals_;
     std::function<std::string()> refusal_;
-    End why_;    // how it ends when the old values are written back
+    End why_;    // the result when the old values are written back
 };
 
 }    // namespace ano::host

@@ -1,4 +1,4 @@
-// Whether a device uses the calibration that was stored in it: fresh samples of it must be as good as the fit has promised.
+// Whether a device uses the calibration that was stored in it: its new samples must be as good as the fit predicts.
 #pragma once
 #include <host/compass_fit.hpp>
 
@@ -9,18 +9,19 @@
 
 namespace ano::host {
 
-/// The faces that show how a device uses its calibration, in the order in which it has to lie on them. `last`, on which it lies already,
-/// shows its offsets and the sensitivity of one axis. Another one follows only if a device is not off there, but elsewhere, that divides by
-/// the sensitivity, leaves out the error matrix (of faces that are measured by direction), or had corrected `faces` by its `old` calibration.
+/// The faces that show whether a device uses its calibration, in the order in which it must lie on them. It already lies on
+/// `last`, which shows its offsets and the sensitivity of one axis. Another face is added only for a device whose mistake that
+/// face does not show: it divides by the sensitivity, leaves out the error matrix (if errors are measured by direction), or had
+/// corrected `faces` with its `old` calibration.
 std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, const AccelerometerCalibration& old,
                                    const SixFaces& faces, Face last);
 
-/// On one face. Samples are judged in groups, so that those from before the device used its calibration, or while it was moved, do no
-/// harm: the first good group is enough.
+/// The check on one face. Samples are judged in groups, so that samples from before the device used its calibration, or from
+/// while it was moved, don't matter: the first good group is enough.
 class AccelerometerCheck {
 public:
     static constexpr std::size_t group = SixFaces::enough;    // still samples
-    static constexpr double resolution = 2;                   // cm/s², of whole numbers on three axes, rounded twice
+    static constexpr double resolution = 2;                   // cm/s²: integers on three axes, rounded twice
     static constexpr double times_promised = 3;
 
     /// `promised`: the error of the fit on this face, cm/s².
@@ -35,7 +36,7 @@ public:
     double promised() const noexcept { return promised_; }
     /// cm/s², without the noise of the samples.
     static constexpr double limit(double promised) noexcept { return times_promised * promised + resolution; }
-    /// cm/s², by which two residuals over all faces may differ by rounding.
+    /// cm/s², the largest difference of two residuals over all faces that rounding explains.
     static constexpr double margin = resolution / 2;
 
 private:
@@ -47,10 +48,10 @@ private:
     std::optional<double> error_;
 };
 
-/// The same in groups from several directions.
+/// The same check in groups of samples from several directions.
 class CompassCheck {
 public:
-    static constexpr std::size_t group = 24, cells = 12;    // samples, and of how many cells of the sphere
+    static constexpr std::size_t group = 24, cells = 12;    // samples, and the number of cells of the sphere that they must cover
     static constexpr double times_promised = 2;             // both are of single samples, with their noise
     static constexpr double tolerance = 0.01;               // as a share of the field
 
@@ -64,7 +65,7 @@ public:
     double promised() const noexcept { return promised_; }
     /// As a share of the field.
     static constexpr double limit(double promised) noexcept { return times_promised * promised + tolerance; }
-    /// As a share of the field, by which two residuals over the sphere may differ by noise.
+    /// As a share of the field, the largest difference of two residuals over the sphere that noise explains.
     static constexpr double margin = tolerance / 4;
 
 private:

@@ -1,4 +1,4 @@
-// Descriptions of parameters or commands, which do not change as long as the device is the same.
+// Descriptions of parameters or commands, which do not change while the device is the same.
 #pragma once
 #include <host/device.hpp>
 #include <host/parameter_info.hpp>
@@ -14,7 +14,7 @@
 
 namespace ano::host {
 
-/// Equal keys mean the same device: same device info, same number of parameters or commands, and it was not away.
+/// Equal keys mean the same device: same device info, same number of parameters or commands, and not away in between.
 struct DescriptionKey {
     std::uint8_t address = 0;
     std::uint32_t presence = 0;
@@ -23,28 +23,28 @@ struct DescriptionKey {
     friend bool operator==(const DescriptionKey&, const DescriptionKey&) = default;
 };
 
-/// The key of `device` by its last reports; `count`: its number of parameters or commands. std::nullopt: it is away, or did not report
-/// all of this since it was away.
+/// The key of `device` from its last reports; `count`: its number of parameters or commands. std::nullopt: the device is away, or
+/// has not reported all of this since it was away.
 inline std::optional<DescriptionKey> key_of(const Device& device, std::optional<std::uint16_t> count, TimePoint now) {
     if (!device.is_present(now) || !device.info() || !count) return std::nullopt;
     return DescriptionKey{device.address(), device.presence(), *device.info(), *count};
 }
 
-/// Values are not cached, since they may change in the device. Keeps the `max_devices` devices used last.
+/// Values are not cached, since the device may change them. Stores the `max_devices` devices used last.
 template <class Description>
 class DescriptionCacheOf {
 public:
     static constexpr std::size_t max_devices = 32;
 
-    /// Null when the descriptions are not known; valid until the next call of store() or forget().
+    /// nullptr if the descriptions are not known; valid until the next call of store() or forget().
     const std::vector<Description>* find(const DescriptionKey& key) {
         const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
         if (found == entries_.end()) return nullptr;
         entries_.splice(entries_.begin(), entries_, found);
         return &entries_.front().descriptions;
     }
-    /// What an earlier run may have kept: `recall` returns it for a device that looks like the same, and each description must be compared
-    /// before it is relied on. `keep` is called with what was read.
+    /// Descriptions that an earlier run may have stored. `recall` returns them for a device that looks the same; each must be
+    /// compared before it is used. `keep` is called with what was read.
     struct EarlierRuns {
         std::function<std::optional<std::vector<Description>>(const DescriptionKey&)> recall;
         std::function<void(const DescriptionKey&, const std::vector<Description>&)> keep;
@@ -57,16 +57,16 @@ public:
     struct Entry {
         DescriptionKey key;
         std::vector<Description> descriptions;
-        std::uint32_t doubts;    // Device::doubts() when it was read
+        std::uint32_t doubts;    // Device::doubts() when the descriptions were read
     };
-    /// What was stored last for `address`, whatever became of the device since; null: nothing. Valid as find() says.
+    /// The last entry stored for `address`, even if the device has changed since; nullptr: none. Valid as stated at find().
     Entry* last_of(std::uint8_t address) noexcept {
         const auto found = std::find_if(entries_.begin(), entries_.end(),
                                         [&](const Entry& entry) { return entry.key.address == address; });
         return found == entries_.end() ? nullptr : &*found;
     }
 
-    /// Replaces what was known of the same address. `doubts`: Device::doubts() when the reading began.
+    /// Replaces the entry of the same address. `doubts`: Device::doubts() when the reading began.
     void store(DescriptionKey key, std::vector<Description> descriptions, std::uint32_t doubts = 0) {
         forget(key.address);
         if (earlier_.keep) earlier_.keep(key, descriptions);
@@ -81,7 +81,7 @@ public:
     }
 
 private:
-    std::list<Entry> entries_;    // the one used last is first
+    std::list<Entry> entries_;    // the most recently used one is first
     EarlierRuns earlier_;
 };
 

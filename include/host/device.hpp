@@ -1,4 +1,4 @@
-// One device as a host sees it: its device info, and the requests on their way to it.
+// One device as a host sees it: its device info, and the open requests to it.
 //
 // Flow:    device.ask(request, asker);                               // tasks do that: parameters.hpp, commands.hpp, ...
 //          device.take(frame, now);                                  // every frame that comes from its side
@@ -26,42 +26,42 @@
 
 namespace ano::host {
 
-/// What a device says of itself (0xE3).
+/// The device's report about itself (0xE3).
 struct DeviceInfo {
     std::uint8_t dev_id = 0;
     std::uint16_t hw_ver = 0, sw_ver = 0, bl_ver = 0, pt_ver = 0;
-    std::string name;    // as received, in whatever encoding the device uses
+    std::string name;    // as received, in the encoding of the device
     friend bool operator==(const DeviceInfo&, const DeviceInfo&) = default;
 };
 
 /// How a request ended.
 enum class Outcome : std::uint8_t {
     answered,        // with data, or with the acknowledgement
-    timeout,         // no answer came that fits; Evidence::unfit has one that does not
+    timeout,         // no fitting answer; Evidence::unfit has one that does not fit
     not_there,       // not sent: its parameter is beyond the count that the device has reported meanwhile
-    uncertain,       // a write of a parameter that is not repeated: the device may be another one since it was sent
+    uncertain,       // a parameter write that is not repeated: the device may be another one since it was sent
     another,         // not sent, or not repeated: another device has this address now
-    unidentified,    // not sent: the device may be another one, and does not answer who it is; `evidence` is of that question
+    unidentified,    // not sent: the device may be another one, and does not answer the device info request that `evidence` is of
 };
 
 struct Ended {
     Outcome outcome;
     std::uint32_t tag;                  // of the request
-    std::optional<FrameView> answer;    // of `answered`; refers to the frame given to take()
+    std::optional<FrameView> answer;    // if `answered`; refers to the frame passed to take()
     Evidence evidence;
-    bool device_answers;    // it answered some request since this one was first sent
+    bool device_answers;    // it answered any request since this one was first sent
 };
 
 class Asker {
 public:
-    /// A request ended. New ones may be asked here; the device may not be destroyed.
+    /// A request ended. New ones may be asked in this call; the device may not be destroyed in it.
     virtual void ended(const Ended& ended, TimePoint now) = 0;
-    /// The same with Outcome::another or unidentified.
+    /// The same for Outcome::another or unidentified.
     virtual void not_meant(const Ended& ended, TimePoint now) { this->ended(ended, now); }
-    /// A frame came that should have been the answer to a request, and does not fit. The request may wait on.
+    /// A frame was received that has the form of the answer to a request, but does not fit. The request may stay open.
     virtual void came_unfit(FrameView /*frame*/) {}
 
-    /// The requests of this asker are not begun while those of others that do not yield are open.
+    /// The requests of this asker are not started while requests of askers that do not yield are open.
     bool yields() const noexcept { return yields_; }
     void yield_to_others(bool yields) noexcept { yields_ = yields; }
 
@@ -75,106 +75,108 @@ private:
 /// Whether a frame asks a device for its device info (0xE0 0).
 bool is_question_for_info(FrameView frame) noexcept;
 
-/// What a frame meant for this device's requests.
+/// How a frame relates to the requests of this device.
 enum class Taken : std::uint8_t {
-    nothing,    // not an answer of this device to us
+    nothing,    // not an answer of this device to this host
     ended,      // it ended a request
-    doubled,    // it would have ended one that is answered already
-    late,       // it answers one that was given up or cancelled
-    unasked,    // an answer to no request of ours
+    doubled,    // it would have ended a request that is answered already
+    late,       // it answers a request that was given up or cancelled
+    unasked,    // an answer that matches no request of this host
     foreign,    // an answer to another host
 };
 
-/// There is one of these for each device, shared by all askers together with its window. At most Window::max_size requests are on
-/// their way, and at most one that writes or upgrades. Two that the same answer would end are sent one after the other.
-/// A command, and a request that is urgent, waits neither for a place in the window, nor for the end of another one or of a write.
-/// The oldest of equal commands gets the first acknowledgement, and Evidence::may_be_of_equal.
-/// A request of an asker that yields goes behind all others. Such a request that was sent before is sent again nevertheless: another one may
-/// wait for its end.
+/// There is one Device for each device, shared by all askers together with its window. At most Window::max_size requests are in
+/// flight, and at most one that writes or upgrades. Two requests that the same answer would end are sent one after the other. A
+/// command or an urgent request waits neither for a place in the window nor for the end of another request or of a write. The
+/// first acknowledgement ends the oldest of equal commands, with Evidence::may_be_of_equal. Requests of an asker that yields go
+/// after all others; but one that was sent before is repeated in any case, since another request may wait for its end.
 ///
-/// A request that acts, or is Request::of_same, reaches no other device than the one that was there when it was asked, or that it states
-/// (Request::identity). After a sign that another one may have the address (doubts(), a pause, a frame that acts and was not acknowledged),
-/// the device is asked for its device info before such a request is sent, or sent again. If that differs from the one before, all such
-/// requests end as Outcome::another. Without an answer they are not sent, except:
-/// - a command that was not sent yet, or when nothing but its acknowledgement is missing: it may be LAND;
+/// A request that acts, or is Request::of_same, is only sent to the device that was there when it was asked, or that it states
+/// (Request::identity). After a sign that another device may have the address (doubts(), a pause, a frame that acts and was not
+/// acknowledged), the device is asked for its device info before such a request is sent or repeated. If the info differs from the
+/// previous one, all such requests end as Outcome::another. Without an answer they are not sent, except:
+/// - a command that was not sent yet, or if only its acknowledgement is missing: it may be LAND;
 /// - frames of an upgrade: a loader need not answer.
-/// What was not acknowledged is no reason to ask before the first frame of a command. A device that never reported its device info is not
-/// asked.
+/// A missing acknowledgement does not cause the question before the first frame of a command. A device that never reported its
+/// device info is not asked.
 ///
-/// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on it.
+/// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on
+/// it.
 class Device {
 public:
-    /// After so long a silence it may be another device: its device info is forgotten.
+    /// After this time without a frame it may be another device: its device info is discarded.
     static constexpr Duration away_after = std::chrono::seconds{30};
-    /// An answer may come this long after its time-out. An equal request that may be sent only once waits until then.
+    /// An answer may arrive this long after its time-out. An equal request that may be sent only once waits until then.
     static constexpr Duration late_for = RoundTrip::ceiling;
     static constexpr Duration info_may_come_for = RoundTrip::ceiling + late_for;
 
-    /// `address` is a device's, or a port id; `own` is the host's.
+    /// `address` is that of a device, or a port id; `own` is that of the host.
     explicit Device(std::uint8_t address, std::uint8_t own = address::host) : address_{address}, own_{own} {}
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
 
-    /// Queues a request. False, and `asker` will not be called, when no answer ends such a request, or its parameter does not exist.
-    /// `asker` must live until its ended() or forget() was called.
+    /// Queues a request. Returns false, and never calls `asker`, if no answer ends such a request, or its parameter does not
+    /// exist. `asker` must live until its ended() or forget() was called.
     [[nodiscard]] bool ask(const Request& request, Asker& asker);
-    /// `asker` is not called any more; its requests that wait are not sent.
+    /// `asker` is not called any more; its waiting requests are not sent.
     void forget(const Asker& asker) noexcept;
 
-    /// To be called with every frame of the device. For a port id: also with frames of other sources, but only if they came by the links
-    /// of that port and ended no request of another Device; otherwise the answers of several port ids could be mixed up. A check frame from
-    /// a port id also ends a request to the device, if it repeats its check bytes.
+    /// To be called with every frame of the device. For a port id: also with frames of other sources, but only if they were
+    /// received on the links of that port and ended no request of another Device; otherwise answers of several port ids could be
+    /// mixed up. A check frame from a port id also ends a request to the device, if it repeats the check bytes of that request.
     Taken take(FrameView frame, TimePoint now);
-    /// The next frame to be sent at `now`; std::nullopt: none. It is valid until the next call of any function. Requests that ran out
-    /// of time end here.
+    /// The next frame to be sent at `now`; std::nullopt: none. It is valid until the next call of any function. Requests that
+    /// have timed out end in this call.
     std::optional<FrameView> next_frame(TimePoint now);
-    /// To be called instead of next_frame() while the frame that it returned last waits to leave, behind other frames or for a slow line: that
-    /// is no time in which an answer could come. After max_queued a frame counts as sent.
+    /// To be called instead of next_frame() while the last frame it returned waits to be sent, behind other frames or for a slow
+    /// line: no answer can arrive in that time. After max_queued a frame counts as sent.
     void wait_to_leave(TimePoint now) noexcept;
     static constexpr Duration max_queued = std::chrono::seconds{10};
     /// When next_frame() last returned a frame.
     TimePoint last_sent() const noexcept { return last_sent_; }
-    /// `flush` is called before a frame leaves that the device may not hear, because its parser waits inside a damaged one: before a
-    /// request is repeated, unless the device has heard a later one; and before the first try of one that waits long. Where it may flush
-    /// later only, a first try and a command leave at once; a second try waits for that, unless the wait for its answer is shorter. What
-    /// did not wait and may be repeated is sent once more when it may flush, except the next request of an asker whose last one was
-    /// just answered.
+    /// `flush` is called before a frame is sent that the device may not receive, because its parser waits inside a damaged frame:
+    /// before a request is repeated, unless the device has answered a later one; and before the first try of a request with a
+    /// long time-out. If it may flush only later, a first try and a command are sent at once; a second try waits for the flush,
+    /// unless the wait for its answer is shorter. A request that did not wait and may be repeated is sent once more when the
+    /// flush is allowed, except the next request of an asker whose last one was just answered.
     void on_maybe_deaf(std::function<Flush(FrameView next)> flush) { flush_ = std::move(flush); }
-    /// When next_frame() has to be called again; TimePoint::min(): now; std::nullopt: no request is open.
+    /// When next_frame() must be called again; TimePoint::min(): now; std::nullopt: no request is open.
     std::optional<TimePoint> due() const noexcept;
 
     std::uint8_t address() const noexcept { return address_; }
     std::uint8_t own() const noexcept { return own_; }
-    /// As last reported (0xE3); std::nullopt before that, and when it was away since.
+    /// As last reported (0xE3); std::nullopt before that, and after it was away.
     const std::optional<DeviceInfo>& info() const noexcept { return info_; }
     /// As last reported (0xE0 1); std::nullopt as for info().
     std::optional<std::uint16_t> parameter_count() const noexcept { return parameter_count_; }
     /// As last reported (0xC1 0); std::nullopt as for info().
     std::optional<std::uint16_t> command_count() const noexcept { return command_count_; }
-    /// Whether it was heard within `away_after`.
+    /// Whether a frame of it was received within `away_after`.
     bool is_present(TimePoint now) const noexcept { return heard_at_ && now - *heard_at_ < away_after; }
-    /// Grows each time the device was away: what was known of it before may be wrong.
+    /// Increases each time the device was away: data known from before may be wrong.
     std::uint32_t presence() const noexcept { return presence_; }
-    /// Grows with each sign that it may have restarted, or be another device: with presence(), when its telemetry paused (TelemetryPace),
-    /// when the link to it was down, and when a write was not acknowledged. What it described before may be wrong.
+    /// Increases with each sign that it may have restarted, or be another device: with presence(), after a pause in its telemetry
+    /// (TelemetryPace), when the link to it was down, and when a write was not acknowledged. Its earlier descriptions may be
+    /// wrong.
     std::uint32_t doubts() const noexcept { return doubts_; }
     /// Whether there was no such sign since `doubts`, and its telemetry does not pause now.
     bool is_certain_since(std::uint32_t doubts, TimePoint now) const noexcept {
         return is_present(now) && doubts == doubts_ && !pace_.pauses(now);
     }
-    /// Which device it is, as far as its device info shows.
+    /// The device's identity, as far as its device info shows.
     Identity identity() const noexcept { return identity_; }
-    /// It was identified since the last of its doubts().
+    /// Whether it was identified since the last of its doubts().
     bool is_identified() const noexcept { return doubts_ == identified_doubts_; }
-    /// When it sent its device info last.
+    /// When it last sent its device info.
     TimePoint identified_at() const noexcept { return identified_at_; }
-    /// Its device info, as received before this was made.
+    /// Sets its device info, as received before this object was made.
     void know_as(DeviceInfo info) { known_as_ = std::move(info); }
     /// There is a sign that another device may have the address.
     void doubt() noexcept { ++doubts_; }
-    /// Asks for its device info before all else, if a command would wait for that: to be called when it is asked something at that time.
+    /// Asks for its device info before all other requests, if a command would have to wait for that. To be called whenever the
+    /// device is asked something.
     void identify_for_command(TimePoint now);
-    /// A command waits for the answers to so many sends, each so long as two round trips take, within these: a second in all.
+    /// A command waits for the answers to this many sends, each for two round trips, within these limits: a second in all.
     static constexpr unsigned sends_before_command = 3;
     static constexpr Duration least_wait_before_command = std::chrono::milliseconds{166},
                               longest_wait_before_command = std::chrono::milliseconds{333};
@@ -185,27 +187,29 @@ public:
         ++losses_;
         is_lost_ = true;
     }
-    /// Grows each time the link to it was down.
+    /// Increases each time the link to it was down.
     std::uint32_t losses() const noexcept { return losses_; }
-    /// The link to it was down, and it was not heard since.
+    /// The link to it was down, and no frame of it was received since.
     bool is_lost() const noexcept { return is_lost_; }
-    /// Somebody asks it for device info: one that it sends in the next `info_may_come_for` is the answer, a further one is not.
+    /// Another host asks it for device info: one device info that it sends within `info_may_come_for` is the answer, a second one
+    /// is not.
     void expect_info(TimePoint now);
-    /// The same device info again so soon is a double of the line's: no device restarts in that time.
+    /// The same device info again within this time is a duplicate made by the line: no device restarts that fast.
     static constexpr Duration info_doubled_within = std::chrono::milliseconds{100};
-    /// Grows each time it sends device info (0xE3) to this host or to all that nobody asked for, as devices do when they start.
+    /// Increases each time it sends device info (0xE3) that was not asked for to this host or to all, as devices do when they
+    /// start.
     std::uint32_t announcements() const noexcept { return announcements_; }
     std::optional<TimePoint> heard_at() const noexcept { return heard_at_; }
     const RoundTrip& round_trip() const noexcept { return round_trip_; }
-    /// So many requests that yield may be on their way at the most: fewer than of others, as a command comes behind them.
+    /// The number of requests that yield that may be in flight: lower than for others, since a command has to wait for them.
     std::size_t window() const noexcept { return std::min(window_.size(), round_trip_.bearable()); }
     std::size_t on_their_way() const noexcept;
-    /// A write or a command is on its way.
+    /// A write or a command is in flight.
     bool awaits_acknowledgement() const noexcept;
     std::size_t waiting() const noexcept { return waiting_.size(); }
     /// A command, or an urgent request, waits for next_frame().
     bool has_command() const noexcept { return first_of_all() != nullptr; }
-    /// How long a command waits, at the most, for answers that are on their way.
+    /// The longest time that a command waits for answers to requests in flight.
     static constexpr Duration max_wait_of_commands = std::chrono::milliseconds{100};
 
 private:
@@ -216,10 +220,10 @@ private:
         Expectation expects;
         Checks checks;    // of its frame
         bool answered;
-        TimePoint late_until;    // of a request that may be sent only once
+        TimePoint late_until;    // for a request that may be sent only once
     };
 
-    /// Asks for the device info while others wait for that. hear() takes the answer, whoever asked for it.
+    /// Asks for the device info while other requests wait for it. hear() evaluates the answer, even if another host asked for it.
     struct Identification final : Asker {
         explicit Identification(Device& of) : device{of} {}
         void ended(const Ended& ended, TimePoint now) override { device.not_identified(ended, now); }
@@ -279,21 +283,21 @@ private:
     Identity identity_;
     TimePoint identified_at_{};
     std::uint32_t identified_doubts_ = 0;               // doubts_ at that time
-    bool is_unacknowledged_ = false;                    // a frame that acts, since then
-    std::optional<std::uint32_t> unanswered_doubts_;    // doubts_ when it did not answer who it is
+    bool is_unacknowledged_ = false;                    // a frame that acts was not acknowledged since then
+    std::optional<std::uint32_t> unanswered_doubts_;    // doubts_ when it did not answer the question for its device info
     TimePoint unanswered_at_{};
     TelemetryPace pace_;
     std::optional<TimePoint> info_asked_at_, info_answered_at_;
     static constexpr std::size_t max_info_questions = 64;
-    std::vector<TimePoint> info_questions_;    // that may still be answered, the oldest first
+    std::vector<TimePoint> info_questions_;    // not answered yet, the oldest first
     std::uint32_t announcements_ = 0;
     RoundTrip round_trip_;
     Window window_;
     std::uint64_t sends_ = 0;               // of all requests
     std::uint64_t heard_send_ = 0;          // the latest of them that the device has answered
-    const Asker* heard_asker_ = nullptr;    // whose the request was that it has answered last
+    const Asker* heard_asker_ = nullptr;    // the asker of the request that it answered last
     TimePoint last_sent_{};
-    TimePoint line_is_busy_until_ = TimePoint::min();    // with what flush_ sends, or kept free for it
+    TimePoint line_is_busy_until_ = TimePoint::min();    // with the bytes of flush_, or reserved for them
     std::function<Flush(FrameView)> flush_;
     Exchanges sent_;
     Exchanges waiting_;

@@ -1,4 +1,4 @@
-// What ends a request (protocol text, section 3).
+// The answer that ends a request (protocol text, section 3).
 #pragma once
 #include <ano/conversation.hpp>
 #include <ano/frame.hpp>
@@ -8,20 +8,21 @@
 
 namespace ano::host {
 
-/// Either the check frame (0x00) that repeats the id and both check bytes of the request, or the answer with data that fits by its
-/// content: there is no sequence number. It must come from the device that was asked and be addressed to the host that asked.
+/// An answer is either the check frame (0x00) that repeats the id and both check bytes of the request, or the answer with data
+/// whose content fits: there is no sequence number. Its source must be the device that was asked, and its destination the host
+/// that asked.
 class Expectation {
 public:
-    /// What ends `request`; std::nullopt for streams and for frames that are no requests, which nothing ends.
+    /// The expectation of `request`; std::nullopt for streams and for frames that are not requests, which no answer ends.
     static std::optional<Expectation> of(FrameView request) noexcept;
 
     /// Whether `frame` ends the request. Answers shorter than their layout do not.
     bool is_met_by(FrameView frame) const noexcept;
-    /// Whether `frame` is of the kind that ends the request, and does not: an acknowledgement of the right id with other check bytes, or a
-    /// step of an upgrade that is no answer to this one.
+    /// Whether `frame` has the form of the answer but does not end the request: an acknowledgement of the right id with other
+    /// check bytes, or a step of an upgrade that does not answer this one.
     bool is_missed_by(FrameView frame) const noexcept;
     bool is_acknowledgement() const noexcept { return answer_.is_acknowledgement(); }
-    /// A write, a command or a step of an upgrade: a device gets one of these at a time.
+    /// A write, a command or a step of an upgrade: only one of these is sent to a device at a time.
     bool is_alone() const noexcept { return is_acknowledgement() || kind_ != Kind::answer; }
 
     friend bool operator==(const Expectation&, const Expectation&) = default;
@@ -55,8 +56,9 @@ private:
     std::uint16_t frame_num_;    // of a frame of the image
 };
 
-/// Whether a frame from `source` can be of the device that was asked at `asked`: a port id stands for any device behind the port. The
-/// link of the frame is not checked: the caller gives Device::take() of a port id only frames that came by the port's links.
+/// Whether a frame from `source` can be from the device that was asked at `asked`: a port id stands for any device behind the
+/// port. The link of the frame is not checked: for a port id, Device::take() must be called only with frames received on the
+/// port's links.
 bool may_be_of(std::uint8_t source, std::uint8_t asked) noexcept;
 
 }    // namespace ano::host

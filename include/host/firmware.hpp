@@ -20,47 +20,48 @@ namespace ano::host {
 
 struct FirmwareOptions {
     bool force = false;                             // skips the check against the hardware that the device reports
-    std::size_t frame_len = vendor_max_data - 3;    // bytes of image in a frame; less where the line takes less
-    std::optional<DeviceInfo> info{};    // read earlier, for a device that was left in its loader and may not report it
+    std::size_t frame_len = vendor_max_data - 3;    // bytes of image in a frame; fewer if the line accepts fewer
+    std::optional<DeviceInfo> info{};               // read earlier, for a device left in its loader, which may not report it
 };
 
-/// Device info, info, erase, each frame until it is "written", all sent, and the device's check of the image. "Erase" has 60 s before it is
-/// sent again: flash is slow, and a loader that gets it twice may start again. "All sent" is waited for 30 s in all.
+/// Device info, info, erase, each frame until it is "written", all sent, and the device's check of the image. "Erase" is sent
+/// again only after 60 s: flash is slow, and a loader that receives it twice may start again. For "all sent" the wait is 30 s in
+/// all.
 ///
-/// The info is repeated for 30 s: a device may restart into its loader first. A device that answers other questions meanwhile, and no info
-/// for `loader_patience`, has no loader: Unsupported.
+/// The info is repeated for 30 s: a device may restart into its loader first. A device that meanwhile answers other questions,
+/// but not the info for `loader_patience`, has no loader: Unsupported.
 ///
-/// The codes are sent in the byte order in which the device accepted the info; before that, nothing with a code is sent.
+/// The codes are sent in the byte order in which the device accepted the info; no frame with a code is sent before that.
 ///
-/// On a bad line a frame is repeated until it is acknowledged, so an upgrade survives a lost connection. Where most frames get lost, a
-/// second info proposes shorter ones, as long as less than half is written; a device that does not accept it keeps the length. A device
-/// that lost the upgrade (it was switched off, for instance) fails every frame or does not answer: then the upgrade begins again, once
-/// for a frame. It begins again as well, with the shortest frames, where frames had to be repeated and the image did not pass the device's
-/// check: the two sums of a frame do not show every error.
+/// On a bad line a frame is repeated until it is acknowledged, so an upgrade survives a lost connection. If most frames get lost,
+/// a second info proposes shorter ones, as long as less than half is written; if the device does not accept it, the length stays.
+/// A device that lost the state of the upgrade (because it was switched off, for instance) fails every frame or does not answer:
+/// then the upgrade starts again, once per frame. It also starts again, with the shortest frames, if frames had to be repeated
+/// and the image failed the device's check: the two sums of a frame do not detect every error.
 ///
-/// A device that refuses an info behind one without an answer may have accepted that. If the header of the image names its hardware, and
-/// `force` did not pass that over, it is told to erase, and if it does, the upgrade goes on.
+/// A device that refuses an info after one without an answer may have accepted the earlier one. If the header of the image names
+/// its hardware, and `force` is not set, "erase" is sent; if the device erases, the upgrade continues.
 ///
-/// Done: only after the device said that its check passed. Refused: by the device, before anything was changed. Failed: it could not
-/// erase, write or check. Timeout: it does not answer. Invalid: the image is not for it. The text of every failure after the erase
-/// says that the device is left in its loader.
+/// Done: only after the device reported that its check passed. Refused: by the device, before anything was changed. Failed: it
+/// could not erase, write or check. Timeout: it does not answer. Invalid: the image is not for it. The text of every failure
+/// after the erase states that the device is left in its loader.
 class Firmware final : public Task {
 public:
     static constexpr std::size_t max_frames = 0x10000;    // frame_num is a u16
     static constexpr unsigned max_failures = 5;           // "frame failed" in a row, of one frame
     static constexpr unsigned max_erases = 4;             // sends of "erase"
     static constexpr unsigned max_restarts = 3;
-    static constexpr unsigned max_checks_failed = 2;    // before the last one
-    /// How long a frame is repeated without an answer: while other frames of the device come, and while nothing comes from it at all, as
-    /// when the connection is lost.
+    static constexpr unsigned max_checks_failed = 2;    // failed checks, each followed by another try
+    /// How long a frame is repeated without an answer: while other frames of the device are received, and while none are, as when
+    /// the connection is lost.
     static constexpr Duration patience = std::chrono::seconds{30};
     static constexpr Duration patience_unheard = std::chrono::seconds{65};
-    /// From the first info on. A restart into the loader takes up to 2.5 s.
+    /// Counted from the first info. A restart into the loader takes up to 2.5 s.
     static constexpr Duration loader_patience = std::chrono::seconds{3};
-    /// How long the report on the check is waited for.
+    /// How long to wait for the report on the check.
     static constexpr Duration check_patience = std::chrono::seconds{30};
-    /// When `judged` frames in a row took `hard` sends or more, shorter ones are proposed, down to `least_len`. A lost connection counts
-    /// as `most_sends`.
+    /// If `judged` frames in a row took `hard` sends or more, shorter ones are proposed, down to `least_len`. A lost connection
+    /// counts as `most_sends`.
     static constexpr unsigned judged = 8, hard = 40, most_sends = 15;
     static constexpr std::size_t least_len = 32;
 
@@ -69,7 +70,7 @@ public:
     void start(TimePoint now);
     /// In bytes written.
     Progress progress() const noexcept override;
-    /// Long, since giving up leaves the device in its loader.
+    /// Long, since a device is left in its loader when the task gives up.
     Duration max_duration() const noexcept override {
         return std::chrono::minutes{10} + std::chrono::seconds{3} * static_cast<int>(frames());
     }
@@ -78,18 +79,18 @@ public:
     void came_unfit(FrameView frame) override;
     void not_meant(const Ended& ended, TimePoint now) override;
 
-    /// What came last in this step and is no answer, as a clause; empty: nothing.
+    /// The last frame in this step that is not an answer, as a clause; empty: none.
     const std::string& odd_reply() const noexcept { return odd_reply_; }
-    /// The step in words: "erasing".
+    /// The step as text: "erasing".
     std::string_view step() const noexcept;
-    /// How many times a frame was sent again, after silence or "frame failed".
+    /// How many times a frame was sent again, after a time-out or "frame failed".
     std::size_t repeats() const noexcept { return repeats_; }
     /// How long the device has not answered; 0 before the info is accepted.
     Duration silent_for(TimePoint now) const noexcept { return erasing_ ? now - answered_at_ : Duration{}; }
-    /// What did not go as planned, as clauses; empty: nothing.
+    /// Deviations from the usual course, as clauses; empty: none.
     const std::string& remark() const noexcept { return remark_; }
     std::size_t frame_len() const noexcept { return options_.frame_len; }
-    /// Since the first frame; 0 before.
+    /// Since the first frame; 0 before it.
     double bytes_a_second(TimePoint now) const noexcept;
     /// Estimate for the remaining frames; std::nullopt before the first is written.
     std::optional<Duration> time_left(TimePoint now) const noexcept;
@@ -136,10 +137,10 @@ private:
     Purpose purpose_ = Purpose::begin;
     ByteOrder order_ = ByteOrder::little;
     std::size_t asked_len_ = 0;      // in the last info
-    TimePoint described_since_{};    // the first of the infos for the same purpose
+    TimePoint described_since_{};    // the first info for the same purpose
     bool answers_probes_ = false;    // the last one
     unsigned infos_ = 0;             // sends of those
-    bool is_refused_ = false;        // the last of them was, and one before may have been accepted
+    bool is_refused_ = false;        // the last of them was refused, and an earlier one may have been accepted
     unsigned checks_failed_ = 0;
     std::uint32_t frame_ = 0;
     std::vector<std::uint8_t> piece_;    // of the image, in that frame
@@ -150,7 +151,7 @@ private:
     unsigned judged_sends_ = 0;    // of these frames
     bool may_shorten_ = true;
     unsigned restarts_ = 0;
-    std::optional<std::uint32_t> lost_frame_;    // that was the reason to begin again
+    std::optional<std::uint32_t> lost_frame_;    // the reason to start again
     std::string lost_because_;
     Ending lost_ending_ = Ending::timeout;
     std::size_t repeats_ = 0;

@@ -14,10 +14,10 @@
 
 namespace ano::host {
 
-/// Bytes in memory or in a file, which are read in pieces: a file may be too large to be held in memory.
+/// Bytes in memory or in a file, which is read in pieces: it may be too large for memory.
 class FirmwareBytes {
 public:
-    /// Fills `into` with the bytes from `at` on; false: they can't be read. What it reads from must live as long as the function.
+    /// Fills `into` with the bytes from `at` on; false: they can't be read. The source must live as long as the function.
     using Read = std::function<bool(std::size_t at, std::span<std::uint8_t> into)>;
 
     FirmwareBytes() = default;
@@ -26,7 +26,7 @@ public:
 
     std::size_t size() const noexcept { return size_; }
     bool empty() const noexcept { return size_ == 0; }
-    /// False: the bytes can't be read, or there are fewer.
+    /// False: the bytes can't be read, or there are too few.
     bool read(std::size_t at, std::span<std::uint8_t> into) const {
         return at <= size_ && into.size() <= size_ - at && (into.empty() || read_(at, into));
     }
@@ -38,9 +38,9 @@ private:
     Read read_;
 };
 
-/// Why a file, or what is behind its header, is probably not firmware: it begins, perhaps after padding, like a text, a form, Intel HEX, a
-/// Motorola S-record, a program of another system, UF2, PDF, a picture, an archive or a compressed file. A clause, with how to convert it
-/// where that is possible; empty: it may be firmware.
+/// Why a file, or the part after its header, is probably not firmware: it begins, perhaps after padding, like a text, a form,
+/// Intel HEX, a Motorola S-record, an executable of another system, UF2, PDF, a picture, an archive or a compressed file. A
+/// clause, with the way to convert it if there is one; empty: it may be firmware.
 std::string looks_unlike_firmware(const FirmwareBytes& file);
 
 struct FirmwareImage {
@@ -55,18 +55,18 @@ struct FirmwareImage {
     std::uint32_t cmd = 0;
     bool has_header = false;
 
-    /// Hardware fields of 0 mean that the image is for any.
+    /// True if the image is for any hardware: its hardware fields are 0.
     bool is_for_any_hardware() const noexcept { return hw_type == 0 && hw_ver_min == 0 && hw_ver_max == 0; }
-    /// Why the image is not for this device, as a clause; std::nullopt when it is.
+    /// Why the image is not for this device, as a clause; std::nullopt if it is.
     std::optional<std::string> misfit(const DeviceInfo& device) const;
 };
 
-/// What is in a file, or why it is not firmware, as a clause.
+/// The content of a file, or the reason why it is not firmware, as a clause.
 struct FirmwareFile {
     std::optional<FirmwareImage> image;
     std::string wrong;
 };
-/// `crc` is used for a .bin, which is read once to its end for that; a .bia has its CRC in the header.
+/// `crc` is used for a .bin, which is read completely for that; a .bia has its CRC in the header.
 FirmwareFile read_firmware(const FirmwareBytes& file, const Crc16& crc = usual_crc16);
 
 }    // namespace ano::host

@@ -9,9 +9,9 @@
 
 namespace ano::host {
 
-/// What Parameters, Commands and WaypointsGet have in common. A question that got no answer to any of its sends is asked once more,
-/// before those that were not asked yet. When nothing was answered meanwhile, probe() is asked first: without an answer to that, the
-/// task ends. It also ends when more than max_missing questions stay without an answer.
+/// The common part of Parameters, Commands and WaypointsGet. A question without an answer to any of its sends is asked once more,
+/// before those that were not asked yet. If nothing was answered meanwhile, probe() is asked first; without an answer to it, the
+/// task ends. The task also ends if more than max_missing questions have no answer.
 class Gather : public Task {
 public:
     static constexpr std::uint8_t rounds = 2;
@@ -30,18 +30,18 @@ protected:
 
     /// Asks question(0) to question(n - 1), then calls gathered().
     void gather(std::size_t n, TimePoint now);
-    /// The questions that got no answer; valid in gathered().
+    /// The questions without an answer; valid in gathered().
     const std::vector<std::uint32_t>& missing() const noexcept { return missing_; }
 
     virtual Request question(std::uint32_t i) = 0;
-    /// The answer to question i. False: it is of no use, as if there had been none.
+    /// The answer to question i. False: it can't be used, and counts as missing.
     virtual bool took(std::uint32_t i, FrameView answer) = 0;
     virtual void gathered(TimePoint now) = 0;
     /// A question that every device answers.
     virtual Request probe() = 0;
-    /// Another request of the task ended, whose tag is first_step or more.
+    /// Another request of the task, with a tag of first_step or more, ended.
     virtual void step_ended(const Ended& ended, TimePoint now) = 0;
-    /// What the questions are for: "descriptions of parameters".
+    /// The subject of the questions: "descriptions of parameters".
     virtual std::string_view subject() const noexcept = 0;
 
 private:
@@ -50,7 +50,7 @@ private:
     static constexpr std::uint32_t probing = first_step - 1;
     struct Item {
         std::uint8_t tried = 0;
-        bool is_asked = false;    // on its way or queued
+        bool is_asked = false;    // in flight or queued
     };
 
     void ask_more(TimePoint now);
@@ -61,7 +61,7 @@ private:
 
     std::size_t total_ = 0;
     std::size_t done_ = 0;
-    std::size_t asked_ = 0;    // on their way or queued
+    std::size_t asked_ = 0;    // in flight or queued
     std::uint32_t next_ = 0;
     std::vector<Item> items_;
     std::vector<std::uint32_t> again_;

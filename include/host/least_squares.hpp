@@ -9,7 +9,7 @@
 
 namespace ano::host {
 
-/// The unknowns x with the least sum of (row · x - wanted)² over everything added.
+/// The unknowns x with the least sum of (row · x - wanted)² over all rows added.
 template <std::size_t N>
 class LeastSquares {
 public:
@@ -22,7 +22,7 @@ public:
         }
     }
 
-    /// std::nullopt when the rows do not determine all unknowns.
+    /// std::nullopt if the rows do not determine all unknowns.
     std::optional<Row> solution() const noexcept {
         auto a = normal_;
         Row b = right_;

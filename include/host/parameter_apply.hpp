@@ -1,4 +1,4 @@
-// Writes several parameters by name: only those that differ, each read back; optionally all are undone when one fails.
+// Writes several parameters by name: only those that differ, each read back; optionally all are undone if one fails.
 //
 // Flow:    ParameterApply apply{device, &cache, {{"PID_P", 4.5}, {"NAME", std::string{"mine"}}}, {.rollback = true}};
 //          apply.start(now);                   // then drive the device until apply.end()
@@ -20,34 +20,34 @@ namespace ano::host {
 
 struct ApplyOptions {
     bool rollback = false;
-    bool dry_run = false;          // only reports what would be written
-    bool also_the_same = false;    // writes also those that do not differ
-    bool goes_on = false;          // continues after one that the device refuses; not with `rollback`
+    bool dry_run = false;          // only reports the values that would be written
+    bool also_the_same = false;    // also writes values that do not differ
+    bool goes_on = false;          // continues after a value that the device refuses; not with `rollback`
     WriteLimits text{};
-    /// Of the rows whose name several parameters have, or that have an empty one: the number of the one that is meant, which must have
-    /// this name. May be shorter than the rows.
+    /// For a row whose name is empty or belongs to several parameters: the number of the intended parameter, which must have this
+    /// name. May be shorter than the rows.
     std::vector<std::optional<std::uint16_t>> ids{};
     /// Whether two texts that differ in bytes are the same to the user; may be empty.
     std::function<bool(const std::string&, const std::string&)> same_text{};
 };
 
-/// Nothing is written before every name is found, every value fits its type and every old value is read; otherwise all wrong rows are
-/// `failed`. Writes go one by one in the order given. The first that fails ends the task; with `goes_on`, only a device that no longer
-/// answers or became another one ends it.
+/// Nothing is written before every name is found, every value fits its type and every old value is read; otherwise all wrong rows
+/// are `failed`. Writes go one by one in the given order. The first failure ends the task; with `goes_on`, only a device that no
+/// longer answers or became another one ends it.
 ///
-/// A device that restarts loses what was not saved, and a short restart shows no sign. So all values that were written are read once more at
-/// the end, if there are several or the device restarted (after a restart also those that did not differ). What is lost is written again
-/// once, then it is `failed`. The same after undoing: every old value has to be back. Nothing is written, and so nothing undone, once the device
-/// became another one.
+/// A device that restarts loses values that were not saved, and a short restart shows no sign. So all written values are read
+/// once more at the end, if there are several or the device restarted (after a restart also those that did not differ). A lost
+/// value is written again once, then it is `failed`. The same applies after undoing: every old value must be restored. Once the
+/// device became another one, nothing is written, and so nothing is undone.
 class ParameterApply final : public Task {
 public:
     enum class State : std::uint8_t {
         waiting,
         same,          // not written: the device has this value
-        written,       // and read back
+        written,       // written and read back
         clamped,       // stored as another value
         failed,        // see `what`
-        undone,        // the old value is back, and was read back
+        undone,        // the old value is restored and was read back
         not_undone,    // it may be written, and the old value could not be restored
     };
     struct Row {
@@ -57,7 +57,7 @@ public:
         std::string what{};                  // why it failed, as a clause
         std::optional<AnyValue> before{};    // as read first
         std::optional<AnyValue> stored{};    // as read last
-        bool acknowledged = false;           // of `written` and `clamped`; otherwise only reading back showed it
+        bool acknowledged = false;           // for `written` and `clamped`; if false, only reading back showed it
     };
 
     ParameterApply(Device& device, DescriptionCache* cache, const std::vector<std::pair<std::string, AnyValue>>& values,
@@ -66,7 +66,7 @@ public:
     void start(TimePoint now);
     /// In parameters.
     Progress progress() const noexcept override { return {at_, rows_.size()}; }
-    /// With `rollback` what was written is undone first.
+    /// With `rollback`, written values are undone first.
     void cancel(TimePoint now) override;
     void ended(const Ended&, TimePoint) override {}    // only its sub-tasks send requests
 
@@ -103,22 +103,22 @@ private:
     ApplyOptions options_;
     std::vector<Row> rows_;
     std::vector<ParameterInfo> infos_;    // of rows_
-    DescriptionCache own_cache_;          // used when the caller has none
+    DescriptionCache own_cache_;          // used if the caller passes none
     DescriptionCache* cache_;
     Parameters parameters_;
     std::unique_ptr<Parameters> again_;         // at the end
     std::unique_ptr<Parameters> last_again_;    // as last_
     std::unique_ptr<ParameterWrite> write_;
-    std::unique_ptr<ParameterWrite> last_;    // the task before, which may not be destroyed in its own on_end() call
+    std::unique_ptr<ParameterWrite> last_;    // the previous task, which may not be destroyed in its own on_end() call
     std::size_t at_ = 0;
     std::uint32_t presence_ = 0, announcements_ = 0;    // of the device when the first value was written
     std::uint32_t compared_ = 0;                        // Device::doubts() when a description was last read or compared
     std::vector<std::size_t> touched_;                  // rows whose old value is to be restored if one fails
-    std::vector<bool> repeated_;                        // of rows_: written once more, since it was lost
+    std::vector<bool> repeated_;                        // of rows_: written once more, since the value was lost
     std::size_t lost_ = 0;
     bool undoing_ = false;
     std::vector<bool> undone_again_;    // of rows_
-    std::optional<End> why_;            // of the first that failed; how the task ends after undoing
+    std::optional<End> why_;            // the first failure; the end of the task after undoing
 };
 
 }    // namespace ano::host

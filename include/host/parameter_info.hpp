@@ -16,7 +16,7 @@
 
 namespace ano::host {
 
-/// How a device describes its parameters: all of them in one way.
+/// How a device describes its parameters; it describes all of them in the same way.
 enum class ParameterLayout : std::uint8_t {
     typed,     // by their type
     ranged,    // by min and max; every value is an i32
@@ -30,10 +30,10 @@ struct ParameterInfo {
     };
 
     std::uint16_t id = 0;
-    std::optional<Type> type{};    // std::nullopt: of unknown type, and it can't be written
-    std::string name{};            // as received, in whatever encoding the device uses; so is info
+    std::optional<Type> type{};    // std::nullopt: the type is unknown, and it can't be written
+    std::string name{};            // as received, in the encoding of the device, like info
     std::string info{};
-    std::optional<Limits> limits{};    // of an older device, in the unit of the value; ParameterWrite keeps to it
+    std::optional<Limits> limits{};    // of an older device, in the unit of the value; ParameterWrite observes them
     ParameterLayout layout = ParameterLayout::typed;
     std::int32_t mul = 1;    // the number on the wire is the value times `mul`, which is at least 1
 
@@ -41,31 +41,32 @@ struct ParameterInfo {
     friend bool operator==(const ParameterInfo&, const ParameterInfo&) = default;
 };
 
-/// The description in `frame`; std::nullopt when it is not a 0xE2, or too short for one.
+/// The description in `frame`; std::nullopt if it is not a 0xE2, or too short for one.
 std::optional<ParameterInfo> parameter_info_in(FrameView frame, ParameterLayout layout);
-/// The same, in the layout that this frame looks like: another frame of the same device may show that it is wrong.
+/// The same, in the layout that this frame suggests: another frame of the same device may disprove it.
 std::optional<ParameterInfo> parameter_info_in(FrameView frame);
 
-/// As of value.hpp, for the value of this parameter: of a scaled one it is a double. std::nullopt where the type is not known.
+/// Like value_of() of value.hpp, for the value of this parameter: a scaled one is a double. std::nullopt if the type is not
+/// known.
 std::optional<AnyValue> value_of(Bytes bytes, const ParameterInfo& info);
-/// A scaled value must be a multiple of 1 / mul, to a thousandth of that.
+/// A scaled value must be a multiple of 1 / mul, within a thousandth of that.
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, const ParameterInfo& info);
 std::string words_of_misfit(Misfit misfit, const ParameterInfo& info);
 bool same_bytes(const AnyValue& a, const AnyValue& b, const ParameterInfo& info);
-/// The nearest number that append() accepts, of one that is within the range; other values as they are.
+/// The nearest number that append() accepts, for a number within the range; other values are returned unchanged.
 AnyValue nearest_value(const AnyValue& value, const ParameterInfo& info);
 
-/// "4 bytes for u8": what the device sent is no value of this type; empty: it is, or may be.
+/// Why the bytes that the device sent are not a value of this type ("4 bytes for u8"); empty: they are, or may be.
 std::string unreadable_value(Bytes value, const ParameterInfo& info);
 
-/// Why a number may not be written as a value of `size` bytes where the device sent `had` bytes, as a clause; empty: it may.
+/// Why a number may not be written as a value of `size` bytes if the device sent `had` bytes, as a clause; empty: it may.
 std::string length_misfit(std::size_t size, std::size_t had, const ParameterInfo& info);
 
-/// Finds out the layout of a device from all its descriptions, since one alone may look like another layout.
+/// Determines the layout of a device from all its descriptions, since a single one may look like another layout.
 class LayoutVotes {
 public:
     void count(FrameView description) noexcept;
-    /// That of most descriptions.
+    /// The layout of most descriptions.
     ParameterLayout winner() const noexcept;
     void clear() noexcept { votes_ = {}; }
 
@@ -73,13 +74,13 @@ private:
     std::array<std::uint32_t, 3> votes_{};
 };
 
-/// The parameter that a name stands for.
+/// The parameter that a name refers to.
 struct Found {
-    const ParameterInfo* parameter = nullptr;    // null: none has this name, or several have it
+    const ParameterInfo* parameter = nullptr;    // nullptr: none has this name, or several have it
     bool several = false;
 };
 Found find_parameter(std::span<const ParameterInfo> all, std::string_view name) noexcept;
-/// The one with this name, or else with this number.
+/// The parameter with this name, or else with this number.
 Found parameter_called(std::span<const ParameterInfo> all, std::string_view word) noexcept;
 
 /// The 0xE0 questions, whose answers are 0xE3, 0xE0, 0xE1 and 0xE2.

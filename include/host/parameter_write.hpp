@@ -17,35 +17,36 @@ namespace ano::host {
 
 struct WriteLimits {
     bool longer = false;                       // a text may be longer than the one that it replaces
-    std::optional<std::size_t> max_bytes{};    // of any text: vendor_max_text where the device has the vendor's parser
-    bool beyond_range = false;                 // a number may lie outside of the range that the device states for it
+    std::optional<std::size_t> max_bytes{};    // for any text: vendor_max_text if the device uses the vendor's parser
+    bool beyond_range = false;                 // a number may lie outside the range that the device states for it
 };
 
-/// Why a text of `size` bytes may not replace one of `had` bytes, as a clause to follow the text; empty: it may.
+/// Why a text of `size` bytes may not replace one of `had` bytes, as a clause that follows the text; empty: it may.
 std::string text_misfit(std::size_t size, std::size_t had, const WriteLimits& limits);
 
-/// Why `value` may not be written into a parameter whose device states a range, as a clause to follow the value; empty: it may.
+/// Why `value` may not be written to a parameter whose device states a range, as a clause that follows the value; empty: it may.
 std::string range_misfit(const AnyValue& value, const ParameterInfo& info, const WriteLimits& limits);
 
 /// The old value is read first: by default a text may not be longer than the old one, and the old value shows whether the device
-/// clamped the new one or stored nothing. Then it is written, acknowledged and read back; a different value is read once more, since
-/// it may be a late answer. If the device was away meanwhile, the parameter count and this description are read again first.
+/// clamped the new one or stored nothing. Then the new value is written, acknowledged and read back; a different value is read
+/// once more, since it may be a late answer. If the device was away meanwhile, the parameter count and this description are read
+/// again first.
 ///
-/// The question for the read-back leaves right behind the write, without waiting for its acknowledgement: one round trip. It shows that
-/// the value is stored; that it is not, only if the write did not have to be repeated. Otherwise the value is read back afterwards, also
-/// when the write was not acknowledged.
+/// The read-back question is sent directly after the write, without waiting for the acknowledgement: one round trip. It can show
+/// that the value is stored. It shows that the value is not stored only if the write was not repeated; otherwise the value is
+/// read back afterwards, also if the write was not acknowledged.
 ///
-/// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Failed: it became another device. Invalid,
-/// with nothing sent to be written: the value does not fit the type or the stated range, the device sends it in another length, or the parameter is not
-/// there.
+/// Done: as written, or clamped. Refused: the device kept its old value, or does not answer the read-back. Failed: it became
+/// another device. Invalid, and nothing was written: the value does not fit the type or the stated range, the device uses another
+/// length for it, or the parameter does not exist.
 class ParameterWrite final : public Task {
 public:
     ParameterWrite(Device& device, ParameterInfo info, AnyValue value, WriteLimits limits = {});
 
-    /// To be called before start(): the old value, which was read just now, is not read again. `doubts`: Device::doubts() when that
-    /// and the description were read; after later ones both are asked again.
+    /// To be called before start(): sets the old value, which was read just now, so that it is not read again. `doubts`:
+    /// Device::doubts() when it and the description were read; if there are later doubts, both are read again.
     void set_before(Bytes value, std::uint32_t doubts);
-    /// The same without a value: `info` was the device's at that time.
+    /// The same without a value: `info` was valid for the device at that time.
     void set_known(std::uint32_t doubts) noexcept { doubts_ = doubts; }
     /// Device::doubts() when the description was last read or compared; std::nullopt: before start().
     std::optional<std::uint32_t> known() const noexcept { return doubts_; }
@@ -56,12 +57,12 @@ public:
 
     const ParameterInfo& info() const noexcept { return info_; }
     const AnyValue& written() const noexcept { return value_; }
-    /// std::nullopt as long as they are not known.
+    /// std::nullopt while not known.
     std::optional<AnyValue> before() const { return before_ ? decoded(*before_) : std::nullopt; }
     std::optional<AnyValue> stored() const { return stored_ ? decoded(*stored_) : std::nullopt; }
-    /// The device stored another value than was written: a success.
+    /// The device stored another value than the one written: this counts as success.
     bool is_clamped() const { return end() && end()->ending == Ending::done && !same(*stored_, wire_); }
-    /// Whether the write has left: the device may have stored it.
+    /// Whether the write was sent: the device may have stored it.
     bool was_sent() const noexcept { return was_sent_; }
     /// If was_sent() and this is false, only reading back shows whether the device stored the value.
     bool was_acknowledged() const noexcept { return was_sent_ && !silence_; }
@@ -101,16 +102,16 @@ private:
     Evidence acknowledgement_;              // of the write
     std::optional<Evidence> silence_;       // set when the write was not acknowledged
     bool is_compared_ = false;              // a value that is neither the old nor the new one was read again
-    std::optional<std::uint16_t> count_;    // of parameters, when it began
+    std::optional<std::uint16_t> count_;    // of parameters, at the start
     static constexpr unsigned max_uncertain = 5;
-    unsigned sends_ = 0;                     // of the write, that were not acknowledged
-    unsigned uncertain_ = 0;                 // Outcome::uncertain, so often; after more the write counts as not acknowledged
-    std::optional<std::uint32_t> doubts_;    // Device::doubts() when `info` was the device's
+    unsigned sends_ = 0;                     // of the write, not acknowledged
+    unsigned uncertain_ = 0;                 // the number of Outcome::uncertain; after more, the write counts as not acknowledged
+    std::optional<std::uint32_t> doubts_;    // Device::doubts() when `info` was read
     Wire wire_;
     std::optional<Wire> before_, stored_;
 };
 
-/// What a device is told to do with all its parameters (0xE0 0x10).
+/// Actions of a device on all its parameters (0xE0 0x10).
 enum class Action : std::uint16_t {
     restore_defaults = 0xAA,
     save = 0xAB,

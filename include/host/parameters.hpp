@@ -20,61 +20,62 @@
 
 namespace ano::host {
 
-/// Reads device info, the number of parameters, every description that the cache does not have, and values; at the end it reads the
-/// number again: when the device has changed, everything is read once more.
+/// Reads device info, the number of parameters, every description that is not cached, and values. At the end it reads the number
+/// again: if the device has changed, everything is read once more.
 ///
-/// If the device is known and not all values are wanted, device info and number are asked just before the values, without waiting for
-/// the answers: one round trip. The ids are below the number that it reported last, since when it was not away.
+/// If the device is known and not all values are wanted, device info and number are asked just before the values, without waiting
+/// for the answers: one round trip. The ids are below the number that the device last reported, and it was not away since.
 ///
-/// Where only an earlier run knew it (DescriptionCache::recall()), or it may have restarted or be another one since (Device::doubts()), the
-/// descriptions of the wanted values are read with them and compared. If one differs, or not as many are found as are wanted, everything
-/// is read. All values are read with all descriptions then.
+/// If only an earlier run knew the device (DescriptionCache::recall()), or it may have restarted or be another one since
+/// (Device::doubts()), the descriptions of the wanted values are read with them and compared. If one differs, or fewer are found
+/// than wanted, everything is read. If all values are wanted, all descriptions are compared.
 class Parameters final : public Gather {
 public:
     enum class Values : std::uint8_t { all, none, named };
 
-    /// `cache` may be null, and outlives this.
+    /// `cache` may be nullptr, and must outlive this object.
     explicit Parameters(Device& device, DescriptionCache* cache = nullptr) : Gather{device}, cache_{cache} {}
 
     void read(Values values, TimePoint now);
     void read_all(TimePoint now) { read(Values::all, now); }
-    /// Reads the values of these only; names that no parameter or several parameters have are left out.
+    /// Reads only the values of these; names that no parameter or several parameters have are left out.
     void read_named(std::vector<std::string> names, TimePoint now) {
         names_ = std::move(names);
         read(Values::named, now);
     }
 
-    /// Reads the values of those with these names or, where no parameter has such a name, these numbers.
+    /// Reads the values of the parameters with these names or, if no parameter has such a name, these numbers.
     void read_called(std::vector<std::string> words, TimePoint now) {
         may_be_numbers_ = true;
         read_named(std::move(words), now);
     }
 
-    /// To be called before reading values of some: their descriptions are compared in any case, since one of them will be written.
+    /// To be called before reading values of some parameters: their descriptions are always compared, since one of them will be
+    /// written.
     void compare_anyway() noexcept { compares_anyway_ = true; }
 
-    /// Reads the values of those only for which `wanted` is true, of `at_least` parameters. It is called when the descriptions are there.
+    /// Reads only the values for which `wanted` is true, of `at_least` parameters. It is called when the descriptions are known.
     void read_where(std::function<bool(const ParameterInfo&)> wanted, TimePoint now, std::size_t at_least = 0) {
         is_wanted_ = std::move(wanted);
         at_least_ = at_least;
         read(Values::named, now);
     }
 
-    /// Reads the values of these only, by id; ids that do not exist are left out.
+    /// Reads only these values, by id; ids that do not exist are left out.
     void read_numbered(std::vector<std::uint16_t> ids, TimePoint now) {
         wanted_ = std::move(ids);
         read(Values::named, now);
     }
 
-    /// By id, from 0 without gaps; complete when the task is done. Descriptions that did not come have no name and no type.
+    /// By id, from 0 without gaps; complete when the task is done. Descriptions that were not received have no name and no type.
     const std::vector<ParameterInfo>& descriptions() const noexcept { return descriptions_; }
-    /// The bytes of the value as received; empty: it did not come.
+    /// The bytes of the value as received; empty: not received.
     Bytes bytes(std::uint16_t id) const noexcept { return id < values_.size() ? Bytes{values_[id]} : Bytes{}; }
-    /// std::nullopt when it did not come, is shorter than its type, or its type is not known.
+    /// std::nullopt if it was not received, is shorter than its type, or its type is not known.
     std::optional<AnyValue> value(std::uint16_t id) const;
     /// The parameter with this name.
     Found find(std::string_view name) const noexcept { return find_parameter(descriptions_, name); }
-    /// Device::doubts() when it began to read: what was read may be wrong after later ones.
+    /// Device::doubts() when reading began: the data may be wrong if there are later doubts.
     std::uint32_t doubts() const noexcept { return doubts_; }
     /// Whether the descriptions come from the cache.
     bool from_cache() const noexcept { return from_cache_; }
@@ -122,20 +123,20 @@ private:
     std::uint32_t presence_ = 0;
     std::uint32_t doubts_ = 0;
     Asks asks_ = Asks::both;
-    std::uint32_t checks_ = 0;    // the first questions ask whether the device is still the same: 2, or 0
+    std::uint32_t checks_ = 0;    // number of leading questions that check whether the device is the same: 2, or 0
     std::vector<std::string> names_;
-    bool may_be_numbers_ = false;    // those of names_ that no parameter has
+    bool may_be_numbers_ = false;    // names_ that no parameter has are numbers
     std::function<bool(const ParameterInfo&)> is_wanted_;
-    std::size_t at_least_ = 0;             // so many are meant by is_wanted_
+    std::size_t at_least_ = 0;             // the minimum number of parameters that is_wanted_ selects
     std::vector<std::uint16_t> wanted_;    // by id
     std::vector<std::uint16_t> named_;     // the ids of names_ and wanted_
     bool from_cache_ = false;
     bool compares_anyway_ = false;
-    bool compares_ = false;    // they are of an earlier run, or the device may be another one since
-    bool differs_ = false;     // one of them is not as it was
+    bool compares_ = false;    // they are from an earlier run, or the device may be another one since
+    bool differs_ = false;     // one of them has changed
     bool started_again_ = false;
     std::vector<ParameterInfo> descriptions_;
-    std::vector<std::vector<std::uint8_t>> frames_;    // of the descriptions as received, until all are there
+    std::vector<std::vector<std::uint8_t>> frames_;    // the descriptions as received, until all are complete
     LayoutVotes votes_;
     std::vector<std::vector<std::uint8_t>> values_;
 };

@@ -1,4 +1,4 @@
-// Notices that a device has restarted, by what it sends and what it does not send.
+// Detects that a device has restarted, from the frames that it sends or does not send.
 #pragma once
 #include <host/device.hpp>
 
@@ -9,11 +9,12 @@
 
 namespace ano::host {
 
-/// Signs of a restart: a gap in its samples, or before the first one; device info that nobody asked for; device info that has changed, or a
-/// long absence.
+/// Signs of a restart: a gap in its samples, or before the first one; device info that was not asked for; device info that has
+/// changed, or a long absence.
 class RestartWatch {
 public:
-    /// A longer gap is a sign; of a device that sends fewer than six samples a second: one of three usual intervals.
+    /// A longer gap is a sign. For a device that sends fewer than six samples a second, a gap longer than three usual intervals
+    /// is.
     static constexpr Duration max_gap = std::chrono::milliseconds{500};
     static constexpr unsigned usual_gaps = 3;
 
@@ -24,7 +25,7 @@ public:
     void sampled(TimePoint now);
     /// The first sign, as a clause; std::nullopt: none.
     std::optional<std::string> sign(const Device& device) const;
-    /// If the sign is a gap that began within max_gap of the beginning: how long it was, as text; otherwise empty.
+    /// If the sign is a gap that began within max_gap of the beginning: its length, as text; otherwise empty.
     std::string silence_at_begin() const;
     /// The time of the last sample, or of the beginning.
     TimePoint sampled_at() const noexcept { return last_; }
@@ -34,7 +35,7 @@ private:
     TimePoint begun_, last_;
     bool is_sampled_ = false;
     TimePoint longest_since_{};
-    Duration longest_{};    // also from the beginning to the first sample: judged again when the pace is known better
+    Duration longest_{};    // also from the beginning to the first sample; judged again when the pace is known better
     std::optional<Duration> usual_;
     std::optional<Duration> gap_;
 };

@@ -1,4 +1,4 @@
-// A piece of work with a device: progress, cancel, and an end that tells what happened.
+// An operation on a device: progress, cancel, and a result.
 #pragma once
 #include <host/device.hpp>
 
@@ -17,12 +17,12 @@ namespace ano::host {
 enum class Ending : std::uint8_t {
     done,
     timeout,        // the device does not answer
-    incomplete,     // it answers, but not everything
-    unknown,        // no answer to what may not be repeated: it may have been carried out
+    incomplete,     // it answers, but not everything was received
+    unknown,        // no answer to a frame that may not be repeated: it may have been carried out
     refused,        // the device rejects it
-    failed,         // the device tried, and it did not work
+    failed,         // the device tried, without success
     invalid,        // not sent, because the request would be wrong
-    unsupported,    // the device does not provide what is needed
+    unsupported,    // the device does not provide a needed function
     cancelled,
 };
 inline constexpr std::array<std::string_view, 9> ending_names{"done",   "timeout", "incomplete",  "unknown",  "refused",
@@ -31,17 +31,17 @@ constexpr std::string_view name_of(Ending ending) noexcept { return ending_names
 
 struct End {
     Ending ending = Ending::done;
-    std::string what;    // for people: a clause; empty when done and there is nothing to add
+    std::string what;    // for people: a clause; empty if done and there is nothing to add
     Evidence evidence{};
 };
 
-/// In the unit of the task: descriptions and values, waypoints, bytes. `total` is 0 as long as it is not known.
+/// In the unit of the task: descriptions and values, waypoints, bytes. `total` is 0 while it is not known.
 struct Progress {
     std::size_t done = 0;
     std::size_t total = 0;
 };
 
-/// "0xDC", as addresses are written for people.
+/// "0xDC", the form of addresses for people.
 std::string hex_of(std::uint8_t address);
 
 /// The device must outlive its tasks. A task runs once, from its start(); its results can be read after its end.
@@ -55,21 +55,22 @@ public:
     /// std::nullopt until it has ended.
     const std::optional<End>& end() const noexcept { return end_; }
     virtual Progress progress() const noexcept { return {}; }
-    /// Counted from the first request. It limits devices that always answer just in time; the wait for the last request may exceed it.
+    /// Counted from the first request. It limits devices that always answer just before the time-out; the wait for the last
+    /// request may exceed it.
     virtual Duration max_duration() const noexcept { return std::chrono::minutes{2}; }
-    /// Which device is meant: the one that was there when the task was made, or when renew_identity() was called.
+    /// The intended device: the one that was there when the task was made, or when renew_identity() was called.
     Identity identity() const noexcept { return identity_; }
-    /// The device of `identity` is meant, in any case: for a task that is a part of another one.
+    /// Sets the intended device: for a task that is a part of another one.
     void mean(Identity identity) noexcept {
         identity_ = identity;
         is_meant_ = true;
     }
-    /// It failed because another device has the address: nothing that acts was sent to that.
+    /// It failed because another device has the address: no frame that acts was sent to that device.
     bool is_of_another() const noexcept { return is_of_another_; }
     void not_meant(const Ended& ended, TimePoint now) override;
-    /// Ends the task; the end says what is half done. A task that has to restore something first ends after that.
+    /// Ends the task; the end states what is half done. A task that must restore something first ends after that.
     virtual void cancel(TimePoint now);
-    /// Called when it ends, last of all. The task may not be destroyed in it.
+    /// Called last when it ends. The task may not be destroyed in the call.
     void on_end(std::function<void(TimePoint)> told) { told_ = std::move(told); }
 
 protected:
@@ -77,31 +78,32 @@ protected:
     const Device& device() const noexcept { return device_; }
     /// Sends `request`, or ends as invalid.
     void ask(const Request& request, TimePoint now);
-    /// What is known of the device was read just now: the one that is there is meant, unless mean() was called.
+    /// The data known of the device was read just now: the intended device is the one that is there, unless mean() was called.
     void renew_identity() noexcept {
         if (!is_meant_) identity_ = device_.identity();
     }
-    /// Whether another device has the address than the one that is meant.
+    /// Whether another device than the intended one has the address.
     bool finds_another() const noexcept { return identity_ != device_.identity(); }
     /// To be called before finish(), where a part of the task found another device.
     void be_of_another() noexcept { is_of_another_ = true; }
     std::string words_of_another() const { return hex_of(device_.address()) + " became another device in the meantime"; }
-    /// Ends because another device has the address. `may_be_done`: by the one before, as a noun, and `left`: its state, as a clause; empty:
-    /// nothing to say.
+    /// Ends because another device has the address. `may_be_done`: the order that the previous device may have carried out, as a
+    /// noun, and `left`: its state, as a clause; empty: nothing to report.
     void finish_another(std::string_view may_be_done, TimePoint now, std::string_view left = {});
-    /// What the task sends that acts, as a noun.
+    /// The acting request that the task sends, as a noun.
     virtual std::string order() const { return {}; }
     /// A clause that follows the reason for giving up: the state in which the device is left.
     virtual std::string_view half_done() const noexcept { return {}; }
-    /// To be called before a request. True, and the task has ended, when it has taken longer than max_duration().
+    /// To be called before a request. True if it has taken longer than max_duration(): the task has ended.
     bool gives_up(TimePoint now);
-    /// Ends the task, unless it has ended; its requests are forgotten.
+    /// Ends the task, unless it has ended; its requests are discarded.
     void finish(End end, TimePoint now);
-    /// Ends without an answer to the question for `step`. `likely` is the probable reason if other frames of the device come, as a clause.
+    /// Ends without an answer to the question for `step`. `likely` is the probable reason if other frames of the device are
+    /// received, as a clause.
     void finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely = {});
     /// The same for an order, which was not acknowledged.
     void finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely);
-    /// For an order that a port id acknowledged instead of the device, as a clause; empty: it was the device.
+    /// If a port id acknowledged an order instead of the device: a clause about it; empty: the device acknowledged it.
     static std::string words_of_port(const Evidence& evidence);
     /// Ends in the same way as `other`.
     void finish_as(const Task& other, TimePoint now);

@@ -1,4 +1,4 @@
-// How often a device sends telemetry, and whether that pauses.
+// How often a device sends telemetry, and whether its telemetry pauses.
 #pragma once
 #include <ano/time.hpp>
 
@@ -7,8 +7,9 @@
 
 namespace ano::host {
 
-/// A pause is longer than max_pause and three usual intervals; of a slow pace, than one and a half and max_late. Frames within `together` count as one, since many devices send several at a
-/// time. As long as the pace is not known, nothing is a pause: it is judged again when a second interval shows the pace.
+/// A pause is longer than max_pause and three usual intervals; at a slow pace, longer than one and a half intervals and max_late.
+/// Frames within `together` count as one, since many devices send several at a time. While the pace is not known, nothing counts
+/// as a pause: it is judged again when a second interval shows the pace.
 class TelemetryPace {
 public:
     static constexpr Duration max_pause = std::chrono::milliseconds{500};
@@ -16,8 +17,8 @@ public:
     static constexpr Duration max_late = std::chrono::milliseconds{300};
     static constexpr Duration together = max_pause / usual_intervals;
 
-    /// A frame of telemetry came; `heard_at`: the last frame of any kind before it. True: it paused before this frame, or before an
-    /// earlier one as its pace shows now.
+    /// A frame of telemetry was received; `heard_at`: the time of the last frame of any kind before it. True: there was a pause
+    /// before this frame, or, as the pace now shows, before an earlier one.
     bool came(TimePoint now, std::optional<TimePoint> heard_at) noexcept;
     bool pauses(TimePoint now) const noexcept;
     /// A longer one is a pause.
@@ -32,7 +33,7 @@ private:
     TimePoint begun_{};    // of the frames that count as one
     Duration usual_{};     // interval between these
     int intervals_ = 0;
-    Duration unjudged_{};    // the longest interval while the pace is not known
+    Duration unjudged_{};    // the longest interval while the pace was not known
 };
 
 }    // namespace ano::host

@@ -15,21 +15,21 @@ namespace ano::host {
 
 using AnyValue = std::variant<std::int64_t, std::uint64_t, double, std::string>;
 
-/// Why a value does not fit a type, as a clause to follow the value: "is not whole"; empty when it fits.
+/// Why a value does not fit a type, as a clause that follows the value: "is not whole"; empty if it fits.
 using Misfit = std::string_view;
 
-/// Appends `value` as `type` has it on the wire, never shorter than the type: a device would store check bytes in place of the
-/// missing ones. A text is appended as it is. Nothing is appended when the value does not fit.
+/// Appends `value` in the form of `type` on the wire, never shorter than the type: a device would store check bytes in place of
+/// the missing ones. A text is appended unchanged. Nothing is appended if the value does not fit.
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type);
 
 /// `misfit` as text, with the range of a number type: "is out of range, u8 is 0 to 255".
 std::string words_of_misfit(Misfit misfit, Type type);
 
-/// The value in `bytes`; std::nullopt when there are too few. append() turns it into the same bytes again, even a NaN. Text ends
-/// at its first NUL.
+/// The value in `bytes`; std::nullopt if there are too few. append() restores the same bytes, even for a NaN. Text ends at its
+/// first NUL.
 std::optional<AnyValue> value_of(Bytes bytes, Type type);
 
-/// Whether both are the same bytes on the wire: NaNs of the same bits are equal, 0 and -0 are not. False when one does not fit.
+/// Whether both have the same bytes on the wire: NaNs of the same bits are equal, 0 and -0 are not. False if one does not fit.
 bool same_bytes(const AnyValue& a, const AnyValue& b, Type type);
 
 /// For people: 4, -0.25, "text".

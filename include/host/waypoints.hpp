@@ -28,12 +28,12 @@ struct Waypoint {
 
 inline constexpr std::uint8_t last_waypoint = 0xFE;
 
-/// The waypoint in `frame`; std::nullopt when it is not a 0x61, or too short for one.
+/// The waypoint in `frame`; std::nullopt if it is not a 0x61, or too short for one.
 std::optional<Waypoint> waypoint_in(FrameView frame);
-/// The request that writes it; std::nullopt when the place is not on earth, or the number is beyond last_waypoint.
+/// The request that writes it; std::nullopt if the position is not on earth, or the number is beyond last_waypoint.
 std::optional<Request> waypoint_write(const Waypoint& waypoint, std::uint32_t tag = 0);
 
-/// Reads the number of waypoints, and each of them, from 0.
+/// Reads the number of waypoints, and each waypoint, from 0.
 class WaypointsGet final : public Gather {
 public:
     using Gather::Gather;
@@ -58,15 +58,15 @@ private:
     std::vector<Waypoint> waypoints_;
 };
 
-/// Writes waypoints one by one, reads each back, and asks at the end how many there are. The protocol has no way to remove one: when
-/// the device has more, the end says so.
+/// Writes waypoints one by one, reads each back, and finally asks for their number. The protocol can't remove a waypoint: if the
+/// device has more, the end states that.
 ///
-/// One that is not acknowledged is read back, and written again if it is not stored: for `patience`, since some devices take 3 s, and as
-/// long as the device does not store something else. One that is acknowledged and read back otherwise is written once more: the device may
-/// store others than it is sent, or have restarted with its old list. If there are several, or one was read back otherwise, or anything was lost on
-/// the way, or the device was away, the whole list is read again at the end, and what that has counts: the device may have restarted and
-/// lost waypoints. Failed: the list differs from what was stored,
-/// or none is stored as written; then the progress counts those that the device has.
+/// A waypoint that is not acknowledged is read back, and written again if it is not stored: for `patience`, since some devices
+/// take 3 s, and as long as the device does not store another value. One that is acknowledged and read back with another value is
+/// written once more: the device may store other values than it receives, or have restarted with its old list. The whole list is
+/// read again at the end if there are several, one was read back with another value, anything was lost on the way, or the device
+/// was away: it may have restarted and lost waypoints. The list read last decides. Failed: the list differs from the stored
+/// values, or none is stored as written; then the progress counts those that the device has.
 class WaypointsPut final : public Task {
 public:
     static constexpr Duration patience = std::chrono::seconds{4};
@@ -108,7 +108,7 @@ private:
     std::size_t unacknowledged_ = 0;
     std::optional<TimePoint> begun_at_;    // this waypoint
     bool is_acknowledged_ = false;         // this waypoint
-    bool is_written_again_ = false;        // this waypoint, because it was read back otherwise
+    bool is_written_again_ = false;        // this waypoint, because another value was read back
     TimePoint acknowledged_at_{};
     unsigned mismatches_ = 0;    // of this waypoint, read back without an acknowledgement
     Evidence silence_;           // of its writes
