@@ -27,7 +27,7 @@ bool has_plausible_matrix(const AccelerometerCalibration& c) noexcept {
     return true;
 }
 
-// Values outside these bounds are not due to a misaligned sensor but to a mistake in turning the device.
+// Values outside these bounds are not caused by a misaligned sensor but by faces that were held wrongly.
 bool is_plausible(const AccelerometerCalibration& c) noexcept {
     for (std::size_t i = 0; i < 3; ++i)
         if (!(std::abs(c.offset[i]) < SixFaces::gravity / 2 && c.sensitivity[i] > 0.5 && c.sensitivity[i] < 2)) return false;
@@ -113,7 +113,7 @@ void SixFaces::take(const Vector& acceleration, const Vector& rotation) noexcept
     face.swings = swings;
 }
 
-// Three times the standard error of the difference, and `beyond`.
+// Whether the difference between earlier and later samples exceeds three times its standard error, plus `beyond`.
 bool SixFaces::Gathered::drifts(double beyond) const noexcept {
     const double n = static_cast<double>(count), half = n / 2;
     double difference = 0, variance = squares / n;
@@ -122,11 +122,11 @@ bool SixFaces::Gathered::drifts(double beyond) const noexcept {
         difference += d * d;
         variance -= all / n * (all / n);
     }
-    variance -= difference / 4;    // what is left is that of each half
+    variance -= difference / 4;    // the variance within each half
     return std::sqrt(difference) > 3 * std::sqrt(std::max(0.0, variance) * 2 / half) + beyond;
 }
 
-// Only its direction changes. Of a device that smooths its samples and still settles, the length does too.
+// Whether only the direction changes. If a device smooths its samples and still settles, the length changes too.
 bool SixFaces::Gathered::turns() const noexcept {
     Vector later{}, turned{};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -180,8 +180,8 @@ Vector SixFaces::Gathered::mean(std::size_t half) const noexcept {
     return {sum[half][0] / n, sum[half][1] / n, sum[half][2] / n};
 }
 
-// Each axis of the corrected vector is linear in the raw vector: M · raw + c, where M = E · diag(S) and c = −M · O. The diagonal of
-// E is 1.
+// Each axis of the corrected vector is linear in the raw vector: M · raw + c, where M = E · diag(S) and c = −M · O. The diagonal
+// of E is 1.
 std::optional<AccelerometerCalibration> SixFaces::solve() const noexcept {
     std::array<Vector, 3> m{};
     Vector c{};
@@ -209,7 +209,8 @@ std::optional<AccelerometerCalibration> SixFaces::solve() const noexcept {
     return result;
 }
 
-// Only offset and sensitivity, with the error matrix of `old`: Newton's method, since the length is not linear in them.
+// Solves only for offset and sensitivity, with the error matrix of `old`: Newton's method, since the length is not linear in
+// them.
 std::optional<AccelerometerCalibration> SixFaces::solve_by_length(const AccelerometerCalibration& old) const noexcept {
     auto result = solve();
     if (!result) return std::nullopt;
@@ -240,7 +241,7 @@ std::optional<AccelerometerCalibration> SixFaces::solve_by_length(const Accelero
 Measure SixFaces::choose_measure(const AccelerometerCalibration& old) const noexcept {
     const auto with_new_matrix = is_complete() ? solve() : std::nullopt;
     const auto with_old_matrix = with_new_matrix ? solve_by_length(old) : std::nullopt;
-    if (!with_old_matrix) return Measure::direction;    // rejected by fit()
+    if (!with_old_matrix) return Measure::direction;    // fit() rejects it
     const auto by = [&](Measure measure, const AccelerometerCalibration& c, std::size_t half) {
         return residual_by(measure, c, half, {});
     };

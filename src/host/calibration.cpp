@@ -18,7 +18,7 @@ Action use_of(Sensor sensor) noexcept {
     return sensor == Sensor::accelerometer ? Action::accelerometer_calibration_sent : Action::store_compass_calibration;
 }
 
-/// The name of the first value that the device has not, as it was read; nullptr: it has them all.
+/// The name of the first value that differs from the one read from the device; nullptr: all are the same.
 const std::string* first_unlike(const CalibrationValues& values, const Parameters& read) {
     for (const auto& [name, value] : values) {
         const ParameterInfo* info = read.find(name).parameter;
@@ -40,7 +40,7 @@ std::string error_text(double error, Sensor sensor) {
     return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + (sensor == Sensor::accelerometer ? " cm/s²" : " %");
 }
 
-// Also before it was ever calibrated.
+// Also true for a device that was never calibrated.
 bool shows_the_clear(const CalibrationValues& cleared, Sensor sensor) {
     const auto is_zero = [](const auto& one) { return same_bytes(one.second, 0.0, Type::f32); };
     return are_same(cleared, neutral_calibration(sensor)) || std::all_of(cleared.begin(), cleared.end(), is_zero);
@@ -59,8 +59,8 @@ double worst_of(const CompassSphere& sphere, const CompassCalibration& calibrati
 template <class Found>
 using CheckOf = std::conditional_t<std::is_same_v<Found, AccelerometerCalibration>, AccelerometerCheck, CompassCheck>;
 
-// An older device has its values rounded. Then the new ones must still be better than the old ones, on the same samples: in all, and where
-// they are off most. Empty: they are.
+// An older device rounds the values that it stores. The rounded values must still be better than the old ones on the same
+// samples: as a whole, and where the error is largest. Empty: they are.
 template <class Samples, class Found>
 std::string why_too_coarse(const Samples& samples, const Fit<Found>& fit, const Found& old, const Found& stored, Sensor sensor) {
     const double after = samples.residual(stored);
@@ -192,7 +192,7 @@ std::optional<CalibrationValues> calibration_in(const Parameters& parameters, Se
     return values;
 }
 
-// Whether the parameters have consecutive ids, and each is an f32 or, of an older device, an i32 of which it says the scale.
+// Whether the parameters have consecutive ids, and each is an f32 or, on an older device, an i32 with a known scale.
 bool Calibration::order_is_right() const {
     std::optional<std::size_t> next;
     for (const std::string& name : calibration_names(sensor_)) {
@@ -229,7 +229,7 @@ void Calibration::clear(TimePoint now) {
     clear_->start(now);
 }
 
-// A device shows in its parameters that they are cleared, or it does not: they are read to be compared later.
+// Some devices show in their parameters that they are cleared: the values are read, to be compared later.
 void Calibration::cleared(TimePoint now) {
     if (end() || step_ != Step::clear) return;
     if (clear_->is_of_another()) return finish_of_another(*clear_, now);
@@ -241,7 +241,7 @@ void Calibration::cleared(TimePoint now) {
 
 void Calibration::read_cleared(TimePoint now) {
     if (end() || step_ != Step::clear) return;
-    if (reading_->end()->ending == Ending::timeout && now < silent_at()) return;    // again when it is heard
+    if (reading_->end()->ending == Ending::timeout && now < silent_at()) return;    // read again when a frame of it is received
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
     if (is_restarted(now)) return;
     const auto values = values_read();
@@ -349,7 +349,7 @@ void Calibration::measured(TimePoint now) {
     else prove<CompassCalibration>(sphere_, now);
 }
 
-// Whether a sample is of no use: it may be from before a clear or a store, it came after a gap, or all are gathered.
+// Whether a sample can't be used: it may be from before a clear or a store, it follows a gap, or enough were collected.
 bool Calibration::is_gone_on(TimePoint now) {
     if (step_ == Step::verify || step_ == Step::prove) return is_proven_ || now < settled_at_;
     watch_->sampled(now);
@@ -375,7 +375,7 @@ TimePoint Calibration::silent_at() const noexcept {
     return std::max(device().heard_at().value_or(step_since_) + silent_after, step_since_ + least);
 }
 
-// std::nullopt: in this step it may send none.
+// std::nullopt: in this step the device need not send samples.
 std::optional<TimePoint> Calibration::samples_missing_at() const noexcept {
     if (step_ != Step::turn) return std::nullopt;
     return std::max(watch_->sampled_at(), step_since_) + silent_after;
@@ -400,7 +400,7 @@ void Calibration::look(TimePoint now) {
     restore({Ending::failed, hex_of(device().address()) + " is online, but sends no samples: " + what, {}}, now);
 }
 
-// Not even the old values can be written to a device that is off.
+// A device that is off can't receive the old values either.
 void Calibration::end_silent(TimePoint now) {
     if (step_ != Step::restore)
         why_ = {Ending::timeout, hex_of(device().address()) + " stopped sending: nothing was received for 4.5 s", {}};
@@ -462,7 +462,7 @@ void Calibration::write(TimePoint now) {
     write_->start(now);
 }
 
-// First on the face that was completed last.
+// The check starts on the face that was completed last.
 void Calibration::make_check(const AccelerometerCalibration& stored) {
     further_checks_.clear();
     const auto old = calibration_of<AccelerometerCalibration>(old_);
@@ -539,7 +539,8 @@ void Calibration::check_parameters(TimePoint now) {
     read_values(&Calibration::kept_new_values, now);
 }
 
-// A device that restarts before it has stored them uses its old values again, which need not show where it was measured.
+// If the device restarts before it has stored the new values, it uses its old ones again, and the face on which it was measured
+// may not show this.
 void Calibration::kept_new_values(TimePoint now) {
     if (end() || !is_proven_ || step_ == Step::restore) return;
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
@@ -565,7 +566,7 @@ void Calibration::not_verified(TimePoint now) {
             now);
 }
 
-// The old values are of the device before.
+// The old values belong to the previous device.
 void Calibration::finish_of_another(const Task& part, TimePoint now) {
     be_of_another();
     finish({Ending::failed, part.end()->what + "; the old values were not written to that", {}}, now);

@@ -7,10 +7,11 @@
 namespace ano::host {
 namespace {
 
-// What goes wrong: the device uses a calibration otherwise than AccelerometerCalibration::corrected(), or what it sent was not raw.
+// Mistakes to detect: the device applies its calibration in another way than AccelerometerCalibration::corrected(), or its
+// samples were not raw.
 constexpr std::size_t mistakes = 3;
 
-// What the device sends then, where it was measured as `raw`.
+// The samples that the device sends with each mistake, where the measured value is `raw`.
 std::array<Vector, mistakes> sent_by_mistake(const AccelerometerCalibration& right, const AccelerometerCalibration& old,
                                              const Vector& raw) noexcept {
     AccelerometerCalibration divides = right, without_matrix = right;
@@ -19,7 +20,7 @@ std::array<Vector, mistakes> sent_by_mistake(const AccelerometerCalibration& rig
     return {divides.corrected(raw), without_matrix.corrected(raw), right.corrected(old.raw_of(raw))};
 }
 
-// Whether that would be noticed on this face. Twice the limit, so that neither noise nor the residual hides it.
+// Whether this face shows the mistake. The threshold is twice the limit, so that neither noise nor the residual hides it.
 double how_clear(const Vector& as_right, const Vector& as_wrong, Face face, Measure measure) {
     const double off = measure == Measure::length
                            ? std::abs(length_of(as_wrong) - length_of(as_right))

@@ -14,7 +14,7 @@ bool has_seven(const CommandInfo& info) noexcept {
     return std::find(info.numbers.begin(), info.numbers.end(), open_number) != info.numbers.end();
 }
 
-// Has a value type that only the newest generation has.
+// Whether it has a value type that only the newest generation has.
 bool is_of_newest(const CommandInfo& info) noexcept {
     return std::any_of(info.numbers.begin(), info.numbers.end(),
                        [](std::uint8_t number) { return command_value_type(number, ValueType7::u64) && number > open_number; });
@@ -52,7 +52,7 @@ std::optional<ValueType7> shown_type_7(const CommandInfo& info) noexcept {
     if (info.has_open_type) return std::nullopt;
     std::size_t at = 0;
     for (const std::uint8_t number : info.numbers) {
-        if (!command_value_type(number, ValueType7::f32)) continue;    // of no known type: it has none in `types`
+        if (!command_value_type(number, ValueType7::f32)) continue;    // unknown types have no entry in `types`
         if (number == open_number && at < info.types.size())
             return info.types[at] == Type::u64 ? ValueType7::u64 : ValueType7::f32;
         ++at;
@@ -149,7 +149,7 @@ bool Commands::took(std::uint32_t i, FrameView answer) {
 }
 
 void Commands::step_ended(const Ended& ended, TimePoint now) {
-    if (ended.tag == ask_info) return;    // the device keeps it; without it nothing is cached
+    if (ended.tag == ask_info) return;    // Device stores the info; without it nothing is cached
     if (ended.tag == ask_parameter_count) return look_at_a_parameter(now);
     if (ended.tag == ask_parameter) {
         const auto parameter = ended.outcome == Outcome::answered ? parameter_info_in(*ended.answer) : std::nullopt;

@@ -80,7 +80,8 @@ void CompassSphere::cover_again() {
     }
 }
 
-// A x² + B y² + C z² + D x + E y + F z = 1 about the centre, in units of the half width, so that all unknowns are of one size.
+// A x² + B y² + C z² + D x + E y + F z = 1 about the centre, in units of the half width, so that all unknowns have a similar
+// size.
 std::optional<CompassCalibration> CompassSphere::solve() const noexcept {
     const double unit = std::max({max_[0] - min_[0], max_[1] - min_[1], max_[2] - min_[2]}) / 2;
     if (!(unit > 0)) return std::nullopt;

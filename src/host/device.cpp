@@ -10,7 +10,7 @@
 namespace ano::host {
 namespace {
 
-// The parameter that a frame to a device asks for, or writes.
+// The id of the parameter that a frame to a device reads or writes.
 std::optional<std::uint16_t> parameter_in(FrameView request) noexcept {
     if (const auto value = as<"parameter_value">(request)) return value->get<"par_id">();
     const auto query = as<"parameter_command">(request);
@@ -29,7 +29,7 @@ bool Device::ask(const Request& request, Asker& asker) {
     Exchange exchange{request, own_, address_, &asker};
     if (!exchange.is_askable() || !may_be_asked(exchange.frame())) return false;
     if (!request.identity) exchange.mean(identity_);
-    // A command does not wait until a long list was read: it is the next frame.
+    // A command does not wait for a long list to be read: it is the next frame.
     const auto first_question = std::find_if_not(waiting_.begin(), waiting_.end(), goes_first);
     waiting_.insert(goes_first(exchange) ? first_question : waiting_.end(), std::move(exchange));
     return true;
@@ -73,7 +73,7 @@ Taken Device::take(FrameView frame, TimePoint now) {
     return Taken::ended;
 }
 
-// Device info and the counts are taken from every frame, whichever host asked for it.
+// Device info and the counts are read from every frame, even if another host asked for it.
 void Device::hear(FrameView frame, TimePoint now) {
     const auto forget_it = [&] {
         info_.reset();
@@ -90,7 +90,7 @@ void Device::hear(FrameView frame, TimePoint now) {
         DeviceInfo info{said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
                         said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
         const bool is_for_us = frame.destination() == own_ || frame.destination() == address::broadcast;
-        // It restarted, and may have other parameters and commands.
+        // The device restarted, and may have other parameters and commands.
         const bool is_announced = is_for_us && !answers_for_info(info, now);
         if (is_announced) ++announcements_;
         if (is_announced || (info_ && *info_ != info)) forget_it();
@@ -128,7 +128,7 @@ bool Device::is_another(const Exchange& exchange) const noexcept {
                                                       : exchange.identity() != identity_;
 }
 
-// In its loader a device sends no telemetry, need not answer, and frames are lost while it writes.
+// In its loader a device sends no telemetry and need not answer, and frames are lost while it writes flash.
 bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept {
     if (!known_as_) return false;
     const bool is_of_loader = exchange.frame().id() == id_of<"firmware">;
@@ -171,7 +171,7 @@ void Device::identify_for_command(TimePoint now) {
 }
 
 void Device::not_identified(const Ended& ended, TimePoint now) {
-    if (!std::exchange(identifies_, false)) return;    // it was heard
+    if (!std::exchange(identifies_, false)) return;    // a frame of it was received
     unanswered_doubts_ = doubts_;
     unanswered_at_ = now;
     while (Exchange* const one = held()) go_unidentified(*one, ended, now);
@@ -182,7 +182,7 @@ void Device::go_unidentified(Exchange& exchange, const Ended& unanswered, TimePo
     if (is_command(exchange)) {
         const bool has_sign = exchange.was_sent() && (exchange.last().doubts != doubts_ || is_lost_);
         if (!has_sign) return exchange.release(true);
-        if (now - exchange.first_sent() < exchange.longest()) return;    // it is asked again
+        if (now - exchange.first_sent() < exchange.longest()) return;    // asked again
     }
     if (exchange.frame().id() == id_of<"firmware">) return exchange.release(true);
     if (exchange.was_sent()) return end_as(exchange, Outcome::timeout, std::nullopt, now);
@@ -201,7 +201,7 @@ void Device::expect_info(TimePoint now) {
     info_questions_.push_back(now);
 }
 
-// Each question has one answer.
+// Each question has at most one answer.
 bool Device::answers_for_info(const DeviceInfo& info, TimePoint now) {
     std::erase_if(info_questions_, [&](TimePoint asked_at) { return now - asked_at > info_may_come_for; });
     const bool is_doubled = info_answered_at_ && now - *info_answered_at_ <= info_doubled_within && info_ == info;
@@ -211,9 +211,10 @@ bool Device::answers_for_info(const DeviceInfo& info, TimePoint now) {
     return true;
 }
 
-// Answers come when somebody asks, and log lines now and then: a pause between those shows nothing, except before a second device info.
+// Answers arrive only after questions, and log lines at irregular times: a pause between those shows nothing, except before a
+// second device info.
 void Device::note_telemetry(FrameView frame, TimePoint now) noexcept {
-    // The answer that was asked for would have come before the frames behind which it paused.
+    // An answer to our question would have arrived before the frames that precede the pause.
     const bool was_heard_since = info_asked_at_ && heard_at_ && *heard_at_ > *info_asked_at_;
     if (frame.id() == id_of<"device_info"> && was_heard_since && now - *heard_at_ > pace_.longest_pause()) ++doubts_;
     const bool is_log = frame.id() == id_of<"log"> || frame.id() == id_of<"log_value">;
@@ -230,8 +231,8 @@ Taken Device::past(FrameView frame) noexcept {
     return frame.destination() == own_ ? Taken::unasked : Taken::foreign;
 }
 
-// A wrong acknowledgement is one of the only write or command on its way, which has arrived, and ends: what it did is read back. One of an
-// earlier frame, such as a question that needs none, is not meant.
+// A wrong acknowledgement belongs to the only write or command in flight. The device has received that frame, so the request
+// ends, and its effect is read back. Acknowledgements of an earlier frame, such as a question that needs none, are ignored.
 bool Device::missed(FrameView frame, TimePoint now) {
     const auto is_missed = [&](const Exchange& e) { return e.is_on_its_way() && e.expects().is_missed_by(frame); };
     const auto it = std::find_if(sent_.begin(), sent_.end(), is_missed);
@@ -256,7 +257,8 @@ void Device::remember(const Exchange& exchange, bool answered) noexcept {
     next_past_ = (next_past_ + 1) % past_.size();
 }
 
-// `command` is not on the list any more. A device that acknowledges one of two equal commands does not show which.
+// `command` is no longer in the list. If a device acknowledges one of two equal commands, the acknowledgement does not show
+// which.
 bool Device::has_unanswered_equal(const Exchange& command, TimePoint now) const noexcept {
     const auto is_equal = [&](const Exchange& e) { return e.expects() == command.expects(); };
     const auto may_be_late = [&](const auto& past) {
@@ -265,7 +267,7 @@ bool Device::has_unanswered_equal(const Exchange& command, TimePoint now) const 
     return std::any_of(sent_.begin(), sent_.end(), is_equal) || std::any_of(past_.begin(), past_.end(), may_be_late);
 }
 
-// The exchange is taken off the list before the asker is called, since that may ask again at once.
+// The exchange is removed from the list before the asker is called, since the asker may send another request at once.
 void Device::end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now,
                  std::optional<Evidence> instead) {
     Exchanges over;
@@ -305,7 +307,7 @@ void Device::expire(TimePoint now) {
     }
 }
 
-// It may have been sent to a device that is away. A command need not be acknowledged, and a loader is busy.
+// It may have been sent to a device that is away. A missing acknowledgement is normal for a command and for a busy loader.
 void Device::not_acknowledged(const Exchange& exchange) noexcept {
     if (exchange.frame().id() == id_of<"firmware">) return;
     is_unacknowledged_ = true;
@@ -336,16 +338,17 @@ bool Device::keeps_back_those_that_yield() const noexcept {
            std::any_of(sent_.begin(), sent_.end(), goes_first);
 }
 
-// A device that takes one frame at a time loses a command that comes while it answers: questions on their way end first, and no other begins.
+// A device that accepts one frame at a time loses a command that arrives while it answers: questions in flight end first, and no
+// other question starts.
 TimePoint Device::command_may_start_at() const noexcept {
     TimePoint at = TimePoint::min();
-    for (const Exchange& e : sent_)    // but not behind zero bytes that are on the line
+    for (const Exchange& e : sent_)    // sends before the zero bytes on the line don't count
         if (e.is_on_its_way() && !goes_first(e) && e.last_sent() > line_is_busy_until_)
             at = std::max(at, std::min(e.due(), e.last_sent() + max_wait_of_commands));
     return at;
 }
 
-// Commands are sent first, then lost requests. Those that yield come last.
+// Commands are sent first, then lost requests. Requests that yield are sent last.
 const Exchange* Device::next_to_send(TimePoint now) const noexcept {
     if (const Exchange* const first = first_of_all()) return command_may_start_at() <= now ? first : nullptr;
     if (on_their_way() >= window_.size()) return nullptr;
@@ -353,7 +356,7 @@ const Exchange* Device::next_to_send(TimePoint now) const noexcept {
         const auto at = may_start_at(e);
         return at && *at <= now;
     };
-    if (now < line_is_busy_until_) return nullptr;    // a frame would end what flush_ sends
+    if (now < line_is_busy_until_) return nullptr;    // a frame would end the zero bytes of flush_
     const Exchange* const again = lost();
     if (again && !again->asker()->yields()) return again;
     const auto first = std::find_if(waiting_.begin(), waiting_.end(),
@@ -365,7 +368,7 @@ const Exchange* Device::next_to_send(TimePoint now) const noexcept {
     return fresh == waiting_.end() ? nullptr : &*fresh;
 }
 
-// Commands and urgent requests are in front of all that waits.
+// Commands and urgent requests are at the front of the queue.
 const Exchange* Device::first_of_all() const noexcept {
     const auto next = std::find_if(waiting_.begin(), waiting_.end(), [](const Exchange& e) { return !e.is_held(); });
     if (next != waiting_.end() && goes_first(*next)) return &*next;
@@ -374,7 +377,7 @@ const Exchange* Device::first_of_all() const noexcept {
     return again != sent_.end() ? &*again : nullptr;
 }
 
-// std::nullopt: not before a request that was sent has ended, or the device is identified.
+// std::nullopt: it can't start before a request in flight has ended, or the device is identified.
 std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const noexcept {
     if (exchange.is_held()) return std::nullopt;
     const bool is_blocked = std::any_of(sent_.begin(), sent_.end(), [&](const Exchange& e) {
@@ -388,14 +391,14 @@ std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const no
     return at;
 }
 
-// A request that is answered shows that the device hears: it was not deaf when a later one was sent.
+// An answer shows that the device receives: its parser was ready when a later request was sent.
 bool Device::may_be_deaf_to(const Exchange& exchange) const noexcept {
     if (exchange.was_sent()) return heard_send_ < exchange.last().number;
     return exchange.waits_long();
 }
 
-// Flushes before `next` where that is needed and allowed now. Only a second try waits until it is allowed, and a command never does. A flush
-// for another request meanwhile serves `next` as well, so it waits once.
+// Flushes before `next` if that is needed and allowed now. Only a second try waits until it is allowed; a command never does. A
+// flush for another request meanwhile serves `next` as well, so it waits only once.
 bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     if (!flush_ || !may_be_deaf_to(next)) return false;
     const Flush flush = flush_(next.frame());
@@ -409,7 +412,7 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     }
     const bool goes_on = !next.was_sent() && next.asker() == heard_asker_ && heard_send_ == sends_;
     if (!next.is_once() && !goes_on)
-        next.flush_at(now + std::max(flush.later, RoundTrip::first));    // its answer may come before
+        next.flush_at(now + std::max(flush.later, RoundTrip::first));    // its answer may arrive before
     return false;
 }
 

@@ -31,7 +31,8 @@ std::optional<Expectation> Expectation::of_firmware(FrameView request) noexcept 
 bool Expectation::is_for_it(FrameView frame) const noexcept {
     const bool for_us = frame.destination() == asker_ || frame.destination() == address::broadcast;
     if (!for_us || may_be_of(frame.source(), asked_)) return for_us;
-    // Some devices acknowledge as the port by which the request came. The check bytes show that it is the same request.
+    // Some devices acknowledge with the address of the port at which the request arrived. The check bytes show that it is the
+    // same request.
     return is_acknowledgement() && address::is_port_id(frame.source()) && !address::is_port_id(asked_) && fits(frame);
 }
 

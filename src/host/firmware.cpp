@@ -16,26 +16,28 @@ namespace code = firmware_code;
 constexpr std::array<std::string_view, 5> step_words{"device info", "description of the image", "erasing", "sending",
                                                      "check of the image"};
 
-// A frame is written to flash before it is answered, which takes longer than the questions by which the round trip was measured.
+// A frame is written to flash before it is answered, which takes longer than the questions with which the round trip was
+// measured.
 constexpr Duration write_time = 100ms;
 
-// Without an answer to its info, nothing is begun; a bad line may lose several.
+// The upgrade does not start without an answer to its info; a bad line may lose several.
 constexpr unsigned info_sends = 8;
 
-// Between two questions whether the device answers anything at all. The info is repeated for longer than these take.
+// Sends of the info between two questions that check whether the device answers at all. The info is repeated longer than these
+// take.
 constexpr unsigned info_sends_before_probe = 2;
 constexpr Patience for_probe{.sends = 1, .wait = 1s};
 
-// A loader that gets "erase" twice may begin it again at the end of the first one, and erase what was written since: so long a wait is
-// sure to be over by then. "All sent" does no such harm, but the check takes its time.
+// A loader that receives "erase" twice may start it again after the first one ends, and erase what was written since: after this
+// time it has ended in any case. "All sent" has no such effect, but the check takes time.
 constexpr Patience for_erase{.sends = 1, .wait = 60s}, for_check{.sends = 1, .wait = 15s},
     for_check_again{.sends = 5, .wait = 3s};
 
-// It is not busy with erasing while it sends other frames: "erased" was lost.
+// A device that sends other frames is not busy erasing: "erased" was lost.
 constexpr Patience for_first_erases{.sends = 1, .wait = 60s, .if_heard = 5s};
 constexpr unsigned first_erases = 2;
 
-// In both byte orders in turns: "refused" reads the same in both.
+// Sent in both byte orders alternately: "refused" reads the same in both.
 constexpr Patience for_tried_erase{.sends = 1, .wait = 5s};
 
 }    // namespace
@@ -106,7 +108,8 @@ void Firmware::send_info(TimePoint now) {
     ask(request(draft, describe, {.sends = sends, .at_least = write_time}), now);
 }
 
-// Two in a row are answered, and the info between them is not: so the device is neither restarting nor was it when it got that one.
+// If two questions in a row are answered and the info between them is not, the device is not restarting now and was not when it
+// received that info.
 void Firmware::probed(bool answers, const Ended& ended, TimePoint now) {
     const bool answered_before = std::exchange(answers_probes_, answers);
     if (!answers || !answered_before || now - described_since_ < loader_patience) return send_info(now);
@@ -116,7 +119,7 @@ void Firmware::probed(bool answers, const Ended& ended, TimePoint now) {
            now);
 }
 
-// "Erase" or "all sent".
+// Sends "erase" or "all sent".
 void Firmware::ask_order(Step step, TimePoint now) {
     if (step_ != step) orders_ = 0;
     step_ = step;
@@ -139,8 +142,8 @@ void Firmware::ask_frame(TimePoint now) {
     ask(request(draft, send_frame, patience_of_frame()), now);
 }
 
-// On a bad line nearly every frame is repeated, and the round trip can't be measured any more: what a frame took that was sent once counts.
-// In case that frames take longer now, one is waited for longer now and then.
+// On a bad line nearly every frame is repeated, and the round trip can't be measured any more: then the time of a frame that was
+// sent once is used. Now and then one frame gets a longer wait, in case frames take longer now.
 Patience Firmware::patience_of_frame() const noexcept {
     if (!frame_wait_) return {.sends = 2, .at_least = write_time};
     if (repeated_in_a_row_ == repeated_enough) return {.sends = 2, .wait = RoundTrip::ceiling};
@@ -183,7 +186,7 @@ void Firmware::ended(const Ended& ended, TimePoint now) {
     }
 }
 
-// `answer`: std::nullopt: none. A device that refuses a second info keeps what it accepted before.
+// `answer`: std::nullopt: none. A device that refuses a second info keeps the one it accepted before.
 void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended, TimePoint now) {
     const bool accepted = answer && answer->code == code::info_accepted;
     infos_ += ended.evidence.sent;
@@ -203,7 +206,7 @@ void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended,
     if (!answer) return give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
     if (!accepted) {
         is_refused_ = true;
-        const bool fits = !options_.force && !image_.is_for_any_hardware();    // identified() compared them
+        const bool fits = !options_.force && !image_.is_for_any_hardware();    // identified() has compared them
         return (infos_ > 1 && fits) || is_begun_again ? begin_erasing(now) : refused(ended.evidence, now);
     }
     order_ = answer->order;
@@ -263,7 +266,7 @@ void Firmware::frame_ended(std::uint16_t answer, const Ended& ended, TimePoint n
     measure(ended.evidence, true, now);
     if (answer == code::frame_written) {
         ++frame_;
-        // Written frames are lost by a second info, so late in an upgrade it does not pay.
+        // A second info discards the written frames, so late in an upgrade it is not worthwhile.
         const std::size_t shorter = shorter_len();
         const bool pays = is_hard() && may_shorten_ && shorter < options_.frame_len && 2 * frame_ < frames();
         failures_ = sends_ = 0;
@@ -312,13 +315,13 @@ void Firmware::check_unanswered(const Ended& ended, TimePoint now) {
 
 void Firmware::frame_unanswered(const Ended& ended, TimePoint now) {
     measure(ended.evidence, false, now);
-    // That it was asked who it is, shows nothing.
+    // The answer to the question for its device info does not count.
     const bool is_heard = device().heard_at() && *device().heard_at() > std::max(answered_at_, device().identified_at());
     if (now - answered_at_ < (is_heard ? patience : patience_unheard)) return ask_frame(now);
     begin_again(silence(ended.evidence), Ending::timeout, ended.evidence, now);
 }
 
-// Where even the first frame never comes through, shorter ones may.
+// If even the first frame is never received, shorter ones may be.
 void Firmware::begin_again(const std::string& why, Ending or_else, const Evidence& evidence, TimePoint now) {
     if (lost_frame_ == frame_ || restarts_ == max_restarts) return give_up(or_else, why, evidence, now);
     lost_frame_ = frame_;
@@ -329,7 +332,7 @@ void Firmware::begin_again(const std::string& why, Ending or_else, const Evidenc
     ask_info(Purpose::begin_again, frame_ == 0 && or_else == Ending::timeout ? shorter_len() : options_.frame_len, now);
 }
 
-// Why there is no answer, as a clause. "Fell silent" only if nothing came.
+// Why there is no answer, as a clause. "Stopped answering" only if no frame of the device was received.
 std::string Firmware::silence(const Evidence& evidence) const {
     const std::string device_is = hex_of(device().address());
     const std::string doing{step()};

@@ -13,11 +13,11 @@ namespace {
 
 using namespace std::string_view_literals;
 
-// Where the fields of a .bia's header stand; all other bytes of it are 0.
+// Positions of the fields in the header of a .bia; all other bytes of the header are 0.
 constexpr std::string_view magic = "bia";
 constexpr std::size_t version_at = 10, crc_at = 12, hw_type_at = 20, hw_ver_min_at = 30, hw_ver_max_at = 32, cmd_at = 50;
 
-constexpr std::size_t piece = 16 * 1024;    // bytes that are read at a time
+constexpr std::size_t piece = 16 * 1024;    // bytes read at a time
 
 using Header = std::array<std::uint8_t, FirmwareImage::header_bytes>;
 
@@ -98,7 +98,7 @@ constexpr char erased = '\xFF';    // a byte of flash
 
 bool is_hex_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 
-/// Without the mark of UTF-8, and without empty lines in whichever form and padding before a text.
+/// `text` without the UTF-8 byte order mark, and without empty lines (any line ends) and padding before the text.
 std::string_view without_mark(std::string_view text) {
     constexpr std::string_view mark = "\xEF\xBB\xBF", blank{" \t\r\n\v\f\x1A\0", 8};
     const auto skip_blank = [&] { text.remove_prefix(std::min(text.find_first_not_of(blank), text.size())); };
@@ -108,7 +108,7 @@ std::string_view without_mark(std::string_view text) {
     return text;
 }
 
-/// The first `digits` characters are hexadecimal digits.
+/// Whether the first `digits` characters are hexadecimal digits.
 bool begins_with_digits(std::string_view text, std::size_t digits) {
     return text.size() >= digits && std::all_of(text.begin(), text.begin() + digits, is_hex_digit);
 }
@@ -162,14 +162,14 @@ constexpr std::array file_kinds{
     FileKind{"ustar", "this is a tar file; unpack it first: tar -xf FILE.tar", 257},
 };
 
-// Bytes from 0x80 on may be of UTF-8 or GBK, neither of which has 0xFF.
+// Whether c is a printable character. Bytes from 0x80 on may be UTF-8 or GBK, neither of which uses 0xFF.
 bool is_printed(char c) {
     const auto byte = static_cast<unsigned char>(c);
     constexpr unsigned char space = 0x20, del = 0x7F;
     return (byte >= space && byte != del && c != erased) || c == '\t' || c == '\n' || c == '\r' || c == '\f';
 }
 
-/// A form of a web page (multipart/form-data): a border, and the header of a part.
+/// A web form (multipart/form-data): a boundary, and the header of a part.
 bool begins_as_form(std::string_view begin) {
     constexpr std::string_view header = "\r\ncontent-disposition:";
     if (!begin.starts_with("--")) return false;
@@ -180,8 +180,8 @@ bool begins_as_form(std::string_view begin) {
     return line == header;
 }
 
-/// Text in units of `size` bytes (UTF-16, UTF-32), the low one first or last: all are characters, and without the byte order mark in front
-/// all are of ASCII.
+/// Text in units of `size` bytes (UTF-16, UTF-32), with the low byte first or last: all units are characters, and without a byte
+/// order mark all are ASCII.
 bool is_wide_text(std::string_view begin, std::size_t size, bool low_first) {
     constexpr std::size_t min_units = 4;
     constexpr std::uint32_t mark = 0xFEFF, space = 0x20, del = 0x7F, no_character = 0xFFFE, last = 0x10FFFF;
@@ -210,7 +210,7 @@ bool is_text(std::string_view begin) {
     return false;
 }
 
-/// How many bytes from `at` on are `pad`; std::nullopt: they can't be read.
+/// The number of bytes from `at` on that are `pad`; std::nullopt: they can't be read.
 std::optional<std::size_t> padding(const FirmwareBytes& file, std::size_t at, char pad) {
     std::vector<std::uint8_t> bytes(piece);
     for (std::size_t next = at; next < file.size(); next += bytes.size()) {
@@ -222,7 +222,7 @@ std::optional<std::size_t> padding(const FirmwareBytes& file, std::size_t at, ch
     return file.size() - at;
 }
 
-/// A text, and behind it nothing but zeros or erased flash.
+/// A text followed only by zeros or erased flash.
 bool is_text_and_padding(const FirmwareBytes& file, std::string_view begin) {
     const char pad = begin.back();
     if (pad != '\0' && pad != erased) return false;
@@ -231,7 +231,7 @@ bool is_text_and_padding(const FirmwareBytes& file, std::string_view begin) {
            padding(file, begin.size(), pad) == file.size() - begin.size();
 }
 
-/// The end of a ZIP file without a comment: such a file may begin with anything, as one does that unpacks itself.
+/// The end of a ZIP file without a comment. Such a file may begin with any bytes, as a self-extracting one does.
 bool ends_as_zip(const FirmwareBytes& file) {
     std::array<std::uint8_t, 22> end{};
     constexpr std::string_view magic_of_end = "PK\5\6";
@@ -239,9 +239,10 @@ bool ends_as_zip(const FirmwareBytes& file) {
            std::equal(magic_of_end.begin(), magic_of_end.end(), end.begin());
 }
 
-/// Without a header of ours, and without padding in front. An image has a few zeros there, but no other file's magic behind them.
+/// The file without the header of a .bia and without leading padding. An image has a few zeros there, but no magic of another
+/// file type after them.
 FirmwareBytes content_of(const FirmwareBytes& whole, char pad) {
-    constexpr std::size_t min_padding = 4;    // fewer may be of a text in UTF-32, or of a byte order mark
+    constexpr std::size_t min_padding = 4;    // fewer may be part of a text in UTF-32, or of a byte order mark
     const auto size = padding(whole, 0, pad);
     return size && *size >= min_padding && *size < whole.size() ? whole.behind(*size) : whole;
 }
@@ -256,7 +257,7 @@ std::string looks_unlike_firmware(const FirmwareBytes& whole) {
     if (!body.empty() && padding(body, 0, erased) == body.size()) return "this is erased flash: every byte is 0xFF";
     const FirmwareBytes file = content_of(content_of(body, '\0'), erased);
     std::vector<std::uint8_t> bytes(std::min(file.size(), looked_at));
-    if (bytes.empty() || !file.read(0, bytes)) return {};    // reading all of it will fail, and say so
+    if (bytes.empty() || !file.read(0, bytes)) return {};    // reading the whole file will fail and report the error
     const std::string_view begin{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     const std::string_view text = without_mark(begin);
     const std::string converts = "; convert it: arm-none-eabi-objcopy ";

@@ -58,7 +58,7 @@ void Gather::question_ended(const Ended& ended, TimePoint now) {
     ask(request, now);
 }
 
-// Questions on their way end because another one got no answer: this does not count as one of their rounds.
+// Ends the questions in flight because another one got no answer; this does not count as one of their rounds.
 void Gather::take_back() {
     device().forget(*this);
     for (std::uint32_t i = 0; i < next_; ++i) {
@@ -70,7 +70,7 @@ void Gather::take_back() {
     asked_ = 0;
 }
 
-// The device has fewer items now than are being read: no more questions are asked.
+// The device now has fewer items than are being read: no more questions are sent.
 void Gather::stop_at(std::uint32_t i) {
     missing_.push_back(i);
     again_.clear();

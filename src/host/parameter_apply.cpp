@@ -7,7 +7,7 @@
 namespace ano::host {
 namespace {
 
-// The device answers and did not accept this value: it may accept others.
+// Whether the device answers and did not accept this value: it may accept others.
 bool is_refusal(const ParameterWrite& write) {
     const Ending ending = write.end()->ending;
     return ending == Ending::refused || ending == Ending::invalid || ending == Ending::unsupported ||
@@ -63,7 +63,7 @@ bool ParameterApply::is_restarted() const noexcept {
     return lost_ > 0 || device().announcements() != announcements_ || device().presence() != presence_;
 }
 
-// A clause, or empty. Values that were not saved are lost by a restart.
+// A clause, or empty. A restart loses values that were not saved.
 std::string ParameterApply::words_of_restart() const {
     if (device().announcements() != announcements_) return "the device restarted in the meantime";
     if (device().presence() != presence_) return "the device was offline in the meantime and has probably restarted";
@@ -77,7 +77,7 @@ bool ParameterApply::is_same(const AnyValue& wanted, const AnyValue& has, const 
     return one != nullptr && other != nullptr && options_.same_text && options_.same_text(*one, *other);
 }
 
-// Why the row can't be written, as far as is known before writing; empty: it can.
+// Why the row can't be written, as far as known before writing; empty: it can.
 std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
     if (found.several) return "several parameters have the name " + row.name;
     if (found.parameter == nullptr) return "unknown parameter " + row.name;
@@ -94,7 +94,7 @@ std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
     return misfit.empty() ? misfit : row.name + ": " + words_of(row.wanted) + ' ' + misfit;
 }
 
-// Finds out which rows differ, and whether all rows can be written.
+// Determines which rows differ, and whether all rows can be written.
 bool ParameterApply::check(TimePoint now) {
     infos_.clear();
     bool all_can = true;
@@ -116,7 +116,7 @@ bool ParameterApply::check(TimePoint now) {
     return false;
 }
 
-// For one failed row its reason, for several their names: each row has its reason in `what`.
+// For one failed row its reason, for several their names; `what` of each row has its reason.
 End ParameterApply::failure(const char* deed) const {
     constexpr std::size_t max_names = 5;
     std::size_t number = 0;
@@ -203,7 +203,7 @@ bool ParameterApply::is_read_again(const Row& row) const noexcept {
     return row.state == State::written || row.state == State::clamped || (row.state == State::same && is_restarted());
 }
 
-// Whether the device has this value, as read at the end.
+// Whether the device has this value, according to the last reading.
 bool ParameterApply::has(std::size_t row, const std::optional<AnyValue>& value) const {
     const auto read = again_->value(infos_[row].id);
     return read && value && same_bytes(*read, *value, infos_[row]);
@@ -254,7 +254,7 @@ void ParameterApply::finish_written(TimePoint now) {
     finish(why_ ? failure("were not written") : End{Ending::done, std::move(restart), {}}, now);
 }
 
-// In reverse order, since parameters may depend on those before them.
+// In reverse order, since a parameter may depend on those before it.
 void ParameterApply::undo_next(TimePoint now) {
     if (touched_.empty()) {
         const bool is_lost = std::any_of(rows_.begin(), rows_.end(),
@@ -277,7 +277,7 @@ void ParameterApply::undone(TimePoint now) {
     if (const auto stored = write_->stored()) rows_[at_].stored = stored;
     rows_[at_].state = back ? State::undone : State::not_undone;
     if (write_->is_of_another()) be_of_another();
-    if (is_of_another() || !write_->before()) undo_no_more();    // it does not answer questions either
+    if (is_of_another() || !write_->before()) undo_no_more();    // the device does not answer questions either
     undo_next(now);
 }
 

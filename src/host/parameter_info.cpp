@@ -20,7 +20,7 @@ Request parameter_command(std::uint8_t cmd, std::uint16_t val, std::uint32_t tag
     return request(draft, tag);
 }
 
-constexpr double max_step_part = 0.001;    // of a step, by which a value may miss a multiple of it
+constexpr double max_step_part = 0.001;    // the largest deviation of a value from a multiple of its step, as a part of the step
 
 std::optional<ParameterLayout> layout_of(const Message* row) noexcept {
     if (row == &View<"parameter_info">::message()) return ParameterLayout::typed;

@@ -30,7 +30,9 @@ std::string text_misfit(std::size_t size, std::size_t had, const WriteLimits& li
 }
 
 std::string range_misfit(const AnyValue& value, const ParameterInfo& info, const WriteLimits& limits) {
-    if (!info.limits || limits.beyond_range || info.limits->min >= info.limits->max) return {};    // the last states nothing
+    if (!info.limits || limits.beyond_range || info.limits->min >= info.limits->max)
+        return {};    // min >= max: no range is
+                      // stated
     const auto as_real = [](const auto& plain) -> std::optional<double> {
         if constexpr (std::is_arithmetic_v<std::decay_t<decltype(plain)>>) return static_cast<double>(plain);
         else return std::nullopt;
@@ -66,7 +68,8 @@ void ParameterWrite::set_before(Bytes value, std::uint32_t doubts) {
     doubts_ = doubts;
 }
 
-// Sends the request of the step; if the device was away or may have restarted, first those for its parameter count and the description.
+// Sends the request of the step. If the device was away or may have restarted, its parameter count and the description are read
+// first.
 void ParameterWrite::go_on(TimePoint now) {
     const auto count = device().parameter_count();
     if (!count) return ask(question::parameter_count(ask_count), now);
@@ -77,7 +80,7 @@ void ParameterWrite::go_on(TimePoint now) {
     ask(question::parameter_value(info_.id, step_), now);
 }
 
-// Units of one type have the same device info, and may have other parameters: by another firmware, or other options.
+// Units of one type have the same device info but may have other parameters, because of other firmware or options.
 void ParameterWrite::ask_description(TimePoint now) {
     Request count = question::parameter_count(recount);
     count.of_same = true;
@@ -180,7 +183,7 @@ void ParameterWrite::took(const Ended& ended, TimePoint now) {
     compare(now);
 }
 
-// A shorter text is filled up with NULs, so that nothing of the old one stays behind it.
+// A shorter text is padded with NULs, so that no part of the old text remains after it.
 void ParameterWrite::write(TimePoint now) {
     Wire value = wire_;
     if (*info_.type == Type::text) {
@@ -225,7 +228,7 @@ void ParameterWrite::compare(TimePoint now) {
     finish({Ending::done, has + ": the device limited it", {}}, now);
 }
 
-// Bytes beyond the size of the type, or after the NUL of a text, have no meaning.
+// Bytes beyond the size of the type, or after the NUL of a text, are ignored.
 bool ParameterWrite::same(const Wire& a, const Wire& b) const {
     if (*info_.type == Type::text) return decoded(a) == decoded(b);
     const auto n = static_cast<std::ptrdiff_t>(width(*info_.type));

@@ -44,7 +44,7 @@ void Parameters::start_known(const std::vector<ParameterInfo>& known, TimePoint 
     ask_named(now);
 }
 
-// Whether what the cache has of the device is of it for certain.
+// Whether the cached data certainly belongs to this device.
 bool Parameters::is_certain(TimePoint now) const {
     const auto* const entry = cache_->last_of(device().address());
     return entry != nullptr && device().is_certain_since(entry->doubts, now);
@@ -68,7 +68,7 @@ void Parameters::step_ended(const Ended& ended, TimePoint now) {
     }
 }
 
-// The device may have been away since it sent its device info: then that is read again.
+// The device may have been away since it sent its device info: then the info is read again.
 void Parameters::counted(TimePoint now) {
     if (!device().info()) return start(now);
     count_ = device().parameter_count();
@@ -92,7 +92,7 @@ void Parameters::counted(TimePoint now) {
     gather(asks_ == Asks::both ? 2u * *count_ : *count_, now);
 }
 
-// True: descriptions of an earlier run are there, for some values.
+// True if an earlier run has stored the descriptions, and only some values are wanted.
 bool Parameters::recall() {
     if (cache_ == nullptr || from_cache_ || started_again_ || values_wanted_ != Values::named) return false;
     auto earlier = cache_->recall({device().address(), device().presence(), *device().info(), *count_});
@@ -103,14 +103,14 @@ bool Parameters::recall() {
     return true;
 }
 
-// What is known of the device is wrong, or it became another one.
+// The cached data is wrong, or the device became another one.
 void Parameters::read_again(TimePoint now) {
     started_again_ = true;
     if (cache_ != nullptr) cache_->forget(device().address());
     start(now);
 }
 
-// Called when the descriptions are there: selects the values to be read.
+// Called when the descriptions are known: selects the values to be read.
 void Parameters::ask_named(TimePoint now) {
     asks_ = compares_ ? Asks::named_both : Asks::named_values;
     named_.clear();
@@ -133,12 +133,12 @@ Request Parameters::question(std::uint32_t i) {
 }
 
 bool Parameters::took(std::uint32_t i, FrameView answer) {
-    if (i < checks_) return true;    // the device keeps them
+    if (i < checks_) return true;    // Device stores them
     const std::uint16_t id = id_of_question(i);
     return is_description(i) ? took_description(id, answer) : took_value(id, answer);
 }
 
-// The description known before is still the device's; otherwise nothing known before is.
+// Compares a description with the cached one; if it differs, all cached data is discarded.
 bool Parameters::compared(std::uint16_t id, FrameView answer) {
     const auto info = parameter_info_in(answer, descriptions_[id].layout);
     if (!info) return false;
@@ -188,7 +188,7 @@ void Parameters::gathered(TimePoint now) {
     ask(question::parameter_count(ask_count_again), now);
 }
 
-// Everything is read again when the device became another one meanwhile, or when the cached descriptions are wrong.
+// Everything is read again if the device became another one meanwhile, or the cached descriptions are wrong.
 void Parameters::counted_again(TimePoint now) {
     const bool changed = has_changed() || differs_;
     const auto lacking = changed ? std::nullopt : first_lacking();

@@ -6,7 +6,7 @@ namespace ano::host {
 
 Duration TelemetryPace::longest_pause() const noexcept { return longest_pause_at(usual_); }
 
-// So that of a slow pace one missed frame shows.
+// At a slow pace, one missed frame counts as a pause.
 Duration TelemetryPace::longest_pause_at(Duration usual) noexcept {
     return std::max(max_pause, std::min(usual_intervals * usual, usual + usual / 2 + max_late));
 }
@@ -24,7 +24,7 @@ bool TelemetryPace::came(TimePoint now, std::optional<TimePoint> heard_at) noexc
     return has_paused;
 }
 
-// Of the first two intervals the shorter one: the other may be a pause.
+// Uses the shorter one of the first two intervals: the other may be a pause.
 void TelemetryPace::count(TimePoint now) noexcept {
     if (!last_) begun_ = now;
     const Duration interval = now - begun_;
@@ -35,7 +35,8 @@ void TelemetryPace::count(TimePoint now) noexcept {
     intervals_ = std::min(intervals_ + 1, 2);
 }
 
-// Before the first interval is over, only that time is known of the pace. The first one may be a pause itself: then this comes later.
+// Until the first interval is over, it is the only measure of the pace. It may be a pause itself: then the pause is detected
+// later.
 bool TelemetryPace::pauses(TimePoint now) const noexcept {
     if (!last_) return false;
     if (intervals_ > 0) return now - *last_ > longest_pause();

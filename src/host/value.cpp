@@ -44,8 +44,8 @@ std::optional<Number> number_in(const AnyValue& value) noexcept {
     return std::nullopt;
 }
 
-// Converting a NaN between f32 and f64 would make it a quiet one, so its bits are moved here.
-constexpr int shorter_by = 52 - 23;    // bits that the fraction of an f32 has less than that of an f64
+// Converting a NaN between f32 and f64 would make it quiet, so its bits are moved here.
+constexpr int shorter_by = 52 - 23;    // the difference between the fraction bits of an f64 and an f32
 constexpr std::uint64_t f64_exponent = 0x7FF0'0000'0000'0000;
 constexpr std::uint32_t f32_exponent = 0x7F80'0000, f32_fraction = 0x007F'FFFF, f32_quiet = 0x0040'0000, f32_sign = 0x8000'0000;
 

@@ -10,11 +10,11 @@
 namespace ano::host {
 namespace {
 
-constexpr std::uint8_t all_of_them = 0xFF;    // in a question: how many there are
+constexpr std::uint8_t all_of_them = 0xFF;    // in a question: asks for their number
 
 bool is_on_earth(const Waypoint& w) noexcept { return std::abs(w.lat) <= 90 && std::abs(w.lng) <= 180; }
 
-// As the device stores it: rounded to the step of the wire.
+// The waypoint as the device stores it: rounded to the step of the wire.
 Waypoint rounded(const Request& write) {
     std::vector<std::uint8_t> frame(overhead + write.data.size());
     encode(frame, 0, 0, write.id, write.data);
@@ -90,7 +90,7 @@ void WaypointsPut::start(TimePoint now) {
             return finish(
                 {Ending::invalid, "waypoint " + std::to_string(waypoint.num) + " is not a valid position, or has no number", {}},
                 now);
-        request->patience.sends = 3;    // and then read back
+        request->patience.sends = 3;    // then it is read back
         writes_.push_back(std::move(*request));
     }
     presence_ = device().presence();
@@ -135,7 +135,7 @@ void WaypointsPut::written(const Ended& ended, TimePoint now) {
     ask(WaypointsGet::waypoint(waypoints_[at_].num, read_back), now);
 }
 
-// It may be busy: with storing the waypoint, or with the same write that was repeated meanwhile.
+// The device may be busy with storing the waypoint, or with a repetition of the same write.
 void WaypointsPut::ask_patiently(TimePoint now) {
     Request question = WaypointsGet::waypoint(waypoints_[at_].num, read_back);
     question.patience = {.sends = 2, .wait = std::chrono::milliseconds{500}};
@@ -156,7 +156,7 @@ void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
         return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number() + " but does not return it",
                        ended.evidence},
                       now);
-    // It may have restarted with its old list between the write and this answer.
+    // The device may have restarted with its old list between the write and this answer.
     if (!is_as_written && !std::exchange(is_written_again_, true)) return write_it(now);
     stored_.push_back(*stored);
     if (!is_acknowledged_) ++unacknowledged_;
@@ -194,7 +194,7 @@ void WaypointsPut::look_again(TimePoint now) {
     look_->start(now);
 }
 
-// What the list has now counts: an answer of before, or of an older list, may have been read back.
+// Only the list as read now counts: the value read back may have been an earlier answer, or from an older list.
 void WaypointsPut::looked(TimePoint now) {
     if (end()) return;
     const Ending looked = look_->end()->ending;
@@ -215,7 +215,7 @@ void WaypointsPut::looked(TimePoint now) {
     }
     const std::string who = hex_of(device().address());
     if (finds_another()) return finish_another({}, now);
-    // One that was stored otherwise than written may be of the old list as well, read back behind the restart.
+    // A waypoint stored with another value may also be from the old list, read back after the restart.
     at_ = last.size() - changed_.size();
     if (is_lost)
         return finish(
