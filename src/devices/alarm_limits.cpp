@@ -30,7 +30,7 @@ bool is_field(std::string_view word) {
            std::all_of(word.begin(), word.end(), is_part);
 }
 
-/// std::nullopt in `into`: it is missing. False: it is no finite number.
+/// std::nullopt in `into`: the key is missing. False: the value is not a finite number.
 bool read_number(const Json& json, const char* key, std::optional<double>& into) {
     if (!json.contains(key)) return true;
     if (!json[key].is_number() || !std::isfinite(json[key].get<double>())) return false;
@@ -67,7 +67,7 @@ std::variant<AlarmLimit, std::string> limit_in(const Json& json) {
     return limit;
 }
 
-// "power.voltage", …: what can have a limit in frames of `source`.
+// "power.voltage", …: the fields in frames of `source` that can have a limit.
 std::vector<std::string> all_fields(std::uint8_t source, const ano::FlexibleLayouts& layouts) {
     std::vector<std::string> all;
     const auto add = [&](std::string_view message, std::span<const ano::Field> fields) {

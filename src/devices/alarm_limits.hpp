@@ -1,4 +1,4 @@
-// Limits of the values of a device, which AlarmWatch judges. The gateway keeps them for all viewers. Pure.
+// Limits of the values of a device, which AlarmWatch applies. The gateway stores them for all viewers. Pure.
 #pragma once
 #include <ano/flexible.hpp>
 
@@ -19,7 +19,7 @@ struct AlarmLimit {
     std::string field;    // "power.voltage": a message and one of its fields, in the unit of the message table
     bool is_below = false;
     std::optional<double> amber, red;
-    std::optional<unsigned> cells;    // the value is divided by it
+    std::optional<unsigned> cells;    // number of cells by which the value is divided
     double for_s = 0;                 // how long the value must be beyond it
     bool operator==(const AlarmLimit&) const = default;
 };
@@ -32,13 +32,14 @@ public:
 
     const List& of(std::uint8_t address) const noexcept { return lists_[address]; }
     void set(std::uint8_t address, List list) { lists_[address] = std::move(list); }
-    /// Another number for other limits, also after a restart; 0: there are none.
+    /// A number that differs for other limits, also after a restart; 0: there are none.
     std::uint32_t version(std::uint8_t address) const;
 
-    /// {"limits": [{"field", "side": "below" | "above", "amber", "red", "cells", "for_s"}, …]}; a string: what is wrong.
+    /// {"limits": [{"field", "side": "below" | "above", "amber", "red", "cells", "for_s"}, …]}; a string: the error.
     static std::variant<List, std::string> parse(const nlohmann::ordered_json& json);
     static nlohmann::ordered_json json(const List& list);
-    /// What is wrong with a field that no frame of `source` has as one number, with the nearest names; empty: all fields exist.
+    /// The error for a field that is not one number in any frame of `source`, with the most similar names; empty: all fields
+    /// exist.
     static std::string unknown_field(const List& list, std::uint8_t source, const ano::FlexibleLayouts& layouts);
 
 private:

@@ -1,4 +1,4 @@
-// Judges the values of devices by their alarm limits. Pure: the frames and the time come from its owner.
+// Compares the values of devices with their alarm limits. Pure: the owner supplies the frames and the time.
 //
 // Flow:    watch.set(device, limits, now);
 //          if (watch.wants(source, id)) watch.hear(source, ano::read(frame, layouts), now);
@@ -22,29 +22,29 @@ namespace anogate {
 enum class AlarmLevel : std::uint8_t { none, amber, red };
 std::string_view text(AlarmLevel level) noexcept;
 
-/// By the value alone; `value` is divided by the cells of the limit.
+/// Judged by the value alone; `value` is divided by the cells of the limit.
 AlarmLevel level_of(double value, const AlarmLimit& limit) noexcept;
 
-/// Since when one value is beyond its limit. A value that does not arrive any more stays as it was.
+/// Measures how long one value has been beyond its limit. If the value is not received any more, its state does not change.
 class LimitClock {
 public:
     /// `value`: in the unit of the message table.
     void take(double value, const AlarmLimit& limit, ano::TimePoint now) noexcept;
-    /// The limit was changed: judges the last value by it.
+    /// The limit was changed: judges the last value again.
     void judge(const AlarmLimit& limit, ano::TimePoint now) noexcept;
 
-    /// `red` once the value has been beyond `limit.red` for `limit.for_s`; the same with amber.
+    /// `red` once the value has been beyond `limit.red` for `limit.for_s`; likewise for amber.
     AlarmLevel level(const AlarmLimit& limit, ano::TimePoint now) const noexcept;
-    /// Whether it is beyond, for however long.
+    /// Whether it is beyond a limit, for any time.
     bool is_beyond() const noexcept { return amber_since_.has_value(); }
-    /// The edge that the last value is beyond.
+    /// The level whose edge the last value is beyond.
     AlarmLevel edge() const noexcept {
         return red_since_ ? AlarmLevel::red : amber_since_ ? AlarmLevel::amber : AlarmLevel::none;
     }
-    /// Since when the value is beyond the edge of `level`; only while level() is that or a higher one.
+    /// The time since which the value is beyond the edge of `level`; only while level() is at least that.
     ano::TimePoint since(AlarmLevel level) const noexcept { return level == AlarmLevel::red ? *red_since_ : *amber_since_; }
     double value() const noexcept { return value_; }
-    /// When the last value came; std::nullopt: none came yet.
+    /// When the last value was received; std::nullopt: none yet.
     std::optional<ano::TimePoint> heard_at() const noexcept { return heard_at_; }
 
 private:
@@ -59,31 +59,33 @@ struct ActiveAlarm {
     AlarmLevel level = AlarmLevel::none;
     double value = 0;    // divided by the cells of the limit
     ano::TimePoint since{};
-    ano::TimePoint heard_at{};    // when its last value came
+    ano::TimePoint heard_at{};    // when its last value was received
 
-    /// The same but for times.
+    /// Equal except for the times.
     bool is_same(const ActiveAlarm& other) const noexcept {
         return device == other.device && limit == other.limit && level == other.level && value == other.value;
     }
 };
 
-/// Memory: at most AlarmLimits::max_limits clocks of a device, and nothing of one without limits.
+/// Memory: at most AlarmLimits::max_limits clocks per device, none for a device without limits.
 class AlarmWatch {
 public:
-    /// Replaces the limits of a device. What is known of a value whose field and side have a limit again is kept. A host has no alarms.
+    /// Replaces the limits of a device. The state of a value is kept if its field and side have a limit again. A host has no
+    /// alarms.
     void set(std::uint8_t address, const AlarmLimits::List& limits, ano::TimePoint now);
-    /// Forgets the values of a device: none of them is in alarm until it comes again.
+    /// Discards the values of a device: none of them is in alarm until it is received again.
     void forget(std::uint8_t address) noexcept;
 
-    /// Whether frames of this message have a value with a limit. Others need neither be decoded nor given to hear().
+    /// Whether frames of this message have a value with a limit. Other messages need neither be decoded nor passed to hear().
     bool wants(std::uint8_t source, std::uint8_t id) const noexcept { return watched_[source] && watched_[source]->ids[id]; }
-    /// Ignores a frame that can't be read, "no data", and fields that are not one number. True: one of its values is beyond its limit, or
-    /// was so until now. `raises_only`: it is not known to be from the device itself, so a value that is better than the last one is ignored.
+    /// Ignores frames that can't be decoded, "no data", and fields that are not one number. True: one of its values is beyond its
+    /// limit, or was until now. `raises_only`: the frame is not known to be from the device itself, so a value that is better
+    /// than the last one is ignored.
     bool hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only = false) noexcept;
 
-    /// Red ones first, then by device, in the order of their limits.
+    /// Red ones first, then ordered by device and by its limits.
     std::vector<ActiveAlarm> active(ano::TimePoint now) const;
-    /// Whether a value is beyond its limit, for however long.
+    /// Whether any value is beyond its limit, for any time.
     bool any_beyond() const noexcept;
 
 private:

@@ -67,7 +67,7 @@ Json device_json(const DeviceReport& report, ano::TimePoint now) {
 Json value_json(const AnyValue& value, std::optional<ano::Type> type, const DeviceTexts& texts) {
     if (const auto* text = std::get_if<std::string>(&value)) return texts.shown(*text);
     if (const auto* number = std::get_if<double>(&value)) {
-        if (std::isnan(*number)) return "nan";    // JSON has no numbers for these
+        if (std::isnan(*number)) return "nan";    // JSON has no such numbers
         if (std::isinf(*number)) return *number > 0 ? "inf" : "-inf";
         return type == ano::Type::f32 ? ano::widened(static_cast<float>(*number)) : *number;
     }

@@ -20,15 +20,16 @@ namespace anogate {
 /// The identity of a device: {"address": "0xDC", "name": …}; unknown parts are left out.
 nlohmann::ordered_json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceInfo>& info,
                                      const DeviceTexts& texts);
-/// Reads it back; std::nullopt: there is no name.
+/// Parses the output of identity_json(); std::nullopt: there is no name.
 std::optional<ano::host::DeviceInfo> identity_in(const nlohmann::ordered_json& json);
 inline constexpr std::string_view text_of_contradiction =
     "its texts are GBK, not UTF-8, but its link has encoding=utf8: remove that key, or set encoding=gbk";
 nlohmann::ordered_json device_json(const DeviceReport& report, ano::TimePoint now);
 
-/// A number that is not finite becomes a text, "inf", "-inf" or "nan", which JSON has no numbers for.
+/// A number that is not finite becomes a text, "inf", "-inf" or "nan", since JSON has no such numbers.
 nlohmann::ordered_json value_json(const ano::host::AnyValue& value, std::optional<ano::Type> type, const DeviceTexts& texts = {});
-/// std::nullopt: not a value. For a number type, a text is read as a number. A text is as the client has it, see DeviceTexts::wire().
+/// std::nullopt: not a value. For a number type, a text is parsed as a number. Other texts stay as the client sent them, see
+/// DeviceTexts::wire().
 std::optional<ano::host::AnyValue> value_in(const nlohmann::ordered_json& json, std::optional<ano::Type> type);
 
 /// "f32" or "u64".

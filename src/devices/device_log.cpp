@@ -55,7 +55,7 @@ void DeviceLog::make_room(Kept& of, Origin origin) noexcept {
     else forget_oldest(*fullest(Origin::known), Origin::known);
 }
 
-// The device with the most lines of that origin; nullptr: there are none.
+// The device with the most lines of that origin; nullptr: none has any.
 DeviceLog::Kept* DeviceLog::fullest(Origin origin) noexcept {
     const std::size_t place = place_of(origin);
     Kept* most = nullptr;

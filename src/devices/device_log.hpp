@@ -1,4 +1,4 @@
-// The last lines that devices logged (0xA0, 0xA1), in bounded memory. Pure.
+// The last log lines of devices (0xA0, 0xA1), in bounded memory. Pure.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -15,20 +15,21 @@ namespace anogate {
 
 class DeviceLog {
 public:
-    static constexpr std::size_t max_lines = 500;      // of one device, of each Origin
-    static constexpr std::size_t max_of_all = 4000;    // of all devices: beyond that, the one with the most loses its oldest
-    static constexpr std::size_t max_text = 400;       // bytes of a line
+    static constexpr std::size_t max_lines = 500;      // per device and Origin
+    static constexpr std::size_t max_of_all = 4000;    // of all devices; beyond that, the device with the most lines loses its
+                                                       // oldest
+    static constexpr std::size_t max_text = 400;       // bytes per line
     static constexpr std::uint8_t red_color = 1;
 
-    /// `known`: by a serial port, CAN or another link that is no network, or by the link that the address is pinned to. Anybody may send
-    /// the others: red lines among them do not count, and they never displace a line of a known origin.
+    /// `known`: received on a serial port, CAN or another link that is not a network, or on the link that the address is pinned
+    /// to. Any program can send the others: red lines among them do not count, and they never displace a line of a known origin.
     enum class Origin : std::uint8_t { known, anybody };
 
     struct Line {
         std::uint64_t number = 0;                     // of all lines since the start, from 1
         std::uint64_t of_device = 0;                  // of those of its device, from 1
         std::uint64_t time_ns = 0;                    // Unix
-        std::string link;                             // by which it came
+        std::string link;                             // on which it was received
         std::uint8_t color = 0;                       // as in 0xA0; 1: red
         std::optional<float> value = std::nullopt;    // of 0xA1
         std::string text;                             // bytes of the device, in its encoding
@@ -41,13 +42,13 @@ public:
         }
     };
 
-    /// To be called for each frame that passes where its source is at home; anything but a log line of a device is ignored. False: it is
-    /// none, or memory is short.
+    /// To be called for each frame received where the route of its source leads; all frames except log lines of devices are
+    /// ignored. False: it is not a log line, or memory is short.
     bool hear(ano::FrameView frame, std::string_view link, std::uint64_t time_ns, Origin origin = Origin::known) noexcept;
 
     /// Oldest first. Valid until the next hear().
     const std::deque<Line>& lines(std::uint8_t address) const noexcept;
-    /// The number of the last line of any device; 0: there was none.
+    /// The number of the last line of any device; 0: none yet.
     std::uint64_t last() const noexcept { return last_; }
     /// Lines of the device since the start, and how many of them were red and of a known origin.
     std::uint64_t count(std::uint8_t address) const noexcept { return kept_[address] ? kept_[address]->count : 0; }
@@ -56,7 +57,7 @@ public:
 private:
     struct Kept {
         std::deque<Line> lines;
-        std::array<std::size_t, 2> of_origin{};    // how many of the lines, by Origin
+        std::array<std::size_t, 2> of_origin{};    // number of lines, by Origin
         std::uint64_t count = 0, red = 0;
     };
     Kept* fullest(Origin origin) noexcept;

@@ -65,7 +65,7 @@ struct Wish {
     std::string shared_as{};
 };
 
-// "192.168.1.5", "logger at 192.168.1.5"; at the Unix socket, where programs say who they are, "anoctl param, process 7".
+// "192.168.1.5", "logger at 192.168.1.5"; at the Unix socket, where programs send their name, "anoctl param, process 7".
 std::string client_of(const Request& request) {
     const bool is_local = !request.door.is_network;
     const std::string name{request.query_value("client").value_or(is_local ? request.header("User-Agent") : std::string_view{})};
@@ -187,7 +187,7 @@ std::optional<unsigned> number_in(std::string_view text) {
     return ec == std::errc{} && end == text.data() + text.size() ? std::optional{number} : std::nullopt;
 }
 
-/// Calls `function` with the job that the path names.
+/// Calls `function` with the job named in the path.
 http::Routes::Function with_job(DeviceService& service,
                                 std::function<Response(const Request& request, const std::shared_ptr<Job>& job)> function) {
     return [&service, function = std::move(function)](const Request& request) {
@@ -218,7 +218,7 @@ void add_job_routes(http::Routes& routes, DeviceService& service) {
     routes.add_without_body({"POST", "/jobs/{job}/next", Access::control, "continues a waiting job",
                              with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
                                  if (const auto refused = service.go_on(*job, service.net().now())) return answer_of(*refused);
-                                 return json_response(job_json(*job));    // it is running, so there is no result
+                                 return json_response(job_json(*job));    // it is running, so it has no result yet
                              })});
 }
 
@@ -274,7 +274,7 @@ Response act(DeviceService& service, const Request& request) {
                   }});
 }
 
-/// What all calls have.
+/// The common members of all calls.
 struct CallBody {
     Json json, values;
     CommandOrder order;
@@ -387,7 +387,7 @@ void add_waypoint_routes(http::Routes& routes, DeviceService& service) {
                 [&service](const Request& request) { return put_waypoints(service, request); }});
 }
 
-// The bytes of the body, which may be in memory or stored.
+// The bytes of the body, which may be in memory or on disk.
 ano::host::FirmwareBytes bytes_of(const Request& request) {
     if (request.stored)
         return {request.stored->size(),
@@ -403,7 +403,7 @@ bool has_plain_bytes(const Request& request) {
 }
 
 Response flash(DeviceService& service, const Request& request) {
-    if (!has_plain_bytes(request))    // a form would be flashed with its borders
+    if (!has_plain_bytes(request))    // the boundaries of a form would be flashed too
         return http::error(415, "send firmware with Content-Type: application/octet-stream (curl --data-binary @FILE, not -F)");
     const std::string_view name = request.query_value("crc").value_or(ano::usual_crc16.name);
     const auto crc = ano::find_crc16(name);

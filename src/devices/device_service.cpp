@@ -29,9 +29,9 @@ using ano::host::Refusal;
 
 constexpr unsigned not_heard = 404;    // the status of a refusal
 constexpr Duration until_it_answers = std::chrono::seconds{2};
-constexpr Duration between_looks = std::chrono::milliseconds{5};    // whether a queued frame has left
+constexpr Duration between_looks = std::chrono::milliseconds{5};    // interval of checks whether a queued frame has been sent
 constexpr Duration rate_over = std::chrono::seconds{2};
-constexpr Duration listens_before_ground_work = std::chrono::seconds{2};    // whether it flies
+constexpr Duration listens_before_ground_work = std::chrono::seconds{2};    // to learn whether the device flies
 constexpr Duration until_heard = std::chrono::seconds{2};                   // interval of looking whether a device is present
 
 NotBegun not_begun(unsigned status, std::string error) {
@@ -64,13 +64,13 @@ unsigned status_of(Refusal refusal) {
     return refusal == Refusal::not_known ? not_heard : 409;
 }
 
-// Whether the frame with this id, which changes the device, may be of the job.
+// Whether a frame with this id, which changes the device, may belong to the job.
 bool acts_by(const Job& job, std::uint8_t id) {
     return job.is_writing() && (job.order.kind == JobKind::command) == (id == ano::id_of<"command">);
 }
 
-// During an upgrade a device answers nothing else. A command does not wait for other work, except on the ground: a calibration would
-// measure what it does.
+// During an upgrade a device answers nothing else. A command does not wait for other jobs, except for a
+// calibration, which would measure its effects.
 bool may_run_beside(const JobOrder& order, JobKind other) {
     if (other == JobKind::firmware) return false;
     return order.deed == Deed::read || (order.kind == JobKind::command && other != JobKind::calibration);
@@ -105,7 +105,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
         bool is_news = false, is_answer = false;
         sent_by_others(frame, now);
         if (const auto said = ano::as<"device_info">(frame)) {
-            is_answer = frame.destination() == own_;    // of a scan, which asks all devices
+            is_answer = frame.destination() == own_;    // answers a scan, which asks all devices
             known->info = {said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
                            said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
         }
@@ -117,7 +117,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
             is_answer = is_answer || taken == Taken::ended || taken == Taken::doubled || taken == Taken::late;
             return taken == Taken::ended;
         };
-        // An answer belongs to one question only; one sent to the device's own address goes first.
+        // An answer belongs to one question only; the device whose own address it has is tried first.
         const bool is_over = is_taken_by(known);
         learn_texts(*known, frame);
         confirm_info(*known, frame, now);
@@ -136,7 +136,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
         }
         if (is_news) net_.wake(now);
         return is_answer;
-    } catch (const std::bad_alloc&) {    // ignores the frame
+    } catch (const std::bad_alloc&) {    // the frame is ignored
         return false;
     }
 }
@@ -155,7 +155,7 @@ void DeviceService::note_other_writer(Job& job, TimePoint now) {
         job.conflict = ano::hex_byte(*writer) + " also writes to " + ano::hex_byte(*job.order.address);
 }
 
-// Some devices acknowledge as the port by which the request came.
+// Some devices acknowledge with the address of the port at which the request arrived.
 std::optional<std::uint8_t> DeviceService::only_one_waiting() const {
     std::optional<std::uint8_t> found;
     for (const auto& known : known_) {
@@ -170,7 +170,7 @@ void DeviceService::sent_by_others(ano::FrameView frame, TimePoint now) {
     if (ano::host::is_question_for_info(frame)) info_is_asked(frame.destination(), now);
 }
 
-// A port or the broadcast address: any device may answer.
+// For a port or the broadcast address any device may answer.
 void DeviceService::info_is_asked(std::uint8_t address, TimePoint now) {
     const bool is_any = ano::address::is_port_id(address) || address == ano::address::broadcast;
     for (unsigned a = 0; a < known_.size(); ++a)
@@ -235,7 +235,8 @@ void DeviceService::keep_descriptions() {
         const std::string text = net_.cached(descriptions_name(place));
         auto all = text.empty() ? std::nullopt : descriptions_in(text, place, key.count);
         if (!all) return std::nullopt;
-        for (const ano::host::ParameterInfo& info : *all) {    // its encoding is found out as when they were read
+        for (const ano::host::ParameterInfo& info : *all) {    // finds out its encoding from the same texts as when they were
+                                                               // read
             known_[key.address]->texts.learn(info.name);
             known_[key.address]->texts.learn(info.info);
         }
@@ -270,19 +271,20 @@ std::shared_ptr<Job> DeviceService::holder(std::uint8_t address) const {
     return found != jobs_.end() ? *found : nullptr;
 }
 
-// Never a job that began before the device was changed: it may have read old values.
+// Never returns a job that began before the device was changed: it may have read old values.
 std::shared_ptr<Job> DeviceService::shared(const JobOrder& order) const {
     if (order.shared_as.empty() || !order.address) return nullptr;
     const unsigned from = known_[*order.address] ? known_[*order.address]->acted_before : 0;
     const auto found = std::find_if(jobs_.begin(), jobs_.end(), [&](const auto& job) {
         return !job->is_over() && job->order.address == order.address && job->order.shared_as == order.shared_as &&
-               job->order.requester.access >= order.requester.access &&    // else it yields to others
+               job->order.requester.access >= order.requester.access &&    // otherwise it yields to others
                job->id >= from && job->refused.empty() && !job->is_cancelled;
     });
     return found != jobs_.end() ? *found : nullptr;
 }
 
-// Who is not heard any more may hear: a command, which may be LAND, is sent at once, and anoctl asks what it is before that.
+// A device that is not heard any more may still receive. A command, which may be LAND, is sent to it at once; anoctl first asks
+// for the description of the command.
 bool DeviceService::may_go_unheard(const JobOrder& order) const {
     return order.kind == JobKind::command || (order.kind == JobKind::commands && commands_.has(*order.address));
 }
@@ -316,8 +318,8 @@ std::size_t DeviceService::upgrades() const {
         jobs_.begin(), jobs_.end(), [](const auto& job) { return !job->is_over() && job->order.kind == JobKind::firmware; }));
 }
 
-// Removes ended jobs that are old, and if needed the oldest ended one: first of those that only viewed, then of those that read. False: all
-// jobs are running.
+// Removes ended jobs that are old and, if needed, the oldest ended one: first viewing jobs, then reading jobs. False: all jobs
+// are running.
 bool DeviceService::make_room(TimePoint now) {
     const auto is_old = [&](const auto& job) { return job->is_over() && now - job->ended_at >= kept_for; };
     jobs_.erase(std::remove_if(jobs_.begin(), jobs_.end(), is_old), jobs_.end());
@@ -374,14 +376,14 @@ void DeviceService::link_was_down(std::uint8_t address) {
     if (known->device) known->device->link_was_down();
 }
 
-// After a sign that it may be another device.
+// Called after a sign that it may be another device.
 void DeviceService::confirm_info(Known& known, ano::FrameView frame, TimePoint now) {
     const std::uint32_t doubts = known.device ? known.device->doubts() : known.doubts;
     const bool is_in_doubt = std::exchange(known.in_doubt, false) || doubts != known.doubts;
     known.doubts = doubts;
     if (known.device && known.device->is_identified()) return;
     if (!is_in_doubt || !known.info || frame.id() == ano::id_of<"device_info">) return;
-    known.in_doubt = holder(frame.source()) != nullptr;    // a job counts its own silence: later
+    known.in_doubt = holder(frame.source()) != nullptr;    // a job measures its own silence: later
     if (known.in_doubt) return;
     ask_who_it_is(frame.source(), now, curious_);
     net_.wake(now);
@@ -398,7 +400,7 @@ void DeviceService::ask_who_it_is(std::uint8_t address, TimePoint now, Nobody& a
     static_cast<void>(asked.ask(question, asker));
 }
 
-// False, and the job has ended, when its device was not heard in time; false as well as long as there is time.
+// Returns false if the device is not heard yet; if it was not heard in time, the job has ended as well.
 bool DeviceService::is_heard(Job& job, TimePoint now) {
     if (!job.heard_by) return true;
     const auto refused = refusal(job.order, now);
@@ -458,7 +460,7 @@ void DeviceService::cut_off(Job& job, TimePoint now) {
     finish(job, {503, std::move(result), "the gateway is stopping: " + words, "refused", evidence, true}, now);
 }
 
-// A client may begin the next job from within the answer to an ended one, so this repeats until nothing changes.
+// A client may start the next job while an ended one is being answered, so this repeats until nothing changes.
 void DeviceService::run(TimePoint now) {
     if (stopped_ || std::exchange(runs_, true)) return;
     run_feeds(now);
@@ -503,7 +505,7 @@ void DeviceService::send_all(TimePoint now) {
             if (!frame) break;
             const std::uint8_t id = frame->id();
             const bool acts = ano::intent_of(*frame) == ano::Intent::acts;
-            if (ano::address::is_port_id(address)) sent_by_others(*frame, now);    // for whatever device is behind it
+            if (ano::address::is_port_id(address)) sent_by_others(*frame, now);    // for any device behind it
             const Unsent unsent = net_.send(*frame);
             if (unsent.is_down) fail_calls(address, unsent.why, now);
             else if (!unsent.why.empty()) fail(address, id, acts, unsent.why, now);
@@ -512,7 +514,7 @@ void DeviceService::send_all(TimePoint now) {
     }
 }
 
-// A frame to the device waits to leave.
+// Whether a frame to the device waits to be sent.
 bool DeviceService::is_queued(std::uint8_t address, TimePoint now) {
     const ano::host::Device& device = *known_[address]->device;
     return device.on_their_way() > 0 && now - device.last_sent() < ano::host::Device::max_queued && net_.is_waiting(address);
@@ -636,8 +638,8 @@ void DeviceService::write_back_soon(TimePoint now) {
     net_.wake(*write_back_at_);
 }
 
-// By ordinary jobs, so a device that flies or is busy gets its values later. Each note has its own time, so that one that can't be written
-// does not delay the others.
+// Uses ordinary jobs, so a device that flies or is busy gets its values later. Each note has its own time, so that a note that
+// can't be written back does not delay the others.
 void DeviceService::write_back(TimePoint now) {
     write_back_at_.reset();
     const auto all = notes_.all();
@@ -668,13 +670,13 @@ void DeviceService::write_back(TimePoint now) {
     }
 }
 
-// The same of one note once: it is tried every minute.
+// Reports a text about a note only once, since it is tried every minute.
 void DeviceService::report_note(const std::string& name, const std::string& text, bool is_warning) {
     if (std::exchange(said_of_note_[name], text) != text) net_.report(text, is_warning);
 }
 
-// A refusal of one frame applies to all of its kind; a frame that changes the device belongs to the commands, or to the one other job that
-// may do so. The job is not ended at once: its work restores what it can and reports what it could not.
+// A refusal of one frame applies to all frames of its kind; a frame that changes the device belongs to the commands, or to the
+// one other job that may change it. The job does not end at once: its work restores what it can and reports the rest.
 void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, TimePoint now) {
     const auto all = jobs_;
     for (const auto& job : all) {
@@ -683,7 +685,7 @@ void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const
     }
 }
 
-// A command that was not sent must not be sent late, to a device that takes the place of this one.
+// A command that was not sent must not be sent late, to a device that has replaced this one.
 void DeviceService::fail_calls(std::uint8_t address, const std::string& why, TimePoint now) {
     const auto all = jobs_;
     for (const auto& job : all)
@@ -726,7 +728,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     if (!end.result.empty() && !end.is_exact) end.result = exact_json(end.result);
     if (!end.result.empty()) job.result = std::make_shared<const std::string>(std::move(end.result.append("\n")));
     end.result.clear();
-    // A device that answered this is not in its loader any more, which has neither parameters nor commands.
+    // A device that answered this is no longer in its loader, which has neither parameters nor commands.
     if (end.status < 300 && job.order.address && job.order.kind != JobKind::firmware)
         forget_loader_notes(notes_, *job.order.address, net_.unit_place(*job.order.address, now));
     job.end = std::move(end);
@@ -734,7 +736,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     if (std::exchange(job.work, nullptr)) --at_work_;
     job.order.work = nullptr;
     job.order.result = nullptr;
-    // Its question for that waited behind the one without an answer.
+    // The question for its device info waited behind the one without an answer.
     if (job.state == JobState::failed && job.order.kind == JobKind::commands && !info(*job.order.address))
         ask_who_it_is(*job.order.address, now, curious_);
     if (job.order.kind == JobKind::calibration && !notes_.all().empty()) write_back_soon(now);
@@ -745,7 +747,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     forget_results();
 }
 
-// A client that waits for one of them keeps its result.
+// A client that still waits for a result keeps it.
 void DeviceService::forget_results() {
     std::size_t kept = 0;
     for (const auto& job : jobs_) kept += job->result ? job->result->size() : 0;
@@ -812,7 +814,7 @@ void DeviceService::await(TimePoint now) {
     net_.listen(false);
 }
 
-// Until when a device whose descriptions are known counts as present; std::nullopt: none does.
+// How long a device with known descriptions counts as present; std::nullopt: there is none.
 std::optional<TimePoint> DeviceService::known_until(TimePoint now) const {
     std::optional<TimePoint> until;
     for (const auto& known : known_) {
@@ -825,7 +827,7 @@ std::optional<TimePoint> DeviceService::known_until(TimePoint now) const {
     return until;
 }
 
-// With new firmware it has other parameters and commands. Which device is behind a port is not known here.
+// With new firmware the device has other parameters and commands. The device behind a port is not known here.
 void DeviceService::forget_descriptions(ano::FrameView upgrade) {
     const auto forget = [this](std::uint8_t address) {
         cache_.forget(address);
@@ -840,7 +842,7 @@ std::optional<ano::host::DeviceInfo> DeviceService::info(std::uint8_t address) c
     return known_[address] ? known_[address]->info : std::nullopt;
 }
 
-// An address goes before a device with that name.
+// An address has priority over a device with that name.
 std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view word, TimePoint now) {
     const auto called = ano::address_called(word);
     if (const auto* address = std::get_if<std::uint8_t>(&called)) return *address;
@@ -872,7 +874,7 @@ std::vector<HeardAddress> DeviceService::heard(TimePoint now) {
     return all;
 }
 
-// A note that another device is in its loader is none of this one.
+// Leaves out notes about another device in its loader.
 std::vector<std::string> DeviceService::notes_to_show(std::uint8_t address, TimePoint now) {
     std::vector<std::string> names = notes_.names(address);
     std::erase_if(names, [&](const std::string& name) {

@@ -1,4 +1,4 @@
-// The host engine for all devices and all clients: known devices, jobs, and which job uses which device.
+// The host engine for all devices and all clients: known devices, jobs, and the assignment of devices to jobs.
 //
 // Flow:    DeviceService service{net};
 //          add_device_routes(routes, service);      // requests of clients
@@ -36,7 +36,7 @@
 
 namespace anogate {
 
-/// Why a job can't begin, as the answer to the client.
+/// Why a job can't start, as the answer to the client.
 struct NotBegun {
     unsigned status = 400;
     std::string error;
@@ -44,22 +44,22 @@ struct NotBegun {
     std::shared_ptr<const Job> has_it{};    // the job that is using the device
 };
 
-/// What is known of one device.
+/// The known data of one device.
 struct DeviceReport {
     HeardAddress heard;
     std::optional<ano::host::DeviceInfo> info;
     std::optional<double> rate;    // frames a second
     std::optional<std::uint16_t> parameters;
-    std::optional<unsigned> job;       // the one that is using it
+    std::optional<unsigned> job;       // the job that is using it
     std::vector<std::string> notes;    // names of notes about unfinished work
     DeviceTexts texts;
     std::uint32_t limits = 0;       // AlarmLimits::version()
     std::uint64_t red_lines = 0;    // of its log
 };
 
-/// Listens from the first request on until there was none for `idle_after`, and longer while a device is present whose descriptions
-/// are known: whether it was away since is known only to who listens. Work that is not allowed in flight waits until the service has
-/// listened for 2 s. Writes of other hosts, which a job tells, are not known from before it listened.
+/// Listens from the first request until `idle_after` after the last one, and longer while a device with known descriptions is
+/// present: only a service that listens detects that the device was away. Work that is not allowed in flight waits until the
+/// service has listened for 2 s. Writes of other hosts, which a job reports, are known only from the time it listens.
 class DeviceService {
 public:
     static constexpr std::size_t max_jobs = 64;                         // running and ended ones
@@ -68,8 +68,9 @@ public:
     static constexpr FairPlaces waiting_places{16};                     // of clients that wait for jobs
     static constexpr std::size_t max_results = std::size_t{8} << 20;    // bytes of ended jobs; the oldest are dropped first
     static constexpr ano::Duration kept_for = std::chrono::minutes{10};
-    static constexpr ano::Duration between_write_backs = std::chrono::minutes{1};    // interval of tries while values are kept
-    static constexpr ano::Duration between_log_lines = std::chrono::milliseconds{20};    // for those who follow the log
+    static constexpr ano::Duration between_write_backs = std::chrono::minutes{1};    // interval of attempts while values are to
+                                                                                     // be written back
+    static constexpr ano::Duration between_log_lines = std::chrono::milliseconds{20};    // for clients that follow the log
     static constexpr ano::Duration idle_after = std::chrono::minutes{1};
     /// Minimum time between two reports of progress.
     static constexpr ano::Duration between_progress = std::chrono::milliseconds{100};
@@ -78,93 +79,98 @@ public:
     explicit DeviceService(DeviceNet& net, std::uint8_t own = ano::address::host) : net_{net}, own_{own} {
         curious_.yield_to_others(true);
     }
-    /// Descriptions of parameters are kept by DeviceNet::cache(), for the next run.
+    /// Stores descriptions of parameters with DeviceNet::cache(), for the next run.
     void keep_descriptions();
     ~DeviceService();
     DeviceService(const DeviceService&) = delete;
     DeviceService& operator=(const DeviceService&) = delete;
 
-    /// To be called for each passing frame that is not from this host. Sends nothing. True: it answers this host, even if late or repeated.
+    /// To be called for each passing frame that is not from this host. Sends nothing. True: the frame answers this host, even if
+    /// late or repeated.
     bool hear(ano::FrameView frame, ano::TimePoint now);
-    /// The same for a frame that came by `place` though its source is at home elsewhere: it is not believed, and running jobs that ask that
-    /// device report it.
+    /// The same for a frame that was received at `place` although the route of its source leads elsewhere: it is not trusted, and
+    /// running jobs for that device report it.
     void hear_elsewhere(ano::FrameView frame, const std::string& place);
-    /// The device did not carry out the action that a job asked for, and said why beside the protocol.
+    /// The device did not carry out the action of a job, and reported the reason outside the protocol.
     void refuse(std::uint8_t address, const std::string& why, ano::TimePoint now);
-    /// The link to the device at `address` is down, or another one now: what was read of it may be of another device.
+    /// The link to the device at `address` was down, or is another one now: the data read before may belong to another device.
     void link_was_down(std::uint8_t address);
-    /// To be called for each frame that this host sends without the service: an answer to it is not unasked.
+    /// To be called for each frame that this host sends without the service, so that its answers are expected.
     void sent_by_others(ano::FrameView frame, ano::TimePoint now);
     void run(ano::TimePoint now);
-    /// The gateway is stopping: sends nothing any more; every job ends and reports what is half done.
+    /// The gateway is stopping: nothing is sent any more; every job ends and reports what is half done.
     void stop(ano::TimePoint now);
 
-    /// A new job, or a running one that reads the same. A device that was not heard yet is asked for its device info first, for 2 s.
+    /// Starts a new job, or returns a running one that reads the same. A device that was not heard yet is first asked for its
+    /// device info, for 2 s.
     std::variant<std::shared_ptr<Job>, NotBegun> begin(JobOrder order, ano::TimePoint now);
-    /// The job ends soon. False: it was over already.
+    /// The job ends soon. False: it had ended already.
     bool cancel(Job& job, ano::TimePoint now);
-    /// A client with ?while_connected has disconnected: cancels the job if nobody else needs it.
+    /// A client with ?while_connected has disconnected: cancels the job if no other client needs it.
     void left(Job& job);
-    /// POST /jobs/J/next. Returns why it can't go on: it is not waiting, or is not allowed now. std::nullopt: it goes on.
+    /// POST /jobs/J/next. Returns why the job can't continue: it is not waiting, or is not allowed now. std::nullopt: it
+    /// continues.
     std::optional<NotBegun> go_on(Job& job, ano::TimePoint now);
 
-    /// To be held by each client that waits for a job, also by one for which has_room_for() is false.
+    /// To be held by each client that waits for a job, also if has_room_for() is false for it.
     std::shared_ptr<void> waiting_client(const Requester& requester);
     bool has_room_for(const Requester& requester) const { return has_place_for(requester, waiting_places, *waiting_clients_); }
 
     std::shared_ptr<Job> job(unsigned id) const;
-    /// In the order of their beginning.
+    /// In the order in which they started.
     const std::vector<std::shared_ptr<Job>>& jobs() const noexcept { return jobs_; }
 
-    /// The device that `word` means: an address, a name of an address, or the name that a device reports.
+    /// The device for `word`: an address, a configured name of an address, or the name that a device reports.
     std::variant<std::uint8_t, NotBegun> address_of(std::string_view word, ano::TimePoint now);
     std::vector<DeviceReport> devices(ano::TimePoint now);
-    /// How its texts are to be read.
+    /// The encoding of its texts.
     const DeviceTexts& texts(std::uint8_t address);
-    /// std::nullopt: nothing is known about it.
+    /// std::nullopt: not known.
     std::optional<ano::host::DeviceInfo> info(std::uint8_t address) const;
 
-    /// A note kept by an earlier run (DeviceNet::keep()). Old values of a calibration are written back as soon as that is allowed. False:
-    /// the note is damaged and stays where it is.
+    /// Adds a note of an earlier run (DeviceNet::keep()). Old values of a calibration are written back as soon as that is
+    /// allowed. False: the note is damaged and stays in place.
     bool remember(std::string name, std::string text);
 
     /// `call` is called for each job that has ended, before its waiting clients.
     void on_end(std::function<void(const Job&)> call) { tells_end_ = std::move(call); }
 
-    /// To be called for each log frame that passes where its source is at home, whether or not the service listens; as DeviceLog::hear().
+    /// To be called for each log frame received where the route of its source leads, whether or not the service listens; see
+    /// DeviceLog::hear().
     void hear_log(ano::FrameView frame, std::string_view link, std::uint64_t time_ns,
                   DeviceLog::Origin origin = DeviceLog::Origin::known);
     const DeviceLog& log() const noexcept { return log_; }
-    /// Those who follow the log; woken at most every `between_log_lines`.
+    /// The clients that follow the log; woken at most every `between_log_lines`.
     LineClients& log_clients() noexcept { return log_clients_; }
 
-    /// To be called for each passing frame of a message that alarms().watch().wants(), whether or not the service listens.
-    /// `raises_only`: as of AlarmWatch::hear().
+    /// To be called for each passing frame of a message for which alarms().watch().wants() is true, whether or not the service
+    /// listens. `raises_only`: see AlarmWatch::hear().
     void hear_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only = false);
-    /// To be called for each frame `mode` that passes where its source is at home, whether or not the service listens.
+    /// To be called for each frame `mode` received where the route of its source leads, whether or not the service listens.
     void hear_mode(ano::FrameView frame, ano::TimePoint now);
     /// The same for each other frame.
     void hear_telemetry(std::uint8_t source, std::uint8_t id, ano::TimePoint now);
-    /// A frame came by `place` in the name of a device that stays_lost(), and is not known to be from it: it is told with this place
-    /// until it is heard.
+    /// A frame with the address of a device that stays_lost() was received at `place`, and is not known to be from the device:
+    /// the place is reported until the device is heard.
     void hear_elsewhere(std::uint8_t source, const std::string& place, ano::TimePoint now);
     bool is_told_elsewhere(std::uint8_t source) const noexcept { return losses_.is_told_elsewhere(source); }
-    /// As LossWatch::stays_lost().
+    /// See LossWatch::stays_lost().
     bool stays_lost(std::uint8_t address) const noexcept { return losses_.stays_lost(address); }
     /// Vehicles, and devices that sent telemetry, until forget_values(); by address.
     std::vector<WatchedDevice> watched(ano::TimePoint now);
-    /// Those of them that are not heard any more, for those who did not see how they were lost. One that was locked is told for
-    /// AlarmFeed::tells_locked, any other one until it is heard again or forget_values().
+    /// The watched devices that are not heard any more, for clients that joined after the loss. A locked one is reported for
+    /// AlarmFeed::tells_locked, any other one until it is heard again or forget_values() is called.
     std::vector<WatchedDevice> lost(ano::TimePoint now);
-    /// The device was switched off: none of its values is in alarm until it comes again, and it is not lost. False: it was not watched.
+    /// The device was switched off: none of its values is in alarm until it is received again, and the device does not count as
+    /// lost. False: it was not watched.
     bool forget_values(std::uint8_t address);
     AlarmFeed& alarms() noexcept { return alarms_; }
     /// To be called when a client of alarms() joins.
     void look_for_alarms(ano::TimePoint now);
     const AlarmLimits& limits() const noexcept { return limits_; }
-    /// Uses and stores the limits, then calls `done` with the error or "": why they are lost with the next restart.
+    /// Uses and stores the limits, then calls `done` with "" or the error: why the next restart will lose them.
     void keep_limits(std::uint8_t address, AlarmLimits::List list, std::function<void(std::string fault)> done);
-    /// The content of a file that an earlier run kept. Returns what is wrong with it; empty: nothing.
+    /// Adds the content of a file that an earlier run stored. Returns its error; empty: none.
     std::string remember_limits(std::uint8_t address, const std::string& text);
 
     DeviceNet& net() noexcept { return net_; }
@@ -178,13 +184,14 @@ private:
         ano::TimePoint counted_since{};
         std::optional<double> rate;
         bool sends_more_than_checks = false;
-        bool acknowledged_as_port = false;    // for the device there: not one of its own, unless it sends more
+        bool acknowledged_as_port = false;    // at this device: the port id is not a device of its own, unless it sends other
+                                              // frames
         std::optional<ano::TimePoint> heard_at{};
-        ano::TimePoint asked_until{};    // whether it is there
+        ano::TimePoint asked_until{};    // to learn whether it is present
         DeviceTexts texts;
-        bool told_encoding = false;    // that the texts contradict the key of the link
-        std::uint32_t presence = 0;    // of the device that `texts` is of
-        std::uint32_t doubts = 0;      // of the device that `info` is of
+        bool told_encoding = false;    // logged that the texts contradict the key of the link
+        std::uint32_t presence = 0;    // of the device that `texts` belongs to
+        std::uint32_t doubts = 0;      // of the device that `info` belongs to
         bool in_doubt = false;         // the link was down since `info`
         unsigned acted_before = 0;     // jobs with a lower id began before the last frame that changed the device
     };
@@ -239,12 +246,12 @@ private:
     void count(Known& known, ano::TimePoint now);
 
     DeviceNet& net_;
-    Nobody nobody_;     // asks whether a device is there: what counts is that it is heard
-    Nobody curious_;    // asks whether it is still the same, behind all others
+    Nobody nobody_;     // asks whether a device is present: any frame from it is enough
+    Nobody curious_;    // asks whether it is still the same, after all other requests
     Notes notes_{net_};
     DeviceLog log_;
     LineClients log_clients_;
-    std::optional<ano::TimePoint> log_due_;    // when to wake them
+    std::optional<ano::TimePoint> log_due_;    // when to wake log_clients()
     AlarmLimits limits_;
     AlarmFeed alarms_;
     LossWatch losses_;
@@ -257,12 +264,12 @@ private:
     std::unique_ptr<ano::host::Device> everybody_;    // for scans
     DeviceTexts texts_of_nobody_;
     std::vector<std::shared_ptr<Job>> jobs_;
-    std::size_t at_work_ = 0;    // jobs that have begun and not ended
+    std::size_t at_work_ = 0;    // jobs that have started and not ended
     unsigned next_id_ = 1;
     std::optional<ano::TimePoint> listens_since_;
     ano::TimePoint used_at_{};
     std::shared_ptr<std::list<Requester>> waiting_clients_ = std::make_shared<std::list<Requester>>();
-    std::map<std::string, ano::TimePoint> write_back_due_;    // by note: when to try
+    std::map<std::string, ano::TimePoint> write_back_due_;    // by note: the next attempt
     std::map<std::string, std::string> said_of_note_;         // by note: the last report
     std::optional<ano::TimePoint> write_back_at_;             // std::nullopt: nothing to write back
     std::function<void(const Job&)> tells_end_;

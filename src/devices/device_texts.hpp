@@ -1,5 +1,5 @@
-// The names and texts of one device: bytes in its encoding on its side, UTF-8 on the side of clients. The host engine (include/host) has
-// the bytes; what a client sends or gets is converted here.
+// The names and texts of one device: bytes in the encoding of the device, UTF-8 for clients. The host engine (include/host) has
+// the bytes; texts from and for clients are converted here.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano_json/encoding_of_sender.hpp>
@@ -14,8 +14,7 @@ namespace anogate {
 
 class DeviceTexts {
 public:
-    /// The key `encoding` of its link; std::nullopt: found out from its texts.
-    /// `expects_gbk`: the link has profile=vendor.
+    /// The key `encoding` of its link; std::nullopt: detected from its texts. `expects_gbk`: the link has profile=vendor.
     void configure(std::optional<ano::Encoding> given, bool expects_gbk = false) noexcept {
         given_ = given;
         expects_gbk_ = expects_gbk;
@@ -29,23 +28,23 @@ public:
         learned_ = {};
         learned_.expect_gbk(expects_gbk_);
     }
-    /// The link states UTF-8, and a text of the device is no UTF-8 and can be GBK.
+    /// Whether the link states UTF-8, but a text of the device is not valid UTF-8 and can be GBK.
     bool contradicts() const noexcept { return given_ == ano::Encoding::utf8 && learned_.has_shown_gbk(); }
 
     ano::Encoding encoding() const noexcept { return given_.value_or(learned_.encoding()); }
 
-    /// For clients. A last character that the device has cut off is left out.
+    /// For clients. Leaves out a last character that the device has truncated.
     std::string shown(std::string_view bytes) const { return ano::shown_text(bytes, given_.value_or(learned_.for_reading())); }
     /// For the device; std::nullopt: its encoding lacks a character.
     std::optional<std::string> bytes(std::string_view text) const noexcept;
-    /// The same for a value; a number stays as it is.
+    /// The same for a value; numbers are returned unchanged.
     std::optional<ano::host::AnyValue> wire(ano::host::AnyValue value) const noexcept;
-    /// Why bytes() has nothing, as a clause to follow the text.
+    /// Why bytes() returns std::nullopt, as a clause that follows the text.
     std::string misfit() const;
 
-    /// Whether a client means by `text` the name with these bytes.
+    /// Whether `text` from a client is the name with these bytes.
     bool is(std::string_view bytes, std::string_view text) const;
-    /// Whether `text` is what a file of an older version, which had U+FFFD in it, has in place of `bytes`.
+    /// Whether `text` is the form of `bytes` in a file of an older version, which contains U+FFFD.
     static bool is_once_exported(std::string_view bytes, std::string_view text);
 
 private:

@@ -1,4 +1,4 @@
-// Which of those who share a number of places may take one more.
+// Which requesters that share a number of places may take one more.
 #pragma once
 #include <devices/job.hpp>
 
@@ -6,22 +6,22 @@
 
 namespace anogate {
 
-/// Jobs that change a device have places of their own, jobs that read it as many, and those of clients that may only view half as many: no
-/// reading job takes the place of a command. Of each sort, a client may take one as long as more are free than it has: one alone gets half of
-/// them, and whoever has none finds one.
+/// Jobs that change a device have places of their own, jobs that read it as many, and those of clients that may only view half as
+/// many: a reading job never takes the place of a command. Within each sort, a client may take a place as long as more are free
+/// than it has: a single client gets half of them, and a client without a place finds one.
 struct FairPlaces {
     std::size_t of_control;
 
     constexpr std::size_t of(const Requester& requester) const noexcept {
         return requester.controls() ? of_control : of_control / 2;
     }
-    /// `taken`: by all of the requester's sort; `own`: by its client.
+    /// `taken`: by all requesters of the same sort; `own`: by the same client.
     constexpr bool has_one_for(const Requester& requester, std::size_t taken, std::size_t own) const noexcept {
         return taken + own < of(requester);
     }
 };
 
-/// Counts who holds places: `all` are the requesters that do.
+/// Counts the places in use: `all` are the requesters that hold one.
 template <class All>
 bool has_place_for(const Requester& requester, const FairPlaces& places, const All& all) {
     std::size_t taken = 0, own = 0;

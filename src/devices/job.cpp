@@ -58,7 +58,7 @@ std::string with_result_of(const Job& job, const Json& json) {
     return line.append(between).append(result.substr(0, result.size() - 1)).append("}\n");
 }
 
-// What a job of each kind does, for people; in the order of JobKind.
+// The action of each kind as text for people; in the order of JobKind.
 constexpr std::string_view actions[] = {
     "reading parameters",
     "writing a parameter",

@@ -33,22 +33,22 @@ enum class JobKind : std::uint8_t {
 
 enum class JobState : std::uint8_t { running, waiting, done, failed, cancelled };
 
-/// For whom a job is, by which places and turns are assigned: first by right, then by client.
+/// The client of a job, for assigning places and turns: first by right, then by client.
 struct Requester {
     http::Access access = http::Access::control;
     http::Party party{};
-    bool acts = false;    // the job changes the device, or its client asks what it has to know before one that does (?to_act)
+    bool acts = false;    // the job changes the device, or reads data that its client needs for such a job (?to_act)
     bool operator==(const Requester&) const = default;
     constexpr bool controls() const noexcept { return access == http::Access::control; }
 };
 
-/// What to do with which device, and for which client.
+/// The action, the device and the client of a job.
 struct JobOrder {
     JobKind kind{};
     ano::host::Deed deed = ano::host::Deed::read;
     std::optional<std::uint8_t> address;    // std::nullopt: all devices
     bool force = false;                     // even in flight
-    std::string client;                     // the name that the client gives
+    std::string client;                     // name of the client
     std::function<std::unique_ptr<Work>(const WorkPlace& place)> work;
     std::function<std::string()> result{};    // JSON; for works without a result of their own
     std::string shared_as{};                  // of a reading job: equal requests share its result; empty: not shared
@@ -59,26 +59,27 @@ struct Job {
     unsigned id = 0;
     JobOrder order;
     JobState state = JobState::running;
-    std::unique_ptr<Work> work;                         // nullptr before it begins and after it has ended
+    std::unique_ptr<Work> work;                         // nullptr before it starts and after it has ended
     std::optional<WorkEnd> end;                         // without its result, which is in `result`
-    std::shared_ptr<const std::string> result{};        // one line; nullptr: there is none
+    std::shared_ptr<const std::string> result{};        // one line; nullptr: none
     mutable std::weak_ptr<const std::string> line{};    // of job_line(), shared while in use
     std::string message;
-    std::optional<ano::TimePoint> heard_by{};    // its device must be heard until then; std::nullopt: it is
+    std::optional<ano::TimePoint> heard_by{};    // the device must be heard by then; std::nullopt: it was
     bool has_acted = false;                      // a frame that changes the device was sent
-    bool is_cancelled = false;                   // cancelled, but it may take a while to end
-    std::string refused;                         // why its frames can't be sent: it is ending
-    unsigned refused_status = 403;               // of HTTP, for that
-    std::string conflict;                        // who else writes to its device, or answers in its name, as a clause
-    std::string stopped;                         // why no frame leaves for its device, as a clause
+    bool is_cancelled = false;                   // cancelled, but ending may take a while
+    std::string refused;                         // why its frames can't be sent: the job is ending
+    unsigned refused_status = 403;               // HTTP status for `refused`
+    std::string conflict;                        // other senders that write to its device, or answer with its address, as a
+                                                 // clause
+    std::string stopped;                         // why no frame to its device is sent, as a clause
     std::string step;                            // JSON
     ano::host::Progress progress{};
-    ano::TimePoint begins_at{};    // earliest time; until then the service listens whether it is allowed
+    ano::TimePoint begins_at{};    // earliest start; until then the service listens whether the job is allowed
     ano::TimePoint ended_at{};
     std::uint64_t version = 0;    // increased with every change to report
     ano::TimePoint told_at{};     // last report of progress
     std::size_t needed_by = 0;    // clients that cancel it when they disconnect
-    bool goes_on = false;         // another client waits that does not cancel it
+    bool goes_on = false;         // another client waits that does not cancel it by disconnecting
     std::vector<std::function<void(const Job&)>> on_end;
     std::vector<std::function<void()>*> on_change;    // of clients that watch it
 
@@ -99,7 +100,7 @@ nlohmann::ordered_json job_json(const Job& job);
 std::shared_ptr<const std::string> job_line(const Job& job);
 /// Only the result of the job, as a line; shared likewise.
 std::shared_ptr<const std::string> end_line(const Job& job);
-/// `text` (JSON) in the form that every program reads without loss (json_line.hpp).
+/// `text` (JSON) in the form that every program can read without loss (json_line.hpp).
 std::string exact_json(const std::string& text);
 /// "job 7 (firmware upgrade, by 192.168.1.5)"
 std::string words_of(const Job& job);

@@ -34,7 +34,7 @@ http::Response end_answer(const Job& job) {
     return response;
 }
 
-/// A client that waits for a job; it may want the job cancelled when it disconnects.
+/// A client that waits for a job; on request, the job is cancelled when it disconnects.
 class WaitingClient {
 public:
     WaitingClient(DeviceService& service, std::shared_ptr<Job> job, bool ends_with_him, const Requester& requester)
@@ -62,13 +62,13 @@ std::shared_ptr<WaitingClient> waiting_client(DeviceService& service, const std:
                                            requester_of(request, job->is_writing()));
 }
 
-// Who only watches a job that others began does not cancel it by leaving, and neither does a page of another site.
+// A client that only watches a job of others does not cancel it by disconnecting, and neither does a page of another site.
 std::shared_ptr<WaitingClient> watching_client(DeviceService& service, const std::shared_ptr<Job>& job,
                                                const http::Request& request) {
     return waiting_client(service, job, request, request.access == http::Access::control && !request.is_foreign);
 }
 
-// A line for each change; changes while the client took nothing are combined into one.
+// Sends a line for each change; changes during the sending of a line are combined into one.
 class JobLines final : public http::Producer {
 public:
     JobLines(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client) : job_{std::move(job)}, client_{std::move(client)} {
@@ -105,7 +105,7 @@ private:
     std::function<void()> wake_ = [] {};
 };
 
-// The same as messages; closes after the last.
+// The same as messages; closes after the last one.
 class JobMessages final : public http::WebSocketUser {
 public:
     JobMessages(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client)

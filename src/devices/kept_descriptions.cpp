@@ -20,7 +20,7 @@ using ano::host::ParameterLayout;
 constexpr int format_of_descriptions = 1;
 constexpr int last_type = static_cast<int>(ano::Type::text), last_layout = static_cast<int>(ParameterLayout::scaled);
 
-// Texts are bytes of the device, in any encoding.
+// Texts are stored as bytes of the device, in any encoding.
 std::string hex_of_text(const std::string& text) {
     return ano::hex({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }

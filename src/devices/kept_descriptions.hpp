@@ -1,4 +1,4 @@
-// Descriptions of parameters that an earlier run has read, so that the line is not busy with them again. No I/O.
+// Descriptions of parameters that an earlier run has read and stored, so that they need not be read again. No I/O.
 #pragma once
 #include <devices/works/work.hpp>
 #include <host/parameter_info.hpp>
@@ -12,9 +12,9 @@ namespace anogate {
 
 /// "descriptions-0xDC-1a2b3c4d.json" (unit_note_name()).
 std::string descriptions_name(const WorkPlace& place);
-/// `all` with the unit that they are of. The device information must be known.
+/// `all`, with the unit that they belong to. The device info must be known.
 std::string descriptions_text(const WorkPlace& place, const std::vector<ano::host::ParameterInfo>& all);
-/// std::nullopt: damaged, of another unit, or not `count`.
+/// std::nullopt: damaged, of another unit, or not `count` descriptions.
 std::optional<std::vector<ano::host::ParameterInfo>> descriptions_in(const std::string& text, const WorkPlace& place,
                                                                      std::uint16_t count);
 

@@ -15,7 +15,7 @@ constexpr std::size_t part_size = std::size_t{16} * 1024;    // bytes between tw
 
 }    // namespace
 
-/// Its place among the clients, while it is open.
+/// A place among the clients, held while it is open.
 class LineClient {
 public:
     explicit LineClient(LineClients& clients) : clients_{clients} { clients_.wakes_.push_back(&wake); }
@@ -80,7 +80,7 @@ private:
 
 }    // namespace
 
-// A client may leave while others are woken.
+// A client may disconnect while others are woken.
 void LineClients::wake() const {
     const auto all = wakes_;
     for (const auto* one : all)

@@ -1,5 +1,5 @@
-// Endless answers of lines: NDJSON for who accepts it, or a WebSocket with a message a line. A line is made when its client can take it,
-// so that a slow client costs no memory and delays nobody.
+// Endless answers of lines: NDJSON if the client accepts it, or a WebSocket with one message per line. A line is made only when
+// its client can receive it, so that a slow client needs no memory and delays no other client.
 #pragma once
 #include <http/request.hpp>
 #include <http/response.hpp>
@@ -28,7 +28,7 @@ using NextLine = std::function<std::string()>;
 
 /// Whether the request is for an endless answer.
 bool wants_lines(const http::Request& request);
-/// `clients` outlives the answer.
+/// `clients` must outlive the answer.
 http::Response line_stream(LineClients& clients, NextLine next, const http::Request& request);
 
 }    // namespace anogate

@@ -1,5 +1,5 @@
-// Which devices were heard, the last state of those that are vehicles, and after which silence they are lost. Pure: frames and the time come
-// from its owner.
+// The devices that were heard, the last state of those that are vehicles, and the silence after which they are lost. Pure: the
+// owner supplies frames and time.
 #pragma once
 #include <ano/time.hpp>
 
@@ -11,17 +11,17 @@
 
 namespace anogate {
 
-/// A vehicle, which sent `mode`, or another device that sent telemetry.
+/// A vehicle, that is, a device that sent `mode`, or another device that sent telemetry.
 struct WatchedDevice {
     std::uint8_t address = 0;
     ano::TimePoint heard_at{};
     std::optional<std::uint8_t> flag{};    // `sflag`: locked, unlocked, airborne; std::nullopt: it never sent a mode
-    ano::TimePoint lost_at{};              // if it is not heard until then
+    ano::TimePoint lost_at{};              // unless a frame of it is received before
     bool is_lost = false;
     std::string elsewhere{};    // LossWatch::hear_elsewhere()
 
     bool was_locked() const noexcept { return flag && *flag == 0; }
-    /// The same for who is told whether it is heard, and of a lost one, its last state.
+    /// Equal in the data that clients receive: whether it is heard, and for a lost one its last state.
     bool is_same(const WatchedDevice& other) const noexcept {
         return address == other.address && is_lost == other.is_lost &&
                (!is_lost || (flag == other.flag && elsewhere == other.elsewhere));
@@ -30,28 +30,28 @@ struct WatchedDevice {
 
 class LossWatch {
 public:
-    /// Of a vehicle, while the period of its `mode` is not known, or it sends other frames alone.
+    /// For a vehicle, while the period of its `mode` is not known, or if it sends only other frames.
     static constexpr ano::Duration lost_after = std::chrono::seconds{2};
-    /// Beside the longest of the last `periods` intervals of `mode`, so that neither jitter nor a lower rate is a loss.
+    /// Added to the longest of the last `periods` intervals of `mode`, so that neither jitter nor a lower rate counts as a loss.
     static constexpr ano::Duration patience = std::chrono::milliseconds{900};
     static constexpr std::size_t periods = 4;
-    /// Telemetry that is rarer is no sign of life; a device that sends no mode is silent for as long before it is lost.
+    /// Telemetry at longer intervals is not a sign of life; a device that sends no mode is lost after this time without a frame.
     static constexpr ano::Duration rarest_telemetry = std::chrono::seconds{5};
 
-    /// Devices send such messages by themselves: those of the protocol, and flexible ones.
+    /// Messages that devices send without a request: those of the protocol, and flexible ones.
     static constexpr bool is_telemetry(std::uint8_t id) noexcept { return (id > 0 && id < 0x60) || (id >= 0xF1 && id <= 0xFA); }
 
-    /// Any frame that is no `mode`.
+    /// To be called for any frame except `mode`.
     void hear(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept;
     void hear_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoint now) noexcept;
-    /// A frame in its name came by `place`, and it is not known to be from it: no sign of life, but told until it is
-    /// heard.
+    /// A frame with its address was received at `place`, and is not known to be from it: not a sign of life, but reported until
+    /// the device is heard.
     void hear_elsewhere(std::uint8_t address, const std::string& place) { lives_[address].elsewhere = place; }
     bool is_told_elsewhere(std::uint8_t address) const noexcept { return !lives_[address].elsewhere.empty(); }
     void forget(std::uint8_t address) noexcept { lives_[address] = {}; }
 
-    /// It is told as lost until it is heard again, so a frame from another place must not end that. A vehicle that was locked may have been
-    /// connected elsewhere.
+    /// The device is reported as lost until it is heard again, so a frame from another place must not end that. A vehicle that
+    /// was locked may have been connected elsewhere.
     bool stays_lost(std::uint8_t address) const noexcept {
         const Life& life = lives_[address];
         return life.flag ? *life.flag != 0 : life.sends_telemetry();

@@ -39,7 +39,9 @@ void Notes::keep(const std::string& name, const std::string& text, std::function
     dropped_.erase(name);
     const std::uint64_t change = ++(*changes_)[name];
     net_.keep(name, text, [all = all_, changes = changes_, change, name, text, done = std::move(done)](std::string fault) {
-        if (fault.empty() && (*changes)[name] == change) (*all)[name] = text;    // else it was changed or forgotten meanwhile
+        if (fault.empty() && (*changes)[name] == change)
+            (*all)[name] = text;    // otherwise it was changed or forgotten
+                                    // meanwhile
         done(std::move(fault));
     });
 }
@@ -85,7 +87,7 @@ void keep_type_7(const WorkPlace& place, ano::ValueType7 seven) {
     Json note = unit_json(place, place.device.info());
     note["type7"] = text_of_type_7(seven);
     const std::string name = unit_note_name("type7", place, place.device.info()), text = ano::compact_json(note) + "\n";
-    place.notes.remember(name, text);    // the next call may come before the disk has it
+    place.notes.remember(name, text);    // usable before it is on disk
     place.notes.keep(name, text, [](const std::string&) {});
 }
 

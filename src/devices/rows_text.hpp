@@ -1,4 +1,4 @@
-// Builds a JSON object with a long list a few rows at a time, so as not to hold up the loop.
+// Builds a JSON object with a long list a few rows at a time, so that the loop is not blocked.
 #pragma once
 #include <devices/works/work.hpp>
 

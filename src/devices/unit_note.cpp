@@ -14,7 +14,7 @@ namespace {
 
 using UnitJson = nlohmann::ordered_json;
 
-// FNV-1a: names of notes only have to differ.
+// FNV-1a: names of notes only need to differ.
 std::uint32_t digest(std::string_view text) {
     std::uint32_t sum = 2166136261u;
     for (const char c : text) sum = (sum ^ static_cast<std::uint8_t>(c)) * 16777619u;

@@ -68,7 +68,7 @@ struct FoundLine {
     std::uint8_t device = 0;
 };
 
-// Of all devices, as many of each origin as are kept of one.
+// Lines of all devices: per origin at most the number that is stored for one device.
 std::vector<FoundLine> last_lines(const DeviceLog& log, double since) {
     std::vector<FoundLine> found;
     for (unsigned a = 0; a < ano::address::broadcast; ++a)
@@ -83,8 +83,8 @@ std::vector<FoundLine> last_lines(const DeviceLog& log, double since) {
     return found;
 }
 
-/// Lines that one client follows: first those that are kept, then each that comes. Those that were displaced before the client took them
-/// are counted.
+/// Lines that one client follows: first the stored ones, then each new one. Lines that were displaced before they were sent to
+/// the client are counted.
 class LogLines {
 public:
     LogLines(DeviceService& service, std::uint8_t device, double since)
@@ -132,8 +132,8 @@ private:
     DeviceService& service_;
     std::uint8_t device_;
     double since_;
-    std::uint64_t kept_;         // the place of the last line that was there when the client came
-    std::uint64_t after_ = 0;    // the place of the last line that the client has
+    std::uint64_t kept_;         // the place of the last stored line when the client joined
+    std::uint64_t after_ = 0;    // the place of the last line that was sent
 };
 
 Response log_answer(DeviceService& service, const Request& request) {
@@ -200,7 +200,7 @@ Response put_limits(DeviceService& service, const Request& request) {
     });
 }
 
-/// The unit of a field by the message table; empty: it has none, or the message is a flexible one.
+/// The unit of a field in the message table; empty: it has none, or the message is a flexible one.
 std::string_view field_unit(const AlarmLimit& limit) {
     const std::string_view field = limit.field, message = field.substr(0, field.find('.'));
     for (const ano::Message& row : ano::messages) {
@@ -241,7 +241,7 @@ Json alarms_json(DeviceService& service, const std::vector<ActiveAlarm>& alarms,
     return json;
 }
 
-/// What is in alarm and which devices are lost, whole, at each change: what the client did not take in time is replaced.
+/// All alarms and lost devices, completely, at each change: a state that was not sent in time is replaced.
 class AlarmLines {
 public:
     explicit AlarmLines(DeviceService& service) : service_{service} {}
@@ -255,7 +255,7 @@ public:
 
 private:
     DeviceService& service_;
-    std::optional<std::uint64_t> told_;    // the version; std::nullopt: the client has nothing yet
+    std::optional<std::uint64_t> told_;    // the version sent; std::nullopt: nothing yet
 };
 
 Response alarms_answer(DeviceService& service, const Request& request) {

@@ -1,4 +1,4 @@
-// The requests that watch devices: their log, their alarm limits, what is in alarm.
+// The requests that watch devices: their log, their alarm limits, their alarms.
 #pragma once
 #include <ano/time.hpp>
 #include <devices/loss_watch.hpp>
@@ -15,7 +15,7 @@ class Routes;
 /// `service` must outlive the routes and their answers.
 void add_watch_routes(http::Routes& routes, DeviceService& service);
 
-/// Adds who was lost, for how long it is silent, and its last state.
+/// Adds the lost device, the time since its last frame, and its last state.
 void tell_loss(nlohmann::ordered_json& json, DeviceService& service, const WatchedDevice& device, ano::TimePoint now);
 /// The devices that are lost, one object each.
 nlohmann::ordered_json lost_json(DeviceService& service);

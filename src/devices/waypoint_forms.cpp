@@ -19,13 +19,13 @@ using ano::host::Waypoint;
 
 constexpr double cm = 100;
 constexpr std::uint16_t to_the_target = 400;    // a value of yaw
-// Numbers of MAVLink in such plans.
+// MAVLink numbers in such plans.
 constexpr int nav_waypoint = 16, change_speed = 178, above_home = 3;
 constexpr std::pair<int, const char*> other_items[] = {{17, "a circling"},         {18, "a circling"}, {19, "a circling"},
                                                        {20, "a return to launch"}, {21, "a landing"},  {22, "a takeoff"}};
 
 constexpr std::string_view keys[] = {"num", "lng", "lat", "alt", "spd", "yaw", "fun", "cmd"};
-// Names of other programs for our keys.
+// Names that other programs use for these keys.
 constexpr std::pair<std::string_view, std::string_view> other_names[] = {
     {"lon", "lng"}, {"long", "lng"}, {"longitude", "lng"}, {"height", "alt"}, {"speed", "spd"}, {"heading", "yaw"}};
 
@@ -34,7 +34,7 @@ struct Wrong {
     std::string what;
 };
 
-// Counts from 0, as programs and the numbers of waypoints do.
+// Counts from 0, like other programs and the numbers of waypoints.
 std::string place_in_file(const char* what, std::size_t i) {
     return std::string{what} + ' ' + std::to_string(i) + " (counted from 0)";
 }
@@ -46,7 +46,8 @@ std::string meant_by(std::string_view key) {
     return ano::did_you_mean(key, keys);
 }
 
-/// Refuses unknown keys: ignoring a mistyped "alt" would mean a height of 0. `others_may_be`: refuses only keys similar to ours.
+/// Rejects unknown keys: if a mistyped "alt" were ignored, the height would be 0. `others_may_be`: rejects only keys similar to
+/// known ones.
 void refuse_strangers(const Json& object, bool others_may_be, const std::string& where) {
     for (const auto& [key, value] : object.items()) {
         if (std::find(std::begin(keys), std::end(keys), key) != std::end(keys)) continue;
@@ -180,7 +181,7 @@ std::string misfit_of_item(int command) {
            (is_known ? ", and use a device command instead" : "");
 }
 
-// Refuses other items of a plan, which waypoints of the protocol can't express.
+// Rejects other items of a plan, which waypoints of the protocol can't express.
 std::vector<Waypoint> from_qgc(const Json& json) {
     const Json mission = json.is_object() ? json.value("mission", Json{}) : Json{};
     const Json& items = array_in(mission, "items");

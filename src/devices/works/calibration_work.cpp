@@ -60,7 +60,7 @@ Json sphere_json(const ano::host::CompassSphere& sphere) {
             {"samples", sphere.samples()}};
 }
 
-// As on the wire, so that a NaN comes back as it was: {"CAL_AOFF_X": "0000c07f", …}
+// As on the wire, so that a NaN is restored exactly: {"CAL_AOFF_X": "0000c07f", …}
 Json bytes_json(const CalibrationValues& values) {
     Json json = Json::object();
     for (const auto& [name, value] : values) {
@@ -76,7 +76,7 @@ std::optional<ano::host::AnyValue> value_of_hex(const Json& json) {
     return bytes && bytes->size() == sizeof(float) ? ano::host::value_of(*bytes, ano::Type::f32) : std::nullopt;
 }
 
-// Reads the form of value_json().
+// Parses the form of value_json().
 std::optional<ano::host::AnyValue> value_told(const Json& json) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (json == "nan") return std::numeric_limits<double>::quiet_NaN();
@@ -102,7 +102,7 @@ std::optional<CalibrationValues> values_in_note(const std::string& text, Sensor 
     return values;
 }
 
-// Further values in a note of this key; std::nullopt: it has none.
+// Other values in a note, under this key; std::nullopt: it has none.
 std::optional<CalibrationValues> further_values(const Json& note, const char* key, Sensor sensor) {
     const Json kept = note.is_object() ? note.value(key, Json{}) : Json{};
     CalibrationValues values;
@@ -119,21 +119,22 @@ bool are_same(const CalibrationValues& a, const CalibrationValues& b) {
         a, b, [](const auto& one, const auto& other) { return ano::host::same_bytes(one.second, other.second, ano::Type::f32); });
 }
 
-// Whose note it is, by the values that a device has.
+// The unit of a note, by the values of the device.
 enum class Unit : std::uint8_t {
-    other,    // of another one of its type, or it was calibrated by somebody else meanwhile
+    other,    // of another one of its type, or the unit was calibrated otherwise meanwhile
     alike,    // it may be the same, or one that was never calibrated
     same,
 };
 
-// Whether a value tells a unit from others of its type: one that was never calibrated, or is cleared, has it not.
+// Whether a value distinguishes a unit from others of its type: a unit that was never calibrated, or is cleared, has the neutral
+// one.
 bool tells_apart(const ano::host::AnyValue& value, const ano::host::AnyValue& neutral) {
     const auto* number = std::get_if<double>(&value);
     return number != nullptr && std::isfinite(*number) && *number != 0 && !ano::host::same_bytes(value, neutral, ano::Type::f32);
 }
 
-// The sets of values that a calibration may have left in a device: the old ones, those after the clear, and the new ones. The note of one
-// that ended right behind the clear has no cleared values: it left neutral ones.
+// The sets of values that a calibration may have left in a device: the old ones, those after the clear, and the new ones. A
+// calibration that ended directly after the clear stored no cleared values: it left neutral ones.
 std::vector<CalibrationValues> left_by_calibration(const std::string& text, Sensor sensor) {
     const Json note = note_json(text);
     std::vector<CalibrationValues> left{further_values(note, "cleared", sensor).value_or(ano::host::neutral_calibration(sensor))};
@@ -142,8 +143,8 @@ std::vector<CalibrationValues> left_by_calibration(const std::string& text, Sens
     return left;
 }
 
-// The device is the one of the note if each value is one that the calibration left, those of the other sensor are as they were, and one of them
-// tells it from others of its type: units have no number of their own.
+// The device is the one of the note if each value is one that the calibration left, those of the other sensor are unchanged, and
+// one of them distinguishes it from others of its type: units have no serial number.
 Unit unit_of_note(const CalibrationValues& has, const CalibrationValues& has_of_other, const std::string& text, Sensor sensor) {
     const Sensor other = ano::host::other_than(sensor);
     const auto other_values = further_values(note_json(text), "other", other);
@@ -163,14 +164,14 @@ Unit unit_of_note(const CalibrationValues& has, const CalibrationValues& has_of_
     return is_told_apart ? Unit::same : Unit::alike;
 }
 
-// How the user writes the values of a note back, as a clause.
+// How the user can write the values of a note back, as a clause.
 std::string by_hand(const WorkPlace& place, const std::string& name) {
     return "anoctl param import " + place.net.kept_path(name) + ", then anoctl param save";
 }
 
 constexpr const char* not_told_apart = "this unit can't be distinguished from others of its type that were never calibrated";
 
-// The note is the only copy of its values, so the log has them.
+// The note is the only copy of its values, so they are logged.
 std::string drop_note(const WorkPlace& place, const std::string& name, Unit unit) {
     const std::string text = *place.notes.find(name);
     const bool is_alike = unit == Unit::alike;
@@ -182,7 +183,7 @@ std::string drop_note(const WorkPlace& place, const std::string& name, Unit unit
            describe_note(name, text) + ", " + ano::compact_json(note_json(text).value("parameters", Json{}));
 }
 
-// The name of the kept values of this very device; empty: there are none.
+// The name of the stored values of exactly this device; empty: there are none.
 std::string kept_note(const WorkPlace& place, Sensor sensor) {
     return find_note(place, [sensor](std::string_view name) { return sensor_of_note(name) == sensor; });
 }
@@ -327,7 +328,7 @@ private:
         calibration_->cancel(now);
         finish(work_fault(503, "the old values could not be saved, so nothing was changed: " + kept_->fault));
     }
-    // A limit for the waiting, because the job blocks the device meanwhile.
+    // Limits the wait, because the job blocks the device meanwhile.
     void look_at_clock(TimePoint now) {
         if (!waits_since_) waits_since_ = now;
         if (now - *waits_since_ < Calibration::time_to_turn) return;
@@ -335,7 +336,7 @@ private:
         forget();
         finish(work_fault(504, "not continued within 10 minutes; nothing was changed"));
     }
-    // The old values are those kept by an unfinished calibration, not what it left in the device.
+    // Uses the old values stored by an unfinished calibration, not the values that it left in the device.
     bool uses_kept() {
         const std::string name = kept_note(place(), sensor_);
         const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
@@ -368,7 +369,7 @@ private:
             net.wake(net.now());
         });
     }
-    // By these and the new values the device is known as the one to which the old values belong.
+    // These and the new values identify the device to which the old values belong.
     void keep_cleared() {
         if (std::exchange(clears_kept_, calibration_->restarts() + 1) == calibration_->restarts() + 1) return;
         json_["cleared"] = bytes_json(calibration_->cleared_values());
@@ -387,7 +388,7 @@ private:
     void forget() {
         if (!note_.empty()) place().notes.forget(note_);
     }
-    // `when` the next run of the program writes them back, if it does.
+    // `when`: when the next run of the program writes them back, if it does.
     std::string kept_where(const std::string& what, const std::string& when) const {
         const std::string name = note_.empty() ? keep_name(place(), sensor_) : note_;
         const std::string kept = what + " are saved as " + name, way = place().net.way_to_write_back(name);
@@ -411,7 +412,7 @@ private:
         end.result = result.dump();
         finish(std::move(end));
     }
-    // Deletes the kept values if they are in the device again; otherwise they stay.
+    // Deletes the stored values if they are in the device again; otherwise they stay.
     void failed(const Task& task, TimePoint) override {
         WorkEnd end = end_of(*task.end(), texts());
         if (calibration_->has_old_values()) forget();
@@ -421,7 +422,7 @@ private:
 
     Sensor sensor_;
     Calibration* calibration_ = nullptr;
-    std::string note_;    // the name of the kept values
+    std::string note_;    // name of the note with the old values
     std::optional<TimePoint> waits_since_;
     std::shared_ptr<Kept> kept_ = std::make_shared<Kept>(), kept_new_ = std::make_shared<Kept>();
     Json json_;    // the note

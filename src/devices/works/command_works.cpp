@@ -27,7 +27,7 @@ using ano::host::Task;
 
 Json command_json(const CommandInfo& info, const DeviceTexts& texts) {
     Json values = Json::array();
-    std::size_t at = 0;    // in `types`, which lacks those that are not known
+    std::size_t at = 0;    // index in `types`, which has no entry for unknown types
     for (const std::uint8_t number : info.numbers) {
         if (!ano::command_value_type(number, ano::ValueType7::f32)) continue;
         const ano::Type type = info.types[at++];
@@ -46,14 +46,14 @@ public:
     using TaskWork::TaskWork;
 
 protected:
-    /// What value type 7 was stated to mean; std::nullopt: nothing, so that the device's descriptions decide.
+    /// The stated meaning of value type 7; std::nullopt: none, so that the device's descriptions decide.
     std::optional<ano::ValueType7> stated_type_7() {
         const auto of_link = place().net.manners(place().device.address()).value_type_7;
         if (of_link) return of_link;
         return given_type_7_ ? given_type_7_ : kept_type_7(place());
     }
-    /// What the client states, which is kept when the command is called. False, and the work has ended: the link's key states the
-    /// opposite.
+    /// Applies the meaning that the client states; it is stored when the command is called. False if the link's key states the
+    /// opposite; the work has then ended.
     bool state_type_7(std::optional<ano::ValueType7> seven) {
         const auto of_link = place().net.manners(place().device.address()).value_type_7;
         if (!seven || of_link == seven) return true;
@@ -65,7 +65,8 @@ protected:
         given_type_7_ = seven;
         return true;
     }
-    /// Of `all` as the device describes them. False, and the work has ended: they show another meaning than the client states.
+    /// Whether the descriptions `all` of the device have the stated meaning. False if they show the other one; the work has then
+    /// ended.
     bool agrees(const std::vector<CommandInfo>& all) {
         if (!given_type_7_) return true;
         for (const CommandInfo& one : all) {
@@ -90,7 +91,7 @@ protected:
         if (all != nullptr && !agrees(*all)) return std::nullopt;
         return all != nullptr ? std::optional{with_stated_types(*all)} : std::nullopt;
     }
-    /// The same whether or not it was away: a command of these has to be confirmed unless is_certain().
+    /// The same even if it was away: a command from these must be confirmed unless is_certain().
     std::optional<std::vector<CommandInfo>> read_last() {
         const auto* const all = commands_read_last(place().commands, place().device);
         if (all != nullptr && !agrees(*all)) return std::nullopt;
@@ -108,10 +109,10 @@ protected:
         note_ = ano::host::hex_of(place().device.address()) +
                 " did not confirm that the command is unchanged: it was sent as described earlier";
     }
-    /// The check that is the current task; null: another one is.
+    /// The check, if it is the current task; otherwise nullptr.
     const CommandCheck* check() const { return check_ != nullptr && task() == check_ ? check_ : nullptr; }
     bool agrees_as_read() { return agrees(commands_->descriptions()); }
-    /// Those that were read.
+    /// The commands that were read.
     std::vector<CommandInfo> commands() { return with_stated_types(commands_->descriptions()); }
 
     /// Calls `command`, or finishes because `given` does not fit.
@@ -137,7 +138,7 @@ protected:
     }
 
 private:
-    // Not before the device info is known: what a user stated is of one device.
+    // Only after the device info is known: a statement of a user applies to one device.
     std::vector<CommandInfo> with_stated_types(std::vector<CommandInfo> rows) {
         if (const auto seven = stated_type_7())
             for (CommandInfo& row : rows) row = with_type_7(std::move(row), *seven);
@@ -161,7 +162,7 @@ class ReadCommands final : public CommandWork {
 public:
     ReadCommands(const WorkPlace& place, bool may_be_known) : CommandWork{place}, may_be_known_{may_be_known} {}
     void start(TimePoint now) override {
-        if (may_be_known_) rows_ = read_last();    // a call of one of them has it confirmed where that is needed
+        if (may_be_known_) rows_ = read_last();    // a call of one of them confirms it if needed
         if (!rows_) read(now);
     }
     std::string message() const override { return "reading commands"; }
@@ -173,7 +174,7 @@ private:
         rows_ = commands();
         end_ = end_of(*task.end(), texts());
     }
-    // Adds a few rows at a time: it is called again until the work has ended.
+    // Adds a few rows per call: called again until the work has ended.
     void look(TimePoint) override {
         if (!rows_ || end()) return;
         const auto& device = place().device;
@@ -203,7 +204,7 @@ public:
         if (!state_type_7(order_.seven)) return;
         if (const auto all = read_last()) command_ = called(*all);
         if (end()) return;
-        if (command_ && command_->has_open_type) command_.reset();    // it may show meanwhile what it means
+        if (command_ && command_->has_open_type) command_.reset();    // its meaning may be known meanwhile
         if (!command_) return read(now);
         if (!is_certain(*command_, now)) return confirm(*command_, now);
         call_it(now);
@@ -228,7 +229,7 @@ private:
         if (!command_) return finish(work_fault(404, "no single command has the name " + ano::in_quotes(order_.command)));
         call_it(now);
     }
-    // The client may read the commands and call again: nothing was sent.
+    // Nothing was sent: the client may read the commands and call again.
     void finish_outdated() {
         WorkEnd end = work_fault(409, "command " + order_.command + " is not " + ano::in_quotes(*order_.called) +
                                           " any more: read the commands again");
@@ -258,7 +259,8 @@ private:
     CommandOrder order_;
     std::string json_;
     std::optional<CommandInfo> command_;
-    static constexpr unsigned max_interrupted = 4;    // checks by a link that was down: then it is a device that answers nothing
+    static constexpr unsigned max_interrupted = 4;    // checks over a link that was down: after these, the device counts as not
+                                                      // answering
     unsigned interrupted_ = 0;
 };
 
@@ -269,7 +271,7 @@ std::optional<ano::Type> number_type_called(std::string_view name) {
     return ano::is_number(type) ? std::optional{type} : std::nullopt;
 }
 
-// The device is asked nothing: what the client says of the command is taken as it is.
+// The device is asked nothing: the client's statements about the command are used unchanged.
 class CallByCid final : public CommandWork {
 public:
     CallByCid(const WorkPlace& place, const Cid& cid, CommandOrder order, const Json& values)

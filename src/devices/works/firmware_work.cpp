@@ -19,7 +19,7 @@ using ano::TimePoint;
 using ano::host::Firmware;
 using ano::host::Task;
 
-constexpr std::chrono::seconds worth_telling{3};    // of silence
+constexpr std::chrono::seconds worth_telling{3};    // silence that is reported
 
 constexpr std::size_t usual_frame = 195;    // bytes of the image in a frame; DATA has three more
 
@@ -59,7 +59,7 @@ private:
     struct Read {
         bool is_done = false;
         std::string fault;
-        std::string doubt;    // why it is probably no firmware
+        std::string doubt;    // why it is probably not firmware
         ano::host::FirmwareFile file;
     };
 
@@ -81,13 +81,13 @@ private:
         firmware_ = task.get();
         next(std::move(task)).start(now);
     }
-    // A device in its loader may not report its identity: takes it from the note.
+    // A device in its loader may not report its identity: it is then read from the note.
     void recall() {
         if (!order_.known_as) order_.known_as = kept_identity(place());
     }
-    // Keeps the identity while the device still answers.
+    // Stores the identity while the device still answers.
     void note() { keep_loader_note(place(), place().device.info() ? place().device.info() : order_.known_as); }
-    // Updates the message once a second, and at once where an odd reply came.
+    // Updates the message once a second, and at once after an odd reply.
     void say(TimePoint now) {
         const bool is_news = firmware_->step() != step_ || firmware_->odd_reply() != odd_reply_;
         if (end() || (!is_news && now - said_at_ < std::chrono::seconds{1})) return;

@@ -27,7 +27,7 @@ using ano::host::Parameters;
 using ano::host::ParameterWrite;
 using ano::host::Task;
 
-// `marked` is `name` with a '?' in place of each control character, as files of older versions have it.
+// Whether `marked` is `name` with a '?' in place of each control character, as in files of older versions.
 bool is_marked(std::string_view name, std::string_view marked) {
     while (!name.empty() && !marked.empty()) {
         const std::size_t control = ano::control_size(name, 0);
@@ -43,7 +43,7 @@ WorkEnd with_result(WorkEnd end, const Json& result) {
     return end;
 }
 
-// Reads the descriptions of all parameters, then goes on.
+// Reads the descriptions of all parameters, then continues.
 class ParameterWork : public TaskWork {
 public:
     using TaskWork::TaskWork;
@@ -53,7 +53,7 @@ protected:
         parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
         parameters_->read(values, now);
     }
-    /// The values of those that a client calls by these names or numbers.
+    /// Reads the values of the parameters with these names or numbers.
     void read_called(const std::vector<std::string>& words, bool to_write, TimePoint now) {
         parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
         if (to_write) parameters_->compare_anyway();
@@ -72,7 +72,7 @@ protected:
         return key ? place().cache.find(*key) : nullptr;
     }
     const Parameters& parameters() const { return *parameters_; }
-    /// The parameter of `all` that a client calls `name`.
+    /// The parameter of `all` that has the name `name` for clients.
     ano::host::Found named(const std::vector<ano::host::ParameterInfo>& all, std::string_view name) {
         if (std::exchange(shown_of_, all.data()) != all.data() || shown_.size() != all.size()) {
             shown_.clear();
@@ -88,7 +88,7 @@ protected:
         if (found.parameter == nullptr) found.parameter = numbered(all, name);
         return found;
     }
-    /// "NAME#3", as in a file where the name alone does not say which one is meant: the parameter 3, if that is its name.
+    /// "NAME#3", as in a file in which the name alone is ambiguous: the parameter 3, if that is its name.
     const ano::host::ParameterInfo* numbered(const std::vector<ano::host::ParameterInfo>& all, std::string_view word) const {
         const std::size_t end = word.rfind('#');
         if (end == std::string_view::npos) return nullptr;
@@ -98,7 +98,7 @@ protected:
         const std::string_view name = word.substr(0, end);
         return shown_[id] == name || is_marked(shown_[id], name) ? &all[id] : nullptr;
     }
-    /// nullptr, and the work has ended, if there is no parameter with this name or number.
+    /// nullptr if there is no parameter with this name or number; the work has then ended.
     const ano::host::ParameterInfo* parameter(const std::string& word) {
         const auto& all = parameters_->descriptions();
         ano::host::Found found = named(all, word);
@@ -110,7 +110,7 @@ protected:
         return found.parameter;
     }
 
-    /// The low bytes of a value that is not as long as its type are no value: writing it is refused as well.
+    /// A value that is not as long as its type is not shown: its low bytes are not the value, and writing it is refused as well.
     Json row(const ano::host::ParameterInfo& info, const std::optional<ano::host::AnyValue>& value, bool with_value) const {
         const std::string unreadable = value ? ano::host::unreadable_value(parameters_->bytes(info.id), info) : std::string{};
         if (unreadable.empty()) return parameter_json(info, value, with_value, texts());
@@ -128,8 +128,8 @@ protected:
 
 private:
     Parameters* parameters_ = nullptr;
-    std::vector<std::string> shown_;                        // the names for clients
-    const ano::host::ParameterInfo* shown_of_ = nullptr;    // the descriptions that they are of
+    std::vector<std::string> shown_;                        // names for clients
+    const ano::host::ParameterInfo* shown_of_ = nullptr;    // the descriptions that they belong to
 };
 
 class ReadAll final : public ParameterWork {
@@ -147,7 +147,7 @@ public:
 
 private:
     void done(const Task& task, TimePoint) override { end_ = end_of(*task.end(), texts()); }
-    // Returns the parameters that came even if some did not.
+    // Returns the parameters that were received, even if some are missing.
     void failed(const Task& task, TimePoint) override {
         end_ = end_of(*task.end(), texts());
         if (task.end()->ending != Ending::incomplete) return finish(std::move(*end_));
@@ -158,7 +158,7 @@ private:
     }
     const std::vector<ano::host::ParameterInfo>& rows() const { return known_ ? *known_ : parameters().descriptions(); }
     std::optional<ano::host::AnyValue> value(std::uint16_t id) const { return known_ ? std::nullopt : parameters().value(id); }
-    // Adds a few rows at a time: it is called again until the work has ended.
+    // Adds a few rows per call: called again until the work has ended.
     void tell() {
         const auto& all = rows();
         const auto& device = place().device;
@@ -181,7 +181,7 @@ private:
         finish(text_->ended(std::move(*end_), tail));
     }
     bool is_wanted(const ano::host::ParameterInfo& row) const { return !order_.words || is_called(row, *order_.words); }
-    // Ends with the last parameter that came: a device may claim thousands that never do.
+    // Ends with the last parameter received: a device may report thousands that do not exist.
     std::size_t rows_that_came() const {
         const auto& all = rows();
         const auto came = [&](std::size_t i) {
@@ -262,7 +262,7 @@ class Apply final : public ParameterWork {
 public:
     Apply(const WorkPlace& place, const Json& values, ApplyOrder order)
         : ParameterWork{place}, wanted_(values), order_{order} {}    // braces would make a list of it
-    // The types must be known before; whether the device is still the same is found out with the values.
+    // The types must be known before. Whether the device is still the same is checked while the values are read.
     void start(TimePoint now) override {
         const auto* const before = known(now);
         if (before != nullptr && has_all(*before)) return apply(*before, now);
@@ -326,7 +326,7 @@ private:
         apply_ = &next(std::make_unique<ParameterApply>(place().device, &place().cache, values, options));
         apply_->start(now);
     }
-    // Too many to tell each.
+    // Too many unknown names to list each.
     WorkEnd no_file_of_it(std::size_t strangers) const {
         constexpr std::size_t max_names = 5;
         std::string names;
@@ -336,14 +336,14 @@ private:
         return work_fault(
             422, "nothing was written: unknown parameters  " + names + " and " + std::to_string(strangers - told) + " more");
     }
-    // Reports what is half done as well.
+    // Also reports what is half done.
     void failed(const Task& task, TimePoint) override {
         WorkEnd end = end_of(*task.end(), texts());
         if (apply_ == nullptr) return finish(std::move(end));
         forget_kept();
         finish(with_result(std::move(end), rows()));
     }
-    // Old values kept by a calibration are no longer needed if the device has them.
+    // Old values stored by a calibration are no longer needed if the device has them.
     void forget_kept() {
         using State = ParameterApply::State;
         if (order_.dry_run) return;
@@ -382,16 +382,16 @@ private:
         return result;
     }
 
-    static constexpr std::size_t max_strangers = 500;    // names of no parameter: of so many each has a row in the answer
+    static constexpr std::size_t max_strangers = 500;    // unknown names: up to this number, each has a row in the answer
 
     Json wanted_;
     ApplyOrder order_;
     struct Given {
-        std::string name;    // as the client has it
+        std::string name;    // as the client sent it
         Json wanted;
         std::optional<ano::Type> type;
         bool is_known;
-        std::optional<std::string> unwritable;    // of a dry run: a text that the encoding of the device lacks
+        std::optional<std::string> unwritable;    // of a dry run: a text that can't be written in the encoding of the device
     };
     std::vector<Given> given_;    // in the order of the rows
     ParameterApply* apply_ = nullptr;

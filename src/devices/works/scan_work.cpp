@@ -15,7 +15,7 @@ using ano::TimePoint;
 
 constexpr unsigned sends = 3;
 constexpr Duration between_sends = std::chrono::milliseconds{300};
-// After the last send; together less than 1.5 s, and the time of zero bytes.
+// After the last send. In total less than 1.5 s, plus the time of zero bytes.
 constexpr Duration for_answers = std::chrono::milliseconds{800};
 
 class Scan final : public Work {
@@ -29,7 +29,7 @@ public:
         std::vector<std::uint8_t> frame(ano::overhead + request.data.size());
         ano::encode(frame, place_.device.own(), ano::address::broadcast, request.id, request.data);
         const ano::FrameView question{frame};
-        // A device that is deaf to the first one does not answer.
+        // A device whose parser is not ready for the first question does not answer it.
         const Duration busy = sent_ > 0 ? place_.net.flush_parser(question).busy : Duration{};
         ++sent_;
         next_ = now + busy + (sent_ < sends ? between_sends : for_answers);

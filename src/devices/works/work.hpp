@@ -21,7 +21,7 @@ namespace anogate {
 /// How a job ended, as the answer to the client.
 struct WorkEnd {
     unsigned status = 200;
-    std::string result{};    // JSON; the result for 200, otherwise what is half done
+    std::string result{};    // JSON; the result for 200, otherwise the half-done state
     std::string error;       // a clause for the user; for 200 a remark, or empty
     std::string what;        // a word for programs; empty for 200
     ano::host::Evidence evidence{};
@@ -31,10 +31,10 @@ struct WorkEnd {
 
 /// Converts `end`; a task that is done gives status 200 without a result. `texts`: of the device.
 WorkEnd end_of(const ano::host::End& end, const DeviceTexts& texts);
-/// With the `what` of the status.
+/// With the `what` that belongs to the status.
 WorkEnd work_fault(unsigned status, std::string error);
 
-/// What all works use.
+/// The common data of all works.
 struct WorkPlace {
     ano::host::Device& device;
     ano::host::DescriptionCache& cache;
@@ -42,35 +42,35 @@ struct WorkPlace {
     DeviceNet& net;
     Notes& notes;
     const DeviceTexts& texts;
-    /// Why the device may not be changed now, as text; empty: it may.
+    /// Why the device may not be changed now, as text; empty: it may be changed.
     std::function<std::string()> refusal{};
     /// Its tasks yield to those of clients that may control.
     bool yields = false;
 };
 
-/// Driven by its job: start() once, then run() whenever a request to the device may have ended, until end() is set. No function is called
-/// from within one of its tasks.
+/// Driven by its job: start() once, then run() whenever a request to the device may have ended, until end() is set. No function
+/// is called from within one of its tasks.
 class Work {
 public:
     virtual ~Work() = default;
     virtual void start(ano::TimePoint now) = 0;
     virtual void run(ano::TimePoint now) = 0;
-    /// Ends the work soon, after restoring what has to be restored.
+    /// Ends the work soon, after restoring what must be restored.
     virtual void cancel(ano::TimePoint now) = 0;
     const std::optional<WorkEnd>& end() const noexcept { return end_; }
 
     virtual ano::host::Progress progress() const { return {}; }
-    /// What it does now, as text for the user.
+    /// The current action, as text for the user.
     virtual std::string message() const { return {}; }
     /// Called for every passing frame, in addition to Device::take(). Must not send.
     virtual void hear(ano::FrameView /*frame*/, ano::TimePoint /*now*/) {}
-    /// What is half done if it stops now, when cancel() did not end it at once.
+    /// The half-done state if it is stopped now, when cancel() did not end it at once.
     virtual std::string half_done() const { return "it is unchanged"; }
-    /// When run() has to be called, in addition to Device::due().
+    /// When run() must be called, in addition to Device::due().
     virtual std::optional<ano::TimePoint> due() const { return std::nullopt; }
-    /// run() has something to do at once: a request ended while frames were sent.
+    /// Whether run() must be called at once: a request ended while frames were sent.
     virtual bool is_ready() const noexcept { return false; }
-    /// Whether it waits for go_on(), which returns false if it does not.
+    /// Whether it waits for go_on(). go_on() returns false if it does not wait.
     virtual bool is_waiting() const { return false; }
     virtual bool go_on(ano::TimePoint /*now*/) { return false; }
     /// Further data of the present step, as JSON; empty: none.
@@ -85,7 +85,7 @@ private:
     std::optional<WorkEnd> end_;
 };
 
-/// One task after the other.
+/// A work that runs tasks one after another.
 class TaskWork : public Work {
 public:
     explicit TaskWork(const WorkPlace& place) : place_{place} {}
