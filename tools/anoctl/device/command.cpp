@@ -53,7 +53,8 @@ private:
         return fine;
     }
 
-    /// As it was read before, so that the call is the first frame that is sent; else as the device describes it now.
+    /// The description as read before, so that the call is the first frame that is sent; otherwise as the device describes it
+    /// now.
     static Json described(DeviceClient& client, const std::string& word) {
         const Json known = client.run("GET", client.target("/commands?known"));
         try {
@@ -79,11 +80,11 @@ private:
         Json came;
         try {
             came = client.run("POST", client.target("/commands/" + text_at(command, "id")), body.dump());
-        } catch (const Outdated&) {    // once: the board was swapped, for instance
+        } catch (const Outdated&) {    // only once: for example, the board was swapped
             if (name.empty()) throw;
             tell(streams, client.device_words() + " has different commands than before; reading them again");
             const Json now = client.run("GET", client.target("/commands"));
-            command = command_called(at(now, "commands"), name);    // that the user agreed to, whatever its number
+            command = command_called(at(now, "commands"), name);    // to which the user agreed, even if its number changed
             body = body_of(command, given);
             body["name"] = name;
             came = client.run("POST", client.target("/commands/" + text_at(command, "id")), body.dump());

@@ -87,7 +87,7 @@ private:
         return fine;
     }
 
-    // Writes NAME=VALUE, as `set` accepts it.
+    // Writes NAME=VALUE, in the form that `set` accepts.
     static void write_assigned(const Json& row, std::ostream& out) {
         out << text_at(row, "name") << '=' << plain_at(row, "value") << '\n';
     }
@@ -101,7 +101,7 @@ private:
         const Json& rows = at(answer, "parameters");
         try {
             for (const std::string& name : words) (void)parameter_called(rows, name);
-        } catch (const Failure&) {    // all names are needed for the most similar one
+        } catch (const Failure&) {    // all names are needed to suggest the most similar one
             const Json described = descriptions(client);
             for (const std::string& name : words) (void)parameter_called(described, name);
             throw;
@@ -129,7 +129,7 @@ private:
         return body;
     }
 
-    // Writes nothing before all values are checked.
+    // Writes nothing until all values are checked.
     int set(Streams& streams) const {
         const std::vector<Assignment> wanted = assignments(words);
         DeviceClient client{options, streams};
@@ -141,7 +141,7 @@ private:
                  streams);
         return fine;
     }
-    /// As they were read before, if the values fit to these; otherwise as the device describes them now.
+    /// The descriptions as read before, if the values fit them; otherwise as the device describes them now.
     static Json checked_descriptions(DeviceClient& client, const std::vector<Assignment>& wanted) {
         const Json known = client.run("GET", client.target("/parameters?values=0&known"));
         try {
@@ -154,14 +154,14 @@ private:
         check(wanted, now);
         return now;
     }
-    /// As /apply calls it: by its name, and with its number where another one has that name or it has none.
+    /// The key for /apply: its name, with its number if another parameter has that name or it has none.
     static std::string name_for_apply(const Json& row, const Json& described) {
         const std::string name = text_at(row, "name");
         const auto called_so = std::count_if(described.begin(), described.end(),
                                              [&](const Json& other) { return text_at(other, "name") == name; });
         return name.empty() || called_so > 1 ? name + "#" + text_at(row, "id") : name;
     }
-    // One request for all: their old values are read together, and what was written is read once more at the end.
+    // One request for all: their old values are read together, and written values are read once more at the end.
     int set_all(DeviceClient& client, const std::vector<Assignment>& wanted, const Json& described, Streams& streams) const {
         Json order{{"parameters", Json::object()}, {"goes_on", false}, {"also_the_same", true}};
         if (longer) order["longer"] = true;
@@ -172,7 +172,7 @@ private:
         std::string why, rest;
         try {
             came = client.run("POST", client.target("/apply"), order.dump());
-        } catch (const JobFailure& e) {    // first prints what was written
+        } catch (const JobFailure& e) {    // first prints the written values
             came = parse_answer(e.result);
             why = e.what();
         }
@@ -270,13 +270,13 @@ private:
             throw UsageError{path + ": " + ano::in_quotes(extension) + " is not a supported parameter file format; use .json"};
     }
 
-    /// What a file would change.
+    /// The changes that a file would make.
     struct Difference {
         Json values, answer;
         std::size_t left_out = 0, changes = 0;
         std::string without_value;
     };
-    // Files kept by a calibration contain only calibration values.
+    // Files of stored calibration values contain only calibration parameters.
     Difference difference(DeviceClient& client, const Json& given, bool compares, Streams& streams) const {
         Difference d;
         d.values = wanted_values(given, with_calibration || is_kept_by_calibration(words[0]), d.left_out);
@@ -322,7 +322,7 @@ private:
         if (!d.without_value.empty()) say(streams, "no value in the file: " + d.without_value);
     }
 
-    // Exit status as of the command diff: 1: something differs; 2: the comparison failed.
+    // Exit status like the command diff: 1: something differs; 2: the comparison failed.
     int diff(Streams& streams) const {
         try {
             return differs(streams) ? failed : fine;
@@ -380,7 +380,7 @@ private:
         std::string why;
         try {
             if (d.changes > 0) came = client.run("POST", client.target("/apply"), order.dump());
-        } catch (const JobFailure& e) {    // first prints what became of each
+        } catch (const JobFailure& e) {    // first prints the result of each
             came = parse_answer(e.result);
             why = e.what();
         }
