@@ -1,4 +1,4 @@
-// What may not be done to a device now, and who else writes to it.
+// Actions that are not allowed on a device now, and other hosts that write to it.
 #include <host/air_guard.hpp>
 
 #include <support/bytes.hpp>
@@ -47,7 +47,7 @@ TEST(AirGuard, force_does_not_help_where_it_is_not_clear_who_is_meant) {
             EXPECT_EQ(guard.refusal(deed, nobody, known, true), Refusal::no_device) << int{nobody};
 }
 
-// Anybody who reaches a link can send such frames, and in anybody's name.
+// Any program on a link can send such frames, with any source address.
 TEST(AirGuard, other_hosts_that_write_refuse_nothing_and_are_named_for_two_seconds) {
     for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0xE1, 0x61, 0xF0})
         for (const std::uint8_t to : std::initializer_list<std::uint8_t>{0xDC, 0xFF}) {

@@ -1,4 +1,4 @@
-// Another device takes the place of the one that is worked on: nothing that acts is sent to it.
+// Another device replaces the one that a task works on: no frame that acts is sent to it.
 #include <host/calibration.hpp>
 #include <host/commands.hpp>
 #include <host/firmware.hpp>
@@ -27,7 +27,7 @@ struct Other {
     Duration silent{};
 };
 
-/// The frame with this id, after so many others, is lost, and another device has the address.
+/// After `after` acting frames with the id `at_id`, the next one is lost, and another device has the address.
 struct Swapped : testing::Test {
     FakeDevice fake;
     Device device{0xDC};
@@ -37,7 +37,7 @@ struct Swapped : testing::Test {
     std::size_t after = 2, seen = 0;
     bool is_swapped = false, is_one = true;
     TimePoint hears_from{};
-    std::vector<Bytes> acted;    // frames that acted on the other one
+    std::vector<Bytes> acted;    // frames that acted on the other device
     std::function<std::optional<std::vector<Bytes>>(FrameView)> before;
 
     Swapped() {
@@ -132,7 +132,7 @@ TEST_P(EachOther, gets_no_old_value_either) {
 
 INSTANTIATE_TEST_SUITE_P(All, EachOther, testing::ValuesIn(others));
 
-// The write that fails is of the device of before; the other one comes while the old values go back.
+// The write that fails belongs to the previous device; the other one appears while the old values are written back.
 TEST_F(Swapped, while_it_is_undone_the_rest_stays_as_it_is) {
     fake.parameters[4].store = [this](const Bytes&) { return fake.parameters[4].value; };
     after = 7;    // the third old value
@@ -199,7 +199,7 @@ TEST_F(Swapped, gets_no_repeated_command) {
     }
 }
 
-// Whether the frames of the device or the answers are lost is not known: it may be LAND.
+// It is not known whether the frames to the device or its answers are lost: the command may be LAND.
 TEST_F(Swapped, a_silent_device_gets_the_command_again) {
     is_one = false;
     fake.deaf = true;

@@ -1,4 +1,4 @@
-// Every task ends within its time, also with a device that answers always just in time.
+// Every task ends within its time, even if a device always answers just before the time-out.
 #include <support/fake_loader.hpp>
 #include <support/host_tasks.hpp>
 
@@ -15,7 +15,7 @@ using support::FakeDevice;
 using support::FakeLoader;
 using support::Simulation;
 
-/// It answers the fifth of equal frames only, each time anew.
+/// Answers only every fifth of equal frames.
 struct Tardy : testing::Test {
     FakeDevice fake;
     FakeLoader loader;

@@ -1,4 +1,4 @@
-// A calibration from the old values to the new ones, and back when it comes to nothing.
+// A calibration from the old values to the new ones, and the restoring of the old ones after a failure.
 #include <host/calibration.hpp>
 
 #include <support/fake_device.hpp>
@@ -26,9 +26,9 @@ struct Calibrates : testing::Test {
     Simulation simulation{device, fake, {.delay = 10ms}};
     std::vector<Bytes> old;
     std::vector<std::uint16_t> actions;
-    bool forgets_once = false;    // one of the values, when it is told to use them
+    bool forgets_once = false;    // one of the values, when it applies them
     bool shows_the_clear = true;
-    Calibration::Step step = Calibration::Step::read;    // when it was heard last
+    Calibration::Step step = Calibration::Step::read;    // at the last sample
     Duration pace = 20ms;
 
     void make(Sensor sensor) {
@@ -75,7 +75,7 @@ struct Calibrates : testing::Test {
             hear(task, m);
         }
     }
-    // Samples count when those of before could not come any more.
+    // Samples count only after the time in which samples from before can arrive.
     template <class Message>
     void hear(Calibration& task, const Message& message) {
         const bool measures = task.step() == Calibration::Step::turn || task.step() == Calibration::Step::verify;
@@ -91,7 +91,7 @@ struct Calibrates : testing::Test {
         device.take(FrameView{std::span{bytes}.first(size)}, simulation.now);
         task.hear(FrameView{std::span{bytes}.first(size)}, simulation.now);
     }
-    // It is turned to all sides and its new values are stored; it lies on the last face, and uses them.
+    // The device is turned to all sides and its new values are stored; it lies on the last face, and uses them.
     void turn(Calibration& task) {
         for (std::size_t face = 0; face < 6; ++face) lie(task, face);
         simulation.run(task);
@@ -133,7 +133,7 @@ TEST_F(Calibrates, an_accelerometer) {
     EXPECT_EQ(fake.parameters.back().value, Bytes{1});
 }
 
-// As over a radio that sends answers first: what it measured before the clear, and before the store, comes up to 3 s later.
+// As over a radio that sends answers first: samples from before the clear, and from before the store, arrive up to 3 s later.
 TEST_F(Calibrates, by_samples_that_can_not_be_of_before) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
@@ -219,7 +219,7 @@ TEST_F(Calibrates, a_compass_again_when_its_samples_were_corrected_already) {
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x30}));
 }
 
-// Its parameters never show the clear, and while it is turned it uses its old calibration again.
+// Its parameters never show the clear, and during the turning it starts to use its old calibration again.
 struct HidesTheClear : Calibrates {
     static constexpr CompassCalibration right{{110, -70, 55}, {1.02, 0.97, 1}};
 
@@ -239,7 +239,7 @@ struct HidesTheClear : Calibrates {
         for (std::size_t i = 0; i < values.size(); ++i) values[i] = load<float>(stored()[i].data());
         return CompassCalibration::of(values);
     }
-    // Raw samples first, then those that it corrects by `old_one`.
+    // Sends raw samples first, then samples that it corrects with `old_one`.
     void calibrate(Calibration& task, int raw_ones, const CompassCalibration& old_one) {
         make(Sensor::compass);
         shows_the_clear = false;
@@ -283,7 +283,7 @@ TEST_F(HidesTheClear, a_compass_is_never_made_worse) {
         }
 }
 
-// The slower the line, the later a question is given up.
+// The slower the line, the later a question times out.
 struct CalibratesSlowly : Calibrates, testing::WithParamInterface<int> {};
 INSTANTIATE_TEST_SUITE_P(Delays, CalibratesSlowly, testing::Values(1, 10, 20, 30, 40, 60, 100, 200));
 
@@ -374,7 +374,7 @@ TEST_F(Calibrates, a_cancelled_one_writes_the_old_values_back) {
     EXPECT_EQ(stored(), old);
 }
 
-// A device that was never calibrated may have anything there, such as erased flash.
+// A device that was never calibrated may store any bytes there, such as erased flash.
 TEST_F(Calibrates, old_values_that_are_no_numbers_are_put_back_bit_by_bit) {
     make(Sensor::accelerometer);
     fake.parameters[1].value = {0xFF, 0xFF, 0xFF, 0xFF};

@@ -1,4 +1,4 @@
-// What is computed from six faces and from samples all round, with sensors whose errors are known.
+// The fits from six faces and from samples of all directions, for sensors with known errors.
 #include <host/accelerometer_fit.hpp>
 #include <host/compass_fit.hpp>
 #include <host/least_squares.hpp>
@@ -18,7 +18,7 @@ double noise(support::Random& random, double most) { return most * (static_cast<
 const AccelerometerCalibration skewed{
     {40, -25, 60}, {1.02, 0.97, 1.05}, {{{1, 0.02, -0.01}, {-0.015, 1, 0.03}, {0.01, -0.02, 1}}}};
 
-// What a sensor with these errors measures where `true_value` is.
+// The measurement of a sensor with these errors where the true value is `true_value`.
 Vector raw_of(const AccelerometerCalibration& sensor, const Vector& true_value) {
     LeastSquares<3> squares;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -94,7 +94,7 @@ TEST(SixFaces, take_nothing_while_it_shakes_or_turns_or_stands_on_an_edge) {
     for (std::size_t face = 0; face < 6; ++face) EXPECT_EQ(faces.samples(static_cast<Face>(face)), 0u);
 }
 
-// 50 a second, behind a low pass of 1 s that it was turned under; and tilted by 1 °/s.
+// 50 samples a second, behind a low pass of 1 s during which it was turned; and tilted by 1 °/s.
 TEST(SixFaces, do_not_count_what_still_settles_or_is_tilted) {
     SixFaces smooth;
     int n = 0;
@@ -131,7 +131,7 @@ TEST(SixFaces, that_are_no_better_than_before_are_rejected) {
     support::Random random{7};
     SixFaces faces;
     for (std::size_t face = 0; face < 6; ++face) {
-        // Every other sample lies elsewhere, by less than what is still: the half by which is judged fits the old values.
+        // Every other sample is elsewhere, within the limit of stillness: the half used for the check fits the old values.
         for (int i = 0; i < 100; ++i) {
             Vector raw = raw_of(skewed, gravity_on(face));
             raw[0] += i % 2 == 1 ? 8 + noise(random, 1) : noise(random, 1);
@@ -169,7 +169,7 @@ SixFaces laid(const AccelerometerCalibration& sensor, double off, std::uint64_t 
     return faces;
 }
 
-// cm/s², the largest error of the length, of all directions of a cube's 26.
+// cm/s², the largest error of the length over the 26 directions of a cube.
 double worst_length(const AccelerometerCalibration& calibration, const AccelerometerCalibration& sensor) {
     double worst = 0;
     for (int i = 0; i < 27; ++i) {
@@ -192,7 +192,7 @@ TEST(SixFaces, show_the_error_matrix_when_they_are_level_and_the_old_one_is_wron
     EXPECT_EQ(laid(skewed, 0, 1).choose_measure(no_number), Measure::direction);
 }
 
-// The same whether it was good before, or off by offset and sensitivity.
+// The same result for a sensor that was good before, and for one with wrong offset and sensitivity.
 TEST(SixFaces, that_are_tilted_find_offset_and_sensitivity_and_keep_the_error_matrix) {
     AccelerometerCalibration shifted = skewed;
     for (double& axis : shifted.offset) axis += 20;
@@ -216,7 +216,7 @@ TEST(SixFaces, that_are_not_all_there_are_rejected) {
     EXPECT_EQ(faces.fit({}).wrong, "only 1 of 6 faces were measured");
 }
 
-// Spread evenly over the sphere, as far up as `top` of its height.
+// Spread evenly over the sphere, up to `top` of its height.
 std::vector<Vector> directions(std::size_t n, double top = 1) {
     std::vector<Vector> all;
     for (std::size_t i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-// A device that restarts, dies or does not use what it stores while it is calibrated.
+// A device that restarts, fails or does not use the stored values during its calibration.
 #include <support/calibrated_device.hpp>
 #include <support/sanitized.hpp>
 
@@ -53,7 +53,7 @@ TEST(CalibrationRestarts, an_older_device_has_its_scaled_values_back) {
     EXPECT_EQ(bench.flash, old);
 }
 
-// Its sensitivities are stored in tenths: that costs more than the fit promises.
+// Its sensitivities are stored in tenths: the rounding error exceeds the residual of the fit.
 TEST(CalibrationRestarts, an_older_device_with_a_coarse_scale_keeps_its_old_values) {
     CalibrationBench bench;
     bench.flash = {-30, 20, 10, 0.9f, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -123,7 +123,7 @@ TEST(CalibrationRestarts, device_info_that_somebody_asked_for_is_none) {
     EXPECT_EQ(clears(bench), 1);
 }
 
-// It restarts before it has written its flash. On the face where it is verified the old values are as good as the new ones.
+// It restarts before it has written its flash. On the face on which it is verified, the old values are as good as the new ones.
 TEST(CalibrationRestarts, one_behind_the_store_is_found_by_the_values) {
     for (const Duration later : {100ms, 300ms, 1000ms, 2000ms}) {
         CalibrationBench bench;
@@ -134,7 +134,7 @@ TEST(CalibrationRestarts, one_behind_the_store_is_found_by_the_values) {
         const auto old = bench.flash;
         ASSERT_TRUE(bench.run_to(Step::verify));
         bench.run(later);
-        if (bench.task.end()) continue;    // it was verified sooner
+        if (bench.task.end()) continue;    // it was verified before
         bench.flash = old;
         bench.restart(200ms);
         bench.run();
@@ -154,7 +154,7 @@ TEST(CalibrationRestarts, device_info_that_has_changed_is_one) {
     EXPECT_EQ(bench.task.last_restart(), "its device info has changed");
 }
 
-// Other sensitivities, of a sensor without offsets: on the face that lies last nothing shows what is wrong.
+// Other sensitivities, for a sensor without offsets: the face on which it lies last does not show the error.
 void make_sensitive(CalibrationBench& bench) {
     bench.sensor = {{}, {0.95, 1.05, 1}};
     bench.flash = CalibrationBench::raw;
@@ -193,7 +193,7 @@ TEST(CalibrationRestarts, one_that_only_the_samples_show_is_found_in_the_fit) {
     EXPECT_EQ(clears(bench), 2);
 }
 
-// Its old values are those of another sensor: after the second clear that is certain.
+// Its old values belong to another sensor: this is certain after the second clear.
 TEST(CalibrationRestarts, a_device_that_needs_no_correction_is_calibrated_at_the_second_time) {
     CalibrationBench bench;
     bench.sensor = {{}, {1, 1, 1}};
@@ -216,7 +216,7 @@ TEST(CalibrationRestarts, a_gap_before_the_first_sample_is_judged_by_the_pace_be
     slow.sampled(start + 1700ms);
     slow.sampled(start + 2700ms);
     EXPECT_FALSE(slow.sign(device));
-    RestartWatch after_one{device, start};    // that was on its way
+    RestartWatch after_one{device, start};    // that was in flight
     after_one.sampled(start);
     TimePoint now = start + 700ms;
     for (int i = 0; i < 20; ++i) after_one.sampled(now += 10ms);
@@ -237,7 +237,7 @@ TEST(CalibrationRestarts, device_info_that_nobody_asked_for_is_one_right_behind_
     EXPECT_EQ(clears(bench), 2);
 }
 
-// One sample a second is a pace, not a row of restarts.
+// One sample a second is its pace, not a series of restarts.
 TEST(CalibrationRestarts, a_slow_device_is_judged_by_its_own_pace) {
     Device device{0xDC};
     RestartWatch watch{device, TimePoint{}};
@@ -261,7 +261,7 @@ TEST(CalibrationRestarts, again_and_again_ends_it) {
     EXPECT_EQ(bench.task.end()->what, "0xDC restarted 6 times (no samples for 0.6 s); the old values are restored");
 }
 
-// It erases flash, for instance. Whether it restarted can't be seen.
+// The device erases flash, for instance. Whether it restarted can't be seen.
 TEST(CalibrationRestarts, silence_after_each_clear_is_named_and_ends_it) {
     for (const auto& [silence, words] : {std::pair{800ms, "0.8 s"}, {3000ms, "3.0 s"}}) {
         CalibrationBench bench;
@@ -285,7 +285,7 @@ TEST(CalibrationRestarts, silence_after_each_clear_is_named_and_ends_it) {
     }
 }
 
-// It restarts so fast that nothing shows it, and its parameters never show that they are cleared.
+// It restarts so fast that there is no sign, and its parameters never show that they are cleared.
 TEST(CalibrationRestarts, what_no_sign_shows_is_found_in_what_the_device_sends_afterwards) {
     CalibrationBench bench;
     const auto old = bench.flash;
@@ -300,7 +300,7 @@ TEST(CalibrationRestarts, what_no_sign_shows_is_found_in_what_the_device_sends_a
     EXPECT_EQ(bench.flash, old);
 }
 
-// Such as (raw - O) / S: on a face whose sensitivity is 1 that shows nothing, so one more face is asked for.
+// Such as (raw - O) / S: a face with sensitivity 1 does not show this, so one more face is requested.
 TEST(CalibrationRestarts, a_device_that_uses_another_formula_has_its_old_values_back) {
     const auto divides = [](CalibrationBench::Values v) {
         for (std::size_t i = 3; i < 6; ++i) v[i] = 1 / v[i];
@@ -376,7 +376,7 @@ TEST(CalibrationRestarts, a_device_without_samples_is_named) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::turn));
     TimePoint last_heard = bench.now;
-    while (!bench.task.end() && bench.now < last_heard + 20s) {    // it goes on to send its mode
+    while (!bench.task.end() && bench.now < last_heard + 20s) {    // it still sends its mode
         bench.now += 100ms;
         const auto mode = support::frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0});
         bench.device.take(FrameView{mode}, bench.now);
@@ -390,7 +390,7 @@ TEST(CalibrationRestarts, a_device_without_samples_is_named) {
     EXPECT_EQ(bench.task.end()->what, "0xDC is online, but sends no samples: inertial (0x01); the old values are restored");
 }
 
-// Whenever it restarts, for however long: what is stored at the end is right, or is what was there before.
+// For any time and duration of the restart, the stored values at the end are right, or are the old ones.
 TEST(CalibrationRestarts, at_any_time_never_leave_a_wrong_calibration) {
     int good = 0, undone = 0;
     for (const Duration silence : {0ms, 200ms, 700ms, 2500ms})
@@ -418,7 +418,7 @@ TEST(CalibrationRestarts, at_any_time_never_leave_a_wrong_calibration) {
     EXPECT_GT(good, 20 * undone) << good << ' ' << undone;
 }
 
-// Whose old calibration is right: then each new one that is made of corrected samples is worse.
+// Its old calibration is right: any new calibration made of corrected samples is worse.
 const std::array<CalibrationBench::Sensor, 5> sensors{{{{}, {1 / 1.05, 1, 1}},
                                                        {{}, {1 / 1.02, 1, 1}},
                                                        {{1, -1, 2}, {1 / 1.01, 1 / 0.99, 1}},
@@ -489,7 +489,7 @@ TEST(CalibrationRestarts, a_short_one_of_a_device_that_does_not_show_the_clear_n
         for (Duration at = 300ms; at < 15s; at += support::sanitized ? 4500ms : 500ms) {
             CalibrationBench bench;
             bench.make_right(sensor);
-            bench.flash[0] += 5;    // it is to be calibrated
+            bench.flash[0] += 5;    // it needs a calibration
             bench.load_flash();
             bench.shows_the_clear = false;
             const TimePoint when = bench.now + at;
@@ -519,7 +519,7 @@ TEST(CalibrationRestarts, rounded_values_are_no_worse_than_the_old_ones) {
             const double before = bench.worst_face();
             bench.run();
             ASSERT_TRUE(bench.task.end());
-            EXPECT_LE(bench.worst_face(), before + 0.9) << mul << ' ' << i;    // samples are whole numbers
+            EXPECT_LE(bench.worst_face(), before + 0.9) << mul << ' ' << i;    // samples are integers
         }
 }
 

@@ -1,4 +1,5 @@
-// Samples that come late, behind a low pass, or of a device that is tilted: what is stored is right, or the old values are back.
+// Samples that arrive late, pass a low pass, or are from a tilted device: the stored values are right, or the old ones are
+// restored.
 #include <support/calibrated_device.hpp>
 #include <support/sanitized.hpp>
 
@@ -10,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 using support::CalibrationBench;
 
-// Whether it was calibrated.
+// Returns whether it was calibrated.
 bool is_calibrated(CalibrationBench& bench) {
     bench.run(12min);
     const auto old = CalibrationBench{}.flash;
@@ -60,7 +61,7 @@ TEST(CalibrationSamples, of_a_device_that_is_tilted_do_not_count) {
 
 const CalibrationBench::Sensor shifted{{25, -18, 40}, {1.02, 0.985, 1.01}};
 
-// 1 to 5 degrees, as laid by hand, of a device whose old calibration is good.
+// Tilts of 1 to 5 degrees, as when placed by hand; the old calibration of the device is good.
 TEST(CalibrationSamples, of_faces_that_are_not_level_never_make_a_good_calibration_worse) {
     for (const double off : {0.003, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.1})
         for (std::uint32_t lays = 1; lays <= (support::sanitized ? 1 : 8); ++lays) {
@@ -76,7 +77,7 @@ TEST(CalibrationSamples, of_faces_that_are_not_level_never_make_a_good_calibrati
         }
 }
 
-// Whose offset and sensitivity are found all the same.
+// Its offset and sensitivity are found in spite of the tilts.
 TEST(CalibrationSamples, of_faces_that_are_not_level_calibrate_a_device_that_never_was) {
     for (const double off : {0.003, 0.01, 0.02, 0.04, 0.06})
         for (const bool shows : {true, false}) {

@@ -122,7 +122,7 @@ TEST_F(CommandsOf, one_that_is_not_described_is_told) {
     EXPECT_EQ(commands.find("odd"), nullptr);
 }
 
-// Losses for three seconds end both rounds of the questions, each of which is repeated for a second where a round trip is known.
+// Losses for three seconds end both rounds of the questions; each question is repeated for a second when a round trip is known.
 TEST_F(CommandsOf, one_that_was_lost_again_and_again_is_asked_for_once_more) {
     std::optional<TimePoint> first;
     int lost = 0;
@@ -206,7 +206,7 @@ TEST_F(CommandsOf, an_acknowledgement_from_a_port_of_the_device_ends_a_call_and_
     EXPECT_EQ(call(commands[0], {}).what, "no answer to unlock: it may have been carried out") << "it may be of another device";
 }
 
-// Calls that are driven by hand.
+// Calls in which the test passes the frames itself.
 struct HandCalls : CommandsOf {
     std::vector<CommandInfo> commands = read();
     TimePoint now = simulation.now;

@@ -1,4 +1,4 @@
-// The requests on their way to one device, in time that is a number.
+// The requests to one device, in simulated time.
 #include <host/device.hpp>
 #include <host/parameter_info.hpp>
 #include <host/parameter_write.hpp>
@@ -56,7 +56,8 @@ struct Host {
     }
 };
 
-// Where nothing was measured yet, a loss says nothing: five losses in a row are no reason to give up where every other frame is lost.
+// Before the first measurement a loss shows nothing: five losses in a row are no reason to give up when every other frame is
+// lost.
 TEST(Device, an_unanswered_question_is_sent_every_200_ms_for_six_seconds) {
     Host host;
     host.ask_value(5);
@@ -94,7 +95,7 @@ TEST(Device, on_a_measured_line_a_question_is_repeated_for_a_second) {
 }
 
 struct Flushes : Host {
-    std::vector<std::uint8_t> before;    // which frames
+    std::vector<std::uint8_t> before;    // their ids
     Flushes() {
         device.on_maybe_deaf([this](FrameView next) {
             before.push_back(next.id());
@@ -113,7 +114,7 @@ TEST(Device, a_repeated_question_comes_after_a_flush_and_waits_longer_by_its_tim
     EXPECT_EQ(host.device.due(), start + 200ms + 20ms + 200ms);
 }
 
-// What is sent meanwhile would end the zero bytes: only a command does.
+// Any frame sent meanwhile would end the zero bytes: only a command is sent.
 TEST(Device, nothing_but_a_command_follows_a_flush_before_the_line_is_free) {
     Flushes host;
     host.device.on_maybe_deaf([](FrameView) { return ano::Flush{.busy = 500ms}; });
@@ -192,7 +193,7 @@ struct LateFlushes : Host {
     }
 };
 
-// A command may be LAND, and a device is deaf seldom.
+// A command may be LAND, and it is rare that the parser of a device is not ready.
 TEST(Device, what_is_sent_only_once_never_waits_for_a_flush) {
     TimePoint now = start;
     LateFlushes host{start + 700ms};
@@ -205,7 +206,7 @@ TEST(Device, what_is_sent_only_once_never_waits_for_a_flush) {
     EXPECT_EQ(host.listener.ends.size(), 1u);
 }
 
-// Waiting for the answer to the first try alone would cost five seconds.
+// Waiting only for the answer to the first try would take five seconds.
 TEST(Device, a_save_leaves_at_once_and_again_when_a_flush_is_allowed) {
     TimePoint now = start;
     LateFlushes host{start + 700ms};
@@ -218,8 +219,8 @@ TEST(Device, a_save_leaves_at_once_and_again_when_a_flush_is_allowed) {
     EXPECT_TRUE(host.sent_at(now, start + 5s).empty()) << "each save wears the flash";
 }
 
-// Whatever else waits for a flush, a place in the window, or an acknowledgement.
-// A device that takes one frame at a time would lose it, and a command is sent once.
+// The command waits neither for a flush, nor for a place in the window, nor for an acknowledgement. A device that accepts one
+// frame at a time would lose it, and a command is sent once.
 TEST(Device, a_command_waits_for_answers_that_are_on_their_way_but_not_for_long) {
     Host host;
     const Request command{0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}};
@@ -267,7 +268,7 @@ TEST(Device, a_command_behind_another_request_leaves_at_once) {
     EXPECT_EQ(host.flushes, 1);
 }
 
-// The check of a command's description.
+// This is how the description of a command is checked.
 TEST(Device, an_urgent_question_passes_all_but_commands_also_when_it_is_repeated) {
     Host host;
     for (std::uint16_t id = 0; id < 40; ++id) host.ask_value(id);
@@ -287,7 +288,7 @@ TEST(Device, an_urgent_question_passes_all_but_commands_also_when_it_is_repeated
     EXPECT_EQ(command[0][3], 0xC0);
 }
 
-// Whether the command is still the same, for instance: the flush is left to the command.
+// For instance the question whether the command is still the same: the flush is left to the command.
 TEST(Device, a_command_behind_a_question_that_is_waited_for_briefly_leaves_at_once) {
     TimePoint now = start;
     LateFlushes host{start};
@@ -338,7 +339,7 @@ TEST(Device, a_command_that_may_be_repeated_and_left_at_once_is_repeated_behind_
     EXPECT_TRUE(host.sent_at(now, start + 2900ms).empty());
 }
 
-// The other flush came after the request.
+// The other flush was after the request.
 TEST(Device, a_second_try_waits_once_for_a_flush_even_if_another_one_gets_it) {
     TimePoint now = start;
     LateFlushes host{start + 310ms};
@@ -395,7 +396,7 @@ TEST(Device, the_window_opens_with_the_answers) {
     EXPECT_EQ(host.device.on_their_way(), Window::max_size);
 }
 
-/// How many requests are on their way at last to a device with this line, which takes 300 questions one after the other.
+/// The number of requests in flight at the end, for a device with this line that answers 300 questions one after the other.
 std::size_t on_their_way_at_last(Duration each_way, Duration for_each, Duration jitter = {}) {
     Host host;
     host.listener.yield_to_others(true);
@@ -422,7 +423,7 @@ std::size_t on_their_way_at_last(Duration each_way, Duration for_each, Duration 
     return most;
 }
 
-// Who may only view, and reads all parameters of a slow device, would hold up a command to it.
+// A client that may only view, and reads all parameters of a slow device, would delay a command to it.
 TEST(Device, a_question_that_yields_waits_for_others_no_longer_than_40_ms) {
     EXPECT_EQ(on_their_way_at_last(1ms, 1ms), 8u);
     EXPECT_EQ(on_their_way_at_last(1ms, 5ms), 8u);

@@ -1,4 +1,4 @@
-// How long is waited, how many are on their way, and what ends a request.
+// Time-outs, the number of requests in flight, and the answers that end a request.
 #include <ano/typed.hpp>
 #include <host/exchange.hpp>
 #include <host/window.hpp>
@@ -54,7 +54,7 @@ TEST(RoundTrip, before_the_first_answer_it_doubles_with_each_loss_up_to_2_s) {
     EXPECT_EQ(trip.time_out_after(60, false), 2s);
 }
 
-// After a list that filled the line, a single answer does not take as long as those of the list.
+// After a list that filled the line, a single answer takes less time than those of the list.
 TEST(RoundTrip, of_a_request_by_itself_it_follows_the_least) {
     RoundTrip trip;
     trip.answered(20ms, false);
@@ -151,7 +151,7 @@ TEST(Window, is_one_at_a_time_when_most_are_lost_though_round_trips_do_not_grow)
     EXPECT_EQ(window.size(), 1u);
 }
 
-// A burst of interference looks the same at first.
+// At first a burst of interference looks the same.
 TEST(Window, opens_again_when_two_at_a_time_are_not_lost_either) {
     Window window;
     for (int i = 0; i < 16; ++i) window.answered(false);

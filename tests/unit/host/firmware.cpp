@@ -1,4 +1,4 @@
-// Upgrading firmware: files that are and that are none, loaders that write, refuse, fail and fall silent.
+// Upgrading firmware: valid and invalid files, and loaders that write, refuse, fail and stop answering.
 #include <host/firmware.hpp>
 
 #include <support/fake_loader.hpp>
@@ -244,7 +244,7 @@ TEST_F(Upgrade, all_sent_is_waited_for_half_a_minute) {
     EXPECT_LT(took, Firmware::check_patience + 1s);
 }
 
-// It gets the info, and restarts into its loader without an answer.
+// It receives the info, and restarts into its loader without an answer.
 TEST_F(Upgrade, a_device_that_restarts_into_its_loader_gets_the_info_again) {
     for (const Duration restart : {Duration{800ms}, Duration{2500ms}, Duration{25s}}) {
         loader = {};
@@ -261,7 +261,7 @@ TEST_F(Upgrade, a_device_that_restarts_into_its_loader_gets_the_info_again) {
     }
 }
 
-// It answers questions again before it is in its loader, and in it.
+// It answers questions both before it is in its loader and in it.
 TEST_F(Upgrade, a_device_that_answers_questions_before_and_after_its_restart_gets_the_info_again) {
     for (const Duration begins : {0ms, 300ms, 900ms, 1200ms, 1900ms}) {
         loader = {};
@@ -316,7 +316,7 @@ TEST_F(Upgrade, an_image_that_the_device_finds_damaged_is_no_success) {
     EXPECT_TRUE(task->is_left_in_loader());
 }
 
-// The two sums of a frame do not show every error.
+// The two sums of a frame do not detect every error.
 TEST_F(Upgrade, an_image_that_noise_has_damaged_is_sent_again_in_the_shortest_frames) {
     for (const std::size_t damaged : {std::size_t{1}, std::size_t{2}, std::size_t{99}}) {
         loader = {};
@@ -387,7 +387,7 @@ TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_erased_for) {
     EXPECT_EQ(loader.erases, 0u);
 }
 
-// Nothing says that the image is for this hardware, so the refusal may be meant.
+// The image does not state its hardware, so the device may really refuse it.
 TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_not_erased_for_when_nothing_says_that_the_image_fits) {
     const auto ends_refused = [&](FirmwareOptions options) {
         loader = {};
@@ -518,7 +518,7 @@ TEST_F(Upgrade, an_answer_that_is_none_is_shown_as_it_came) {
     EXPECT_EQ(loader.erases, 0u);
 }
 
-// "Erased" is waited for as long as a minute.
+// The wait for "erased" is up to a minute.
 TEST_F(Upgrade, an_odd_reply_to_the_erase_is_told_while_it_waits) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xF0 && f.data()[0] == 0) return std::vector<Bytes>{fake.to_host(f, 0xF0, {0x00, 0x77, 0x12})};
@@ -532,7 +532,7 @@ TEST_F(Upgrade, an_odd_reply_to_the_erase_is_told_while_it_waits) {
     EXPECT_EQ(task.odd_reply(), "0xDC sent 0xF0 with 00 77 12, which is not a valid answer");
 }
 
-// One byte in a hundred is wrong: seven in eight frames of 195 bytes are lost, one in five orders.
+// One byte in a hundred is wrong: seven of eight frames of 195 bytes are lost, and one of five orders.
 struct Noise : Upgrade {
     struct Result {
         End end;
@@ -578,7 +578,7 @@ TEST_F(Noise, frames_are_repeated_until_they_are_written_where_it_does_not) {
 }
 
 struct LostConnection : Upgrade {
-    // Both ways are cut once, after frame 5 was written.
+    // Both directions are cut once, after frame 5 was written.
     std::unique_ptr<Firmware> run_cut_for(
         Duration time, const std::function<void()>& meanwhile = [] {}) {
         auto task = std::make_unique<Firmware>(device, image);

@@ -1,4 +1,4 @@
-// Writing parameters: read back, clamped, refused, undone; and what is never sent.
+// Writing parameters: read back, clamped, refused, undone; and frames that are never sent.
 #include <host/parameter_apply.hpp>
 #include <host/parameter_write.hpp>
 
@@ -102,7 +102,7 @@ TEST_F(Writes, a_scaled_value_is_multiplied_and_must_be_a_multiple) {
     EXPECT_TRUE(same_bytes(AnyValue{0.3}, AnyValue{0.1 + 0.2}, p));
 }
 
-// Its description was taken for that of one byte.
+// Its description was interpreted as a parameter of one byte.
 TEST_F(Writes, a_number_is_never_written_in_another_length_than_the_device_sends) {
     fake.parameters = {{0, "U8", "", {0xB2, 0xC0, 0x81, 0}}, {5, "I32", "", {1, 0, 0, 0, 0, 0, 0, 0}}};
     const auto task = write(info(0), std::int64_t{50});
@@ -166,7 +166,7 @@ TEST_F(Writes, anothers_check_bytes_are_no_acknowledgement) {
     EXPECT_EQ(writes(), 1u) << "it has arrived";
 }
 
-// Nothing shows which of them is meant.
+// The acknowledgement does not show which command it belongs to.
 TEST_F(Writes, a_wrong_acknowledgement_ends_none_of_two_commands) {
     struct Asks final : Asker {
         int ends = 0;
@@ -215,7 +215,7 @@ TEST_F(Writes, an_empty_text_is_written_as_it_is) {
     }
 }
 
-// What it said of itself is forgotten when its first answer comes.
+// Its device info is discarded when its first answer arrives.
 TEST_F(Writes, a_device_that_was_silent_for_long_says_first_what_it_has) {
     write(info(0), std::int64_t{1});
     simulation.pass(Device::away_after);
@@ -396,7 +396,7 @@ TEST_F(Applies, a_clamped_one_is_listed_and_no_failure) {
     EXPECT_EQ(states(*task), (std::vector{State::clamped, State::written}));
 }
 
-// What fails behind a restart fails because of it, and what was written before is lost unless it was saved.
+// A failure after a restart is caused by it, and the values written before are lost unless they were saved.
 TEST_F(Applies, a_restart_in_between_is_said) {
     for (const bool fails : {true, false}) {
         if (fails) fake.parameters[3].store = [](const Bytes&) { return Bytes{1, 0}; };
@@ -415,7 +415,7 @@ TEST_F(Applies, a_restart_in_between_is_said) {
     }
 }
 
-// It saves nothing by itself: after a restart it has the values of before.
+// The device saves nothing on its own: after a restart it has the previous values.
 struct Restarts : Applies {
     std::vector<FakeDevice::Parameter> saved;
     unsigned restarts = 0, max_restarts = 1;
@@ -425,7 +425,7 @@ struct Restarts : Applies {
         fake.parameters.clear();
         fake.make_parameters(10, 0);
         saved = fake.parameters;
-        // So fast that nothing shows it: right behind the value that is read back.
+        // So fast that there is no sign: directly after the value is read back.
         fake.instead = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
             auto answers = fake.usual(frame);
             const bool reads_back = frame.id() == 0xE0 && frame.data()[0] == 2;
@@ -532,9 +532,7 @@ TEST_F(Applies, the_first_failure_ends_it) {
 
 TEST_F(Applies, behind_one_that_is_refused_it_goes_on_when_it_may) {
     fake.parameters[1].store = [](const Bytes&) { return Bytes{0, 0, 0, 0x3F}; };
-    fake.instead = [&](FrameView f) {
-        return f.id() == 0xE1 && f.data()[0] == 0 ? nothing() : std::nullopt;
-    };    // for reading only
+    fake.instead = [&](FrameView f) { return f.id() == 0xE1 && f.data()[0] == 0 ? nothing() : std::nullopt; };    // read-only
     const auto task = apply({{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.goes_on = true});
     EXPECT_EQ(states(*task), (std::vector{State::failed, State::failed, State::written}));
     EXPECT_EQ(task->end()->ending, Ending::timeout) << "as the first";
@@ -603,7 +601,8 @@ TEST_F(Applies, a_dead_device_ends_it_and_the_undoing) {
     EXPECT_EQ(states(task), (std::vector{State::not_undone, State::not_undone, State::waiting}));
 }
 
-// It is plugged in place of the one that was written to, while that is away or while it is undone: at the `at`th write.
+// Another device is connected in place of the one that was written to, while that is away or while the values are undone: at the
+// `at`th write.
 struct BecomesAnother : Applies {
     std::unique_ptr<ParameterApply> apply_all(std::size_t at, bool rollback, bool says_it) {
         const std::size_t first = writes();

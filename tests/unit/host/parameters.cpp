@@ -1,4 +1,4 @@
-// Reading what parameters a device has, from good devices and bad ones.
+// Reading the parameters of a device, from devices with and without faults.
 #include <host/parameters.hpp>
 
 #include <support/fake_device.hpp>
@@ -105,7 +105,7 @@ TEST_F(Reads, scaled_values_are_divided) {
     EXPECT_EQ(parameters.descriptions()[2].limits, (ParameterInfo::Limits{-10, 100}));
 }
 
-// 8202 is 0x200A: in the current layout a text, whose name begins with a space.
+// 8202 is 0x200A: in the current layout this is a text whose name begins with a space.
 TEST_F(Reads, a_device_has_one_layout_whatever_one_description_looks_like) {
     for (const bool scaled : {false, true}) {
         fake.old = !scaled;
@@ -190,7 +190,7 @@ TEST_F(Reads, who_says_otherwise_or_was_away_is_read_again) {
 TEST_F(Reads, values_that_do_not_fit_cached_descriptions_have_them_read_again) {
     fake.make_parameters(5);
     ASSERT_EQ(read(), Ending::done);
-    fake.parameters[4] = {0, "NEW", "", {9}};    // was four bytes
+    fake.parameters[4] = {0, "NEW", "", {9}};    // it had four bytes
     Parameters again{device, &cache};
     again.read_all(simulation.now);
     simulation.run(again);
@@ -344,7 +344,7 @@ TEST_F(Reads, answers_late_twice_and_in_any_order_are_told_apart) {
     EXPECT_EQ(simulation.taken[Taken::unasked], 0);
 }
 
-// Nothing is lost: before a round trip is measured, a question is repeated sooner than its answer can come.
+// Nothing is lost: before a round trip is measured, a question is repeated before its answer can arrive.
 TEST_F(Reads, over_a_line_with_long_round_trips_several_at_a_time) {
     fake.make_parameters(150);
     for (const int delay : {170, 200, 220, 250, 400}) {

@@ -1,4 +1,4 @@
-// Files that are no image of firmware: each is told by its first bytes, with how to convert it.
+// Files that are not firmware images: each is recognized by its first bytes, with the way to convert it.
 #include <host/firmware_image.hpp>
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ void expect_doubt(std::string_view file, std::string_view kind, std::string_view
     EXPECT_NE(doubt.find(remedy), std::string::npos) << kind << ": '" << doubt << '\'';
 }
 
-// What a compiled image has behind its first bytes.
+// Adds content like that of a compiled image after the first bytes.
 std::string with_bytes(std::string_view begin) {
     std::string file{begin};
     for (std::size_t i = 0; i < 3000; ++i) file += static_cast<char>(i * 37 + i / 256);

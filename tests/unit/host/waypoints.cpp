@@ -109,7 +109,7 @@ TEST_F(WaypointsOf, one_that_is_not_given_back_is_refused) {
     EXPECT_EQ(end.what, "0xDC acknowledged waypoint 0 but does not return it");
 }
 
-// It writes flash for each waypoint, and hears nothing meanwhile.
+// It writes flash for each waypoint, and receives nothing meanwhile.
 TEST_F(WaypointsOf, one_that_is_acknowledged_3_s_late_is_not_given_up) {
     get();    // the round trip is known: 20 ms
     std::optional<TimePoint> busy_until;
@@ -166,7 +166,7 @@ TEST_F(WaypointsOf, what_a_device_lost_by_a_restart_is_named) {
     EXPECT_EQ(end.what, "0xDC did not keep these waypoints (it has probably restarted): 0, 1, 2");
 }
 
-// It restarts so fast that nothing shows it, between a write and its read-back: that is answered from its old list.
+// It restarts between a write and its read-back, so fast that there is no sign: the read-back is answered from its old list.
 TEST_F(WaypointsOf, all_that_a_short_restart_has_cost_are_named) {
     std::vector<Waypoint> long_route;
     for (std::uint8_t num = 0; num < 6; ++num) long_route.push_back({num, 113.5, 22.0 + num, 0, 0, 0, 0, {}});
@@ -191,7 +191,7 @@ TEST_F(WaypointsOf, all_that_a_short_restart_has_cost_are_named) {
     }
 }
 
-// The list before it is as it was, so that nothing but the read-back shows it.
+// The rest of the list is unchanged, so that only the read-back shows it.
 TEST_F(WaypointsOf, one_that_is_read_back_otherwise_is_written_once_more) {
     for (const std::size_t size : {1u, 2u}) {
         const std::vector<Waypoint> wanted{route.begin(), route.begin() + static_cast<std::ptrdiff_t>(size)};
@@ -211,13 +211,13 @@ TEST_F(WaypointsOf, one_that_is_read_back_otherwise_is_written_once_more) {
     }
 }
 
-// An answer of before, which came late, is no sign that the list is lost: what the list has at the end counts.
+// An earlier answer that arrives late is not a sign that the list is lost: the list read at the end decides.
 TEST_F(WaypointsOf, a_read_back_of_before_the_write_loses_nothing) {
     for (const std::size_t size : {1u, 2u}) {
         const std::vector<Waypoint> wanted{route.begin(), route.begin() + static_cast<std::ptrdiff_t>(size)};
         fake.waypoints.assign(size, Bytes(22));
         fake.waypoints.back()[0] = static_cast<std::uint8_t>(size - 1);
-        unsigned stale = 2;    // also the one behind the second write
+        unsigned stale = 2;    // also the one after the second write
         fake.instead = [&, old = fake.waypoints.back()](FrameView f) -> std::optional<std::vector<Bytes>> {
             if (f.id() != 0x60 || f.data()[0] != size - 1 || stale == 0) return std::nullopt;
             --stale;
