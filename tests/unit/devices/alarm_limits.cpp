@@ -1,4 +1,4 @@
-// Alarm limits: what is refused, and that they survive a restart.
+// Alarm limits: rejected ones, and their storage over a restart.
 #include <devices/alarm_limits.hpp>
 #include <support/simulated_net.hpp>
 

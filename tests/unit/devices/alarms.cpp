@@ -1,4 +1,4 @@
-// Alarms: which values are beyond their limits, as arithmetic in simulated time, and what those who follow them are told.
+// Alarms: the values that are beyond their limits, in simulated time, and the reports to clients that follow them.
 #include <ano/flexible.hpp>
 #include <ano/hex.hpp>
 #include <ano/typed.hpp>
@@ -106,7 +106,7 @@ TEST_F(Watch, tells_red_ones_first_and_ignores_what_is_no_value) {
 
 TEST_F(Watch, judges_the_last_value_by_new_limits) {
     watch.set(0xDC, {cell}, time);
-    hear(power(14));    // 3.5 V a cell
+    hear(power(14));    // 3.5 V per cell
     time += 2s;
     EXPECT_EQ(told(), "0xDC power.voltage amber 3.5");
     watch.set(0xDC, {{"power.voltage", true, 3.6, 3.55, 4u, 2}}, time);
@@ -160,7 +160,7 @@ struct AlarmAnswers : testing::Test {
         const std::string row = R"({"field":"power.voltage","side":"below","amber":3.6,"red":3.4,"cells":4,"for_s":)";
         EXPECT_EQ(net.ask("PUT", "/devices/0xDC/limits", R"({"limits":[)" + row + std::to_string(for_s) + "}]}").status, 200u);
     }
-    /// "red 3.3": of the only alarm; "": there is none.
+    /// "red 3.3" for the only alarm; "" if there is none.
     static std::string in(const Json& answer) {
         const Json& all = answer.at("alarms");
         if (all.empty()) return {};
@@ -169,7 +169,7 @@ struct AlarmAnswers : testing::Test {
     std::string now() { return in(net.ask("GET", "/alarms").json); }
 };
 
-/// Whoever follows; reads all that there is.
+/// A client that follows; reads all available lines.
 struct Follower {
     std::unique_ptr<anogate::http::Producer> producer;
     std::size_t woken = 0;
@@ -238,7 +238,7 @@ TEST_F(AlarmAnswers, tell_followers_the_whole_at_each_change_and_nothing_while_a
     hear(13.2);
     net.pass(900ms);
     EXPECT_EQ(follower.woken, 0u) << "not for long enough";
-    net.pass(300ms);    // no other frame comes
+    net.pass(300ms);    // no other frame is received
     lines = follower.lines();
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_EQ(in(lines[0]), "red 3.3");
@@ -289,7 +289,7 @@ struct LostVehicles : testing::Test {
     }
 };
 
-// For a page that is opened afterwards.
+// For a page that is opened after the loss.
 TEST_F(LostVehicles, are_told_with_their_last_state_until_they_are_heard_again) {
     say(2);
     net.pass(1900ms);
@@ -361,7 +361,7 @@ TEST_F(LostVehicles, are_lost_after_a_silence_that_their_own_period_allows) {
         EXPECT_FALSE(watch.device(0xDC, last + period + 1s)->is_lost) << "another frame of it came";
         watch.hear(0xDC, 0xE1, last + period + 1s);
         EXPECT_EQ(watch.device(0xDC, last)->lost_at, last + period + 1s + LossWatch::lost_after) << "alone";
-        watch.hear_mode(0xDC, 2, now += 1min);    // no period
+        watch.hear_mode(0xDC, 2, now += 1min);    // the period is not known
         EXPECT_EQ(watch.device(0xDC, now)->lost_at, now + period + 900ms);
         watch.forget(0xDC);
         EXPECT_FALSE(watch.device(0xDC, now));
@@ -373,7 +373,7 @@ TEST_F(LostVehicles, are_lost_after_a_silence_that_their_own_period_allows) {
     EXPECT_FALSE(brief.device(0xDD, TimePoint{1h}));
 }
 
-// In a network anybody can send in the name of a lost vehicle.
+// Any program in a network can send frames with the address of a lost vehicle.
 TEST_F(LostVehicles, stay_lost_while_they_are_only_heard_where_they_are_not_known) {
     EXPECT_FALSE(net.service.stays_lost(0xDC)) << "it was never heard";
     say(0);
@@ -394,7 +394,7 @@ TEST_F(LostVehicles, stay_lost_while_they_are_only_heard_where_they_are_not_know
     EXPECT_TRUE(net.service.stays_lost(0x51)) << "it has no state that says it is on the ground";
 }
 
-// "lost DC 2 1.5, heard DD": of the last line.
+// "lost DC 2 1.5, heard DD": the devices in the last line.
 std::string devices_in(const std::vector<Json>& lines) {
     std::string all;
     if (lines.empty()) return "no line";
@@ -408,7 +408,7 @@ std::string devices_in(const std::vector<Json>& lines) {
     return all;
 }
 
-// A hidden page hears nothing else.
+// A hidden page receives no other reports.
 TEST_F(LostVehicles, are_told_to_those_who_follow_the_alarms_and_so_are_those_that_are_back) {
     Follower follower{net};
     EXPECT_EQ(devices_in(follower.lines()), "none");
@@ -472,7 +472,7 @@ TEST_F(LostVehicles, are_not_judged_by_a_gateway_that_stood_still) {
     net.pass(200ms);
     EXPECT_EQ(devices_in(follower.lines()), "heard 0xDC");
     net.time += 10s;
-    net.service.run(net.time);    // before what came meanwhile is read
+    net.service.run(net.time);    // before the frames received meanwhile are read
     say(2);
     net.pass(1s);
     EXPECT_EQ(devices_in(follower.lines()), "no line");

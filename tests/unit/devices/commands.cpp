@@ -1,4 +1,4 @@
-// Commands and actions by the routes.
+// Commands and actions through the routes.
 #include <support/simulated_net.hpp>
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TEST_F(CommandRoutes, are_listed) {
     EXPECT_EQ(all.at("commands")[1], json::parse(R"({"id": 1, "name": "LAND", "values": []})"));
 }
 
-// The page asks for commands alone, and shows the name.
+// The page requests only the commands, and shows the name.
 TEST_F(CommandRoutes, of_a_device_that_describes_none_tell_its_name_anyway) {
     fake.instead = [](ano::FrameView f) { return f.id() == 0xC1 ? std::optional{std::vector<Bytes>{}} : std::nullopt; };
     net.passes(frame(0xDC, 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 0}));
@@ -44,7 +44,7 @@ TEST_F(CommandRoutes, are_called_by_name_or_number) {
     EXPECT_EQ(calls(), 2u);
 }
 
-// What the device was sent by `body` to `target`: ids of frames, in order.
+// A device whose commands were read before. ids_of_call() returns the ids of the frames sent for one call, in order.
 struct KnownCommands : CommandRoutes {
     KnownCommands() {
         net.ask("GET", "/devices/0xDC/commands");
@@ -61,13 +61,14 @@ struct KnownCommands : CommandRoutes {
         for (const TimePoint end = net.time + time; net.time < end; net.pass(5s)) net.passes(euler());
     }
     static Bytes euler() { return frame(0xDC, 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 0}); }
-    const Bytes only_the_call{0xC0}, confirmed_first{0xC1, 0xC0}, asked_first{0xE0, 0xC1, 0xC0};    // who it is, and the command
-    // Behind them its device info is asked for.
+    const Bytes only_the_call{0xC0}, confirmed_first{0xC1, 0xC0}, asked_first{0xE0, 0xC1, 0xC0};    // device info, then the
+                                                                                                    // command
+    // After them its device info is requested.
     static Bytes first_three(Bytes ids) {
         ids.resize(3);
         return ids;
     }
-    // The device in its place: the same bytes mean something else.
+    // Replaces the device: the same bytes have another meaning there.
     void swap_for_a_car() {
         fake.name = "CAR";
         fake.version = 7;
@@ -83,7 +84,7 @@ struct KnownCommands : CommandRoutes {
     }
 };
 
-// One more of them, beside that of the test.
+// Another instance of the fixture within a test.
 struct Afresh final : KnownCommands {
     void TestBody() override {}
 };
@@ -185,7 +186,7 @@ TEST_F(KnownCommands, are_not_sent_while_the_link_is_down_nor_later) {
     EXPECT_EQ(calls(), 0u);
 }
 
-// The questions for it left before that was heard: by a port that comes up, at any moment.
+// The questions for the call are sent while the link is down; `up` later the device that is there then is heard.
 TEST_F(KnownCommands, of_a_device_whose_link_comes_up_meanwhile_are_those_of_the_device_that_is_there_then) {
     for (Duration up{}; up < 700ms; up += 50ms) {
         stream(1s);
@@ -215,7 +216,7 @@ TEST_F(KnownCommands, of_a_device_that_restarted_right_behind_the_list_are_confi
     EXPECT_EQ(ids_of_call(), confirmed_first) << "so late it is no answer to what was asked before the list";
 }
 
-// Its telemetry comes as `frames` together, each `interval`, and the first call at `after`.
+// Its telemetry arrives as `frames` together, once per `interval`, and the first call at `after`.
 TEST_F(KnownCommands, of_a_device_that_sends_seldom_are_called_by_the_first_frame) {
     const Duration all[] = {500ms, 700ms, 1s, 2s, 5s};
     for (const Duration interval : all) {
@@ -236,7 +237,7 @@ TEST_F(KnownCommands, of_a_device_that_sends_seldom_are_called_by_the_first_fram
 }
 
 TEST_F(KnownCommands, of_a_device_in_the_place_of_one_that_sends_seldom_are_confirmed) {
-    for (int slow = 0; slow < 4; ++slow) {    // frames of the one before
+    for (int slow = 0; slow < 4; ++slow) {    // frames of the previous device
         Afresh other;
         for (int i = 0; i < slow; ++i, other.net.pass(1s)) other.net.passes(euler());
         other.net.pass(3s);
@@ -247,7 +248,7 @@ TEST_F(KnownCommands, of_a_device_in_the_place_of_one_that_sends_seldom_are_conf
     }
 }
 
-// A quick restart, without a word, with another table of as many commands.
+// A quick restart without an announcement, with another table of as many commands.
 TEST_F(KnownCommands, of_a_device_that_paused_are_confirmed) {
     stream(2s);
     EXPECT_EQ(ids_of_call(), only_the_call);
@@ -260,7 +261,7 @@ TEST_F(KnownCommands, of_a_device_that_paused_are_confirmed) {
     EXPECT_EQ(ids_of_call(), asked_first) << "it pauses now";
 }
 
-// The question for its description passes whatever else is asked.
+// The question for its description is sent before all other requests.
 TEST_F(KnownCommands, pass_a_long_job) {
     fake.make_parameters(200);
     net.line.delay = 30ms;
@@ -275,7 +276,7 @@ TEST_F(KnownCommands, pass_a_long_job) {
     ASSERT_TRUE(net.until([&] { return land->has_value() && list->has_value(); }));
 }
 
-// Another device has the address: the answer that tells it is lost.
+// Another device has the address, and the answer that shows this is lost.
 TEST_F(KnownCommands, of_a_device_that_was_away_are_confirmed_though_questions_are_lost) {
     for (const unsigned lost : {1u, 2u}) {
         net.pass(32s);
@@ -318,13 +319,13 @@ TEST_F(KnownCommands, that_are_not_confirmed_in_time_are_sent) {
     for (const auto& [delay, longest] : {std::pair{10ms, 500ms}, {50ms, 600ms}, {110ms, 1s}, {400ms, 1s}}) {
         net.line.delay = delay;
         for (int i = 0; i < 30; ++i) EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
-        for (int i = 0; i < 2; ++i) {    // the second at once behind the first
+        for (int i = 0; i < 2; ++i) {    // the second directly after the first
             stream(1s);
             net.service.link_was_down(0xDC);
             stream(300ms);
             const TimePoint begin = net.time;
             Bytes ids = ids_of_call();
-            std::erase(ids, std::uint8_t{0xE0});    // its device info is asked for as well
+            std::erase(ids, std::uint8_t{0xE0});    // its device info is requested as well
             EXPECT_EQ(ids, (Bytes{0xC1, 0xC1, 0xC1, 0xC0}));
             EXPECT_LE(net.time - begin, longest + 2 * delay);
             EXPECT_GE(net.time - begin, 490ms + 2 * delay);
@@ -341,7 +342,7 @@ TEST_F(KnownCommands, that_an_answer_contradicts_are_not_sent) {
     EXPECT_EQ(calls(), 0u);
 }
 
-// It hears, and nothing of it arrives any more.
+// It receives, but its frames do not arrive any more.
 TEST_F(KnownCommands, of_a_device_that_was_not_heard_for_long_go_where_it_was_heard_last) {
     net.pass(31s);
     net.where[0xDC] = {.was_heard = true};
@@ -372,7 +373,7 @@ TEST_F(KnownCommands, of_a_device_that_reports_another_version_are_read_again) {
     EXPECT_EQ(Bytes(net.sent.back().begin() + 6, net.sent.back().end() - 2), (Bytes{7, 7, 7}));
 }
 
-// A device that restarted has the same name and versions, and perhaps another list: its old bytes must not be sent.
+// A device that restarted has the same name and versions, and perhaps another list: the bytes of its old list must not be sent.
 TEST_F(KnownCommands, of_a_device_that_announces_itself_are_read_again) {
     const Bytes info = frame(0xDC, 0xFF, 0xE3, {0xDC, 100, 0, 100, 0, 0, 0, 32, 3, 'f', 'a', 'k', 'e'});
     net.pass(10s);
@@ -467,7 +468,7 @@ TEST_F(CommandRoutes, with_bad_bytes_or_values_are_never_sent) {
     EXPECT_TRUE(net.sent.empty());
 }
 
-// The user knows at once, not when the command is given up.
+// The user learns this at once, not when the command times out.
 TEST_F(KnownCommands, to_a_link_that_takes_nothing_say_so_while_they_wait) {
     fake.deaf = true;
     net.stopped = "the link 'fc' takes nothing";
@@ -482,7 +483,7 @@ TEST_F(KnownCommands, to_a_link_that_takes_nothing_say_so_while_they_wait) {
     EXPECT_FALSE(net.ask("GET", "/jobs").json.at("jobs").back().contains("stopped"));
 }
 
-// Value type 7, of a device whose descriptions do not show what it means.
+// Value type 7 on a device whose descriptions do not show its meaning.
 struct OpenTypes : CommandRoutes {
     OpenTypes() { fake.commands = {{{1, 0, 7}, {7}, "SEVEN", ""}, {{1, 0, 2}, {}, "LAND", ""}}; }
     SimulatedNet::Answer call(const std::string& more = "") {
@@ -522,7 +523,7 @@ TEST_F(OpenTypes, are_refused_until_the_user_states_their_meaning) {
     EXPECT_FALSE(call(R"(, "type7": "f32")").json.contains("note"));
 }
 
-// The next call may come before the disk has it, which may have no room as well.
+// The next call may be made before the note is on disk, and the disk may be full.
 TEST_F(OpenTypes, have_their_meaning_from_the_call_that_states_it) {
     for (const bool is_slow : {true, false}) {
         net.is_disk_slow = is_slow;
@@ -623,7 +624,7 @@ TEST_F(CommandRoutes, without_an_answer_are_sent_once_and_their_outcome_is_not_k
     EXPECT_EQ(calls(), 6u);
 }
 
-// The user presses LAND while the device does not answer something else.
+// The user presses LAND while another request to the device is not answered.
 TEST_F(KnownCommands, are_called_at_once_while_another_one_is_not_answered) {
     fake.instead = [](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
         const bool is_take_off = f.id() == 0xC0 && f.data()[2] == 1;
@@ -666,7 +667,7 @@ TEST_F(CommandRoutes, actions_are_acknowledged) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", "{}").status, 400u);
 }
 
-// It is listened first, for long enough to hear whether it flies.
+// The service first listens long enough to learn whether the device flies.
 TEST_F(CommandRoutes, defaults_are_not_restored_in_the_air) {
     const std::string restore = R"({"action": "restore_defaults"})";
     const auto asked = net.asked("POST", "/devices/0xDC/actions", restore);

@@ -1,4 +1,4 @@
-// The last lines of devices: nobody's lines displace another's, and the memory is bounded.
+// The last log lines of devices: no device displaces lines of another, and the memory is bounded.
 #include <devices/device_log.hpp>
 #include <support/bytes.hpp>
 
@@ -48,7 +48,7 @@ TEST_F(DeviceLogs, of_one_device_do_not_displace_those_of_another) {
     EXPECT_EQ(log.lines(0xDC).front().text, "engine failure");
 }
 
-// Anybody in a network may be the sender: neither under the addresses of others, nor under that of the vehicle.
+// Any program in a network may be the sender, with the addresses of other devices or that of the vehicle.
 TEST_F(DeviceLogs, of_a_known_origin_are_displaced_by_no_others_and_red_ones_count_only_of_them) {
     for (unsigned i = 0; i < 450; ++i) hear(0xDC, "line " + std::to_string(i), 1);
     for (unsigned n = 0; n < 20'000; ++n)

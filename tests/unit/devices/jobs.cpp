@@ -1,4 +1,4 @@
-// Who has which device, how jobs are told of, and that every one ends.
+// The assignment of devices to jobs, the reports about jobs, and that every job ends.
 #include <devices/device_service.hpp>
 #include <support/simulated_net.hpp>
 
@@ -150,7 +150,7 @@ TEST_F(Jobs, end_with_the_client_who_said_so) {
     EXPECT_EQ(net.ask("GET", "/jobs/3").json.at("state"), "cancelled");
 }
 
-// An upgrade or a calibration, which its client began without waiting for it.
+// An upgrade or a calibration whose client does not wait for its end.
 TEST_F(Jobs, are_not_ended_by_a_client_who_only_watches_them) {
     ASSERT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})").status, 202u);
     const auto watched_and_left = [&] {
@@ -233,7 +233,7 @@ TEST_F(Jobs, keep_so_many_bytes_of_results_and_no_more) {
     EXPECT_EQ(net.ask("GET", "/jobs/6").json.at("result").get<std::string>().size(), large);
 }
 
-// While the answer is made, the loop of the gateway does what else is to be done.
+// While the answer is built, the loop of the gateway also runs its other tasks.
 TEST_F(Jobs, with_many_rows_are_told_a_few_at_a_time) {
     constexpr std::size_t many = 1000;
     fake.parameters.clear();
@@ -475,7 +475,7 @@ TEST_F(Jobs, that_had_done_their_work_as_the_gateway_ends_are_done) {
     EXPECT_EQ(json::parse(text).at("error"), "the gateway is stopping: nothing was started");
 }
 
-/// Takes messages, as slowly as a test wants.
+/// Accepts messages as slowly as the test sets.
 struct Socket final : anogate::http::WebSocket {
     std::vector<json> told;
     bool is_slow = false;
@@ -563,7 +563,7 @@ TEST_F(Jobs, that_read_forever_changing_devices_end) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 502u);
 }
 
-// Two devices whose own addresses are port ids answer alike: it is by their source alone that the answers are told apart.
+// Two devices whose own addresses are port ids send equal answers: only their source distinguishes them.
 TEST(DevicesAtPortIds, read_at_once_are_not_taken_for_each_other) {
     SimulatedNet net;
     for (const std::uint8_t address : {std::uint8_t{10}, std::uint8_t{20}}) {
@@ -585,7 +585,7 @@ struct BehindAPort : testing::Test {
     SimulatedNet net;
     FakeDevice& fake = net.add();
 
-    // Whoever is asked at the port 3 is 0xDC.
+    // Every question to port 3 is answered by 0xDC.
     BehindAPort() {
         fake.make_parameters(20);
         net.where[3] = {.is_known = true};

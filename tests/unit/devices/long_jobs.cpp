@@ -1,4 +1,4 @@
-// An upgrade and a calibration: jobs that are answered at once, with steps, to be cancelled and to go on.
+// An upgrade and a calibration: jobs that are answered at once, have steps, and can be cancelled and continued.
 #include <ano/hex.hpp>
 #include <host/calibration.hpp>
 #include <support/fake_loader.hpp>
@@ -119,10 +119,10 @@ TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) 
     EXPECT_EQ(again.ask("GET", "/devices").json.at("devices")[0].at("in_loader"), true);
     FakeLoader other;
     again.fakes[0]->instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
-        if (f.id() == 0xE0) return std::vector<Bytes>{};    // a loader does not say who it is
+        if (f.id() == 0xE0) return std::vector<Bytes>{};    // a loader does not report its identity
         return other.take(*again.fakes[0], f);
     };
-    Bytes file(300);    // a .bia for the device that it was
+    Bytes file(300);    // a .bia for the earlier identity
     file[0] = 'b', file[1] = 'i', file[2] = 'a';
     const Bytes image(file.begin() + 100, file.end());
     ano::store(&file[12], ano::crc16_of(image));
@@ -174,7 +174,7 @@ struct Calibrates : LongJobs {
     }
     std::string state() { return net.ask("GET", "/jobs/1").json.at("state").get<std::string>(); }
     std::string message() { return net.ask("GET", "/jobs/1").json.at("message").get<std::string>(); }
-    // `corrected`: with the values that a calibration finds.
+    // `corrected`: as measured with the values that the calibration finds.
     void lie(std::size_t face, bool corrected = false) {
         ano::Draft<"inertial"> m;
         std::array<int, 3> acc{corrected ? 0 : 20, 0, 0};
@@ -190,7 +190,7 @@ struct Calibrates : LongJobs {
         }
     }
 
-    // Samples that lie on no face, for so long that those of before a clear or a store could not come any more.
+    // Samples on no face, for the time in which samples from before a clear or a store can arrive.
     void fall() {
         const Bytes sample = frame(0xDC, 0xFF, 0x01, Bytes(13));
         for (const auto end = net.time + ano::host::Calibration::most_late; net.time < end;) {
@@ -340,7 +340,7 @@ TEST_F(Calibrates, and_does_not_write_to_who_took_off_meanwhile) {
 }
 
 struct CutOff : Calibrates {
-    // The gateway ended while the device was turned, which has forgotten the first value.
+    // The gateway ended while the device was turned; the device has lost the first value.
     explicit CutOff(const Bytes& first_value = {}) {
         if (!first_value.empty()) before = fake.parameters[0].value = first_value;
         net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
@@ -430,7 +430,7 @@ TEST_F(CutOff, not_in_the_air_and_not_to_another_device) {
     EXPECT_EQ(value(), before);
 }
 
-// Whatever differs, the values are of another unit perhaps, and the note is their only copy.
+// If anything differs, the values may belong to another unit, and the note is their only copy.
 TEST_F(CutOff, the_old_values_are_written_to_no_other_unit_with_this_address) {
     const std::string name = net.kept.begin()->first;
     const auto left_alone = [&](const std::string& why) {
@@ -491,7 +491,7 @@ TEST_F(CutOff, a_note_that_does_not_say_of_which_gateway_it_is_is_left_alone) {
 
 TEST_F(CutOff, the_note_stays_until_the_device_has_read_as_written) {
     start();
-    again.fakes[0]->parameters[0].store = [](Bytes) { return Bytes(4); };    // it keeps nothing
+    again.fakes[0]->parameters[0].store = [](Bytes) { return Bytes(4); };    // it stores nothing
     again.pass(70s);
     EXPECT_EQ(again.kept.size(), 1u);
     ASSERT_EQ(again.reports.size(), 1u) << "once, though tried again";
@@ -542,7 +542,7 @@ TEST_F(CutOff, a_calibration_before_that_puts_back_what_was_before_the_first) {
     EXPECT_TRUE(again.kept.empty());
 }
 
-// It was calibrated by another program meanwhile, or is a spare one of the same type.
+// It was calibrated by another program meanwhile, or is a spare unit of the same type.
 TEST_F(CutOff, a_device_with_other_values_by_now_keeps_them) {
     const std::string name = net.kept.begin()->first;
     start();
@@ -588,7 +588,7 @@ TEST_F(CutOff, a_calibration_of_a_device_with_other_values_by_now_keeps_those) {
     EXPECT_EQ(value(), cleared);
 }
 
-// Cut off while the new values were written: it has some of them.
+// Interrupted while the new values were written: the device has some of them.
 TEST_F(Calibrates, whose_device_dies_in_the_writing_has_its_old_values_back) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
@@ -617,12 +617,12 @@ struct CutOffOfTwoSensors : CutOff {
     static void store(FakeDevice& device, std::size_t which, float value) {
         ano::store(device.parameters[which].value.data(), value);
     }
-    // As a unit that was never calibrated has them.
+    // The values of a unit that was never calibrated.
     static void make_neutral(FakeDevice& device, std::size_t first, std::size_t end) {
         for (std::size_t i = first; i < end; ++i)
             store(device, i, (i >= 3 && i < 6) || i == 6 || i == 10 || i == 14 || i >= 18 ? 1.0f : 0.0f);
     }
-    // A note of a calibration that ended right behind the clear, of a device with this calibration of its compass.
+    // Adds the note of a calibration that ended directly after the clear, for a device with this compass calibration.
     void remember(float offset_of_compass, bool has_cleared = false) {
         json note = json::parse(net.kept.begin()->second);
         if (!has_cleared) note.erase("cleared");
@@ -655,7 +655,7 @@ TEST_F(CutOffOfTwoSensors, are_not_written_to_a_spare_unit_that_was_never_calibr
     EXPECT_NE(again.reports.at(0).find("so they stay, and the file is removed"), std::string::npos);
 }
 
-// Nothing tells it from a spare unit.
+// The device can't be distinguished from a spare unit.
 TEST_F(CutOffOfTwoSensors, are_not_written_where_the_other_sensor_was_never_calibrated) {
     for (const bool has_cleared : {false, true}) {
         again.reports.clear();
@@ -665,7 +665,7 @@ TEST_F(CutOffOfTwoSensors, are_not_written_where_the_other_sensor_was_never_cali
         EXPECT_EQ(value(), Bytes(4));
         ASSERT_EQ(again.kept.size(), 1u);
         const std::string name = again.kept.begin()->first;
-        if (!has_cleared) {    // it is said once
+        if (!has_cleared) {    // it is reported once
             EXPECT_EQ(again.reports.at(0), name +
                                                " is not written back: this unit can't be distinguished from others of its type "
                                                "that were never calibrated; if the values belong to it: anoctl param import " +
@@ -761,7 +761,7 @@ TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {
     EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 200u);
 }
 
-// A loader may not say who it is: then gateway, link and address tell.
+// A loader may not report its identity: then gateway, link and address identify it.
 TEST_F(LongJobs, a_note_of_a_loader_is_of_one_unit) {
     load();
     net.ask("GET", "/devices/0xDC/parameters");

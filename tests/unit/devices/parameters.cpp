@@ -1,4 +1,4 @@
-// Parameters by the routes: read, written, applied; what is told when that fails.
+// Parameters through the routes: read, written, applied; the reports when that fails.
 #include <support/simulated_net.hpp>
 
 #include <gtest/gtest.h>
@@ -108,7 +108,7 @@ TEST_F(ParameterRoutes, a_name_that_several_have_is_ambiguous_and_their_numbers_
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
 
-// As of another device; with each in a row of the answer the gateway would stand still for a second.
+// As in a file of another device. If each had a row in the answer, the gateway would stall for a second.
 TEST_F(ParameterRoutes, of_thousands_of_names_that_it_lacks_the_first_are_told_and_the_others_counted) {
     json values;
     values["U8"] = 8;
@@ -124,7 +124,7 @@ TEST_F(ParameterRoutes, of_thousands_of_names_that_it_lacks_the_first_are_told_a
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
 
-// A file has "NAME#NUMBER" where the name alone does not say which parameter is meant.
+// A file has "NAME#NUMBER" where the name alone is ambiguous.
 TEST_F(ParameterRoutes, those_that_no_name_tells_apart_are_applied_by_name_and_number) {
     fake.parameters.push_back({0, "U8", "another", {9}});
     fake.parameters.push_back({0, "", "", {1}});
@@ -149,7 +149,7 @@ TEST_F(ParameterRoutes, those_that_no_name_tells_apart_are_applied_by_name_and_n
     EXPECT_NE(net.ask("POST", "/devices/0xDC/apply", R"({"parameters": {"I16#5": 10}})").status, 200u) << "another is called so";
 }
 
-// A file of an older version has a '?' in place of what controls or reorders a text; one of today has the name itself.
+// A file of an older version has a '?' in place of characters that control or reorder a text; a new one has the name itself.
 TEST_F(ParameterRoutes, those_whose_names_have_controls_are_found_by_their_names_in_files_of_any_version) {
     fake.parameters.push_back({0, "P\xE2\x80\xAEX", "", {1}});
     fake.parameters.push_back({0, "\xE2\x80\x8BY\x01", "", {2}});
@@ -265,7 +265,7 @@ TEST_F(ParameterRoutes, nothing_is_applied_when_one_can_not_be) {
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
 
-// The requests of `anoctl param get` and `set` to a device that was read before, 200 ms away each way.
+// The requests of `anoctl param get` and `set` to a device that was read before, with 200 ms delay each way.
 struct KnownParameters : ParameterRoutes {
     KnownParameters() {
         fake.make_parameters(100);
@@ -274,7 +274,7 @@ struct KnownParameters : ParameterRoutes {
         net.sent.clear();
     }
     static constexpr Duration round_trip = 400ms;
-    /// How long `asks` takes.
+    /// The duration of `asks`.
     Duration time(const std::function<void()>& asks) {
         const TimePoint begin = net.time;
         asks();
@@ -289,11 +289,11 @@ struct KnownParameters : ParameterRoutes {
         EXPECT_EQ(get("values=0&known").at("known"), true);
         EXPECT_TRUE(net.sent.empty());
     }
-    /// Telemetry, and a pause in it as of a quick restart.
+    /// Telemetry, with a pause as after a quick restart.
     void pause() {
         stream(1s);
         net.pass(900ms);
-        stream(600ms);    // its device info is asked for
+        stream(600ms);    // its device info is requested
         net.sent.clear();
     }
     void stream(Duration time) {
@@ -306,7 +306,7 @@ struct KnownParameters : ParameterRoutes {
     }
     static std::string five(int value) {
         json parameters = json::object();
-        for (const int i : {10, 20, 30, 40, 50}) parameters["PAR_" + std::to_string(i)] = value;    // u8 all of them
+        for (const int i : {10, 20, 30, 40, 50}) parameters["PAR_" + std::to_string(i)] = value;    // all are u8
         return json{{"parameters", parameters}, {"goes_on", false}, {"also_the_same", true}}.dump();
     }
     std::size_t sent(std::uint8_t id) const {
@@ -366,7 +366,7 @@ TEST_F(KnownParameters, five_are_written_within_four_seconds) {
 
 TEST_F(KnownParameters, of_a_device_that_has_fewer_now_are_read_again_and_nothing_is_written) {
     const auto old = std::exchange(fake.parameters, {{0, "OTHER", "", {7}}, {0, "PAR_20", "", {8}}});
-    fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {    // does not crash, so that more is seen
+    fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {    // does not crash, so that more frames are seen
         const bool asks_beyond = f.id() == 0xE0 && f.data()[0] >= 2 && f.data()[1] > 1;
         return asks_beyond ? std::optional{std::vector<Bytes>{}} : std::nullopt;
     };
@@ -423,7 +423,7 @@ TEST_F(KnownParameters, of_a_device_that_paused_and_has_another_type_take_nothin
     EXPECT_EQ(sent(0xE1), 0u);
 }
 
-// The pause is noticed between two values.
+// The pause is detected between two values.
 TEST_F(KnownParameters, that_are_set_together_are_compared_when_the_device_pauses_meanwhile) {
     stream(1s);
     const auto answer = net.asked("POST", "/devices/0xDC/apply", five(99));
@@ -488,7 +488,7 @@ TEST_F(ParameterRoutes, at_a_loss_of_a_third_all_is_read) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").json.at("parameters").size(), 105u);
 }
 
-// A later run of a program that opens the line itself, over a line of 300 ms each way.
+// A later run of a program that opens the line itself, with a delay of 300 ms each way.
 struct KeptDescriptions : testing::Test {
     static constexpr std::size_t many = 150;
     SimulatedNet first;
@@ -502,10 +502,10 @@ struct KeptDescriptions : testing::Test {
     struct Set {
         unsigned status = 0;
         ano::Duration took{};
-        std::size_t descriptions = 0;    // that were asked for
-        Bytes stored;                    // in the device
+        std::size_t descriptions = 0;    // that were requested
+        Bytes stored;                    // value in the device
     };
-    /// PAR_70 is set by a run that has the cache.
+    /// A run that has the cache sets PAR_70.
     Set set(const std::function<void(SimulatedNet&)>& change = [](SimulatedNet&) {}) const {
         SimulatedNet net;
         net.line.delay = 300ms;
@@ -517,7 +517,7 @@ struct KeptDescriptions : testing::Test {
         Set set;
         set.status = net.ask("PUT", "/devices/0xDC/parameters/PAR_70", R"({"value": 5})").status;
         set.took = net.time - begin;
-        std::set<Bytes> asked;    // each once, though it may be repeated
+        std::set<Bytes> asked;    // each once, even if repeated
         for (const Bytes& frame : net.sent)
             if (frame[3] == 0xE0 && frame[6] == 3) asked.insert(frame);
         set.descriptions = asked.size();
@@ -570,7 +570,7 @@ TEST_F(KeptDescriptions, that_are_wrong_are_read_again) {
     }
 }
 
-// The text that is written is in the encoding of the names that were not read again.
+// A written text uses the encoding shown by the names, even if they were not read again.
 TEST(KeptTexts, of_a_device_tell_its_encoding) {
     const auto make = [](SimulatedNet& net) {
         net.add().parameters = {{10, "NAME", "", {'a', 'b', 'c', 'd', 'e', 'f'}}, {0, "\xB8\xDF\xB6\xC8", "", {1}}};

@@ -1,4 +1,4 @@
-// Places and turns at devices: first by right, then by client.
+// Places and turns at devices: ordered by right, then by client.
 #include <support/simulated_net.hpp>
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ struct Parties {
         net.peer = peer;
         return net.asked(method, target);
     }
-    /// Each reads something else, so that they do not share a job.
+    /// Each client reads something else, so that they do not share a job.
     std::vector<Asked> viewers(int count) {
         std::vector<Asked> all;
         for (int i = 0; i < count; ++i) {
@@ -49,7 +49,7 @@ TEST_F(Rights, twenty_two_viewers_that_read_refuse_no_command) {
     EXPECT_GT(std::count_if(reading.begin(), reading.end(), [](const auto& one) { return !one->has_value(); }), 0);
 }
 
-// Its first call reads the descriptions of commands, by questions as those of the viewers.
+// Its first call reads the descriptions of commands, with questions like those of the viewers.
 TEST_F(Rights, eight_viewers_that_read_delay_no_command) {
     Parties alone;
     const Duration without = alone.time_of_land();
@@ -68,7 +68,7 @@ TEST_F(Rights, viewers_go_on_behind_it) {
     for (const auto& one : reading) EXPECT_EQ((*one)->status, 200u) << (*one)->json;
 }
 
-// A question that was lost is the same as one of the command's: it is sent again, or the command would wait for it for ever.
+// A lost question is equal to one for the command: it must be sent again, otherwise the command would wait for it for ever.
 TEST_F(Rights, a_lost_question_of_a_viewer_holds_nobody_up) {
     fake.deaf = true;
     const Asked reads = as(Access::view, "10.0.0.1", "GET", "/devices/0xDC/commands");
@@ -101,7 +101,7 @@ TEST_F(Rights, viewers_that_leave_their_jobs_behind_leave_places_too) {
     EXPECT_FALSE(own->has_value());
 }
 
-// What a program asks before a command, as the types of its values, is asked by the right of that command.
+// Questions of a program before a command, such as the types of its values, have the same right as that command.
 TEST_F(Rights, readers_with_the_same_right_refuse_no_question_that_precedes_a_command) {
     for (const bool is_known : {true, false}) {
         Parties all;

@@ -1,4 +1,4 @@
-// The names and texts of devices in UTF-8 and GBK, by the routes: clients have UTF-8, devices their own bytes.
+// The names and texts of devices in UTF-8 and GBK, through the routes: clients use UTF-8, devices their own encoding.
 #include <support/simulated_net.hpp>
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ struct TextRoutes : testing::Test {
     SimulatedNet net;
     FakeDevice& fake = net.add();
 
-    /// As a device of that encoding has them; of some texts the last character is cut off.
+    /// The texts of a device with that encoding; in some of them the last character is truncated.
     void make(const std::function<std::string(std::string_view)>& encoded) {
         fake.name = encoded("飞控");
         const auto cut = [&](std::string_view text, std::size_t size) { return encoded(text).substr(0, size); };
@@ -142,7 +142,7 @@ TEST_F(TextRoutes, what_was_read_is_applied_without_a_difference) {
     }
 }
 
-// They had U+FFFD in place of each byte that is not UTF-8.
+// Such files have U+FFFD in place of each byte that is not UTF-8.
 TEST_F(TextRoutes, names_of_files_of_before_are_still_found) {
     make_gbk();
     const std::string raw = gbk("横滚P");
@@ -154,7 +154,7 @@ TEST_F(TextRoutes, names_of_files_of_before_are_still_found) {
 }
 
 TEST_F(TextRoutes, the_key_of_the_link_decides) {
-    fake.parameters = {{0, gbk("模"), "", {1}}};    // as UTF-8 another character
+    fake.parameters = {{0, gbk("模"), "", {1}}};    // another character if read as UTF-8
     EXPECT_EQ(parameter(0).at("name"), "模") << "what is probable";
     net.link_manners.encoding = ano::Encoding::utf8;
     EXPECT_EQ(parameter(0).at("name"), "ģ");

@@ -1,4 +1,4 @@
-// Waypoints by the routes, in all their forms; and a scan.
+// Waypoints through the routes, in all their forms; and a scan.
 #include <devices/waypoint_forms.hpp>
 #include <support/simulated_net.hpp>
 
