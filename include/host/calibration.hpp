@@ -1,7 +1,7 @@
 // Calibrates the accelerometer or the compass of a device (protocol text, section 4: 0xE0 0x10 and the CAL_ parameters).
 //
 // Flow:    Calibration calibration{device, Sensor::accelerometer, &cache};
-//          calibration.start(now);             // then drive the device, and give every frame from it to calibration.hear()
+//          calibration.start(now);             // then drive the device, and pass every frame from it to calibration.hear()
 //          if (calibration.step() == Calibration::Step::keep) { keep(calibration.old_values()); calibration.kept(now); }
 //          calibration.faces(), calibration.sphere()     // to show while it is turned
 #pragma once

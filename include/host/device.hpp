@@ -191,7 +191,7 @@ public:
     std::uint32_t losses() const noexcept { return losses_; }
     /// The link to it was down, and no frame of it was received since.
     bool is_lost() const noexcept { return is_lost_; }
-    /// Another host asks it for device info: one device info that it sends within `info_may_come_for` is the answer, a second one
+    /// To be called when any host asks it for device info: one device info that it sends within `info_may_come_for` is the answer, a second one
     /// is not.
     void expect_info(TimePoint now);
     /// The same device info again within this time is a duplicate made by the line: no device restarts that fast.

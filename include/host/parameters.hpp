@@ -28,7 +28,7 @@ namespace ano::host {
 ///
 /// If only an earlier run knew the device (DescriptionCache::recall()), or it may have restarted or be another one since
 /// (Device::doubts()), the descriptions of the wanted values are read with them and compared. If one differs, or fewer are found
-/// than wanted, everything is read. If all values are wanted, all descriptions are compared.
+/// than wanted, everything is read. If all values are wanted, all descriptions are read with them.
 class Parameters final : public Gather {
 public:
     enum class Values : std::uint8_t { all, none, named };
