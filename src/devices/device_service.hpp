@@ -2,8 +2,8 @@
 //
 // Flow:    DeviceService service{net};
 //          add_device_routes(routes, service);      // requests of clients
-//          service.hear(frame, now);                // every frame that passes, while net was told to listen
-//          service.run(now);                        // when net was told to wake it
+//          service.hear(frame, now);                // every passing frame, after net.listen(true)
+//          service.run(now);                        // at the time of net.wake()
 #pragma once
 #include <ano/address.hpp>
 #include <ano/frame.hpp>

@@ -20,13 +20,13 @@ namespace {
 
 void add_name(std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; }
 
-// U+FFFD stands in files of older versions in place of what was not UTF-8.
+// In files of older versions, U+FFFD replaces bytes that were not UTF-8.
 bool is_lost(const Json& value) {
     return value.is_null() ||
            (value.is_string() && value.get_ref<const std::string&>().find("\xEF\xBF\xBD") != std::string::npos);
 }
 
-// "NAME#3" with the number, where the name alone does not say which one is meant: it is empty, or several have it.
+// "NAME#3" with the number if the name alone is ambiguous: it is empty, or several parameters have it.
 std::string name_in_file(const Json& row, const Json& rows) {
     const std::string name = row.value("name", std::string{});
     const auto is_alike = [&](const Json& other) { return other.value("name", std::string{}) == name; };
