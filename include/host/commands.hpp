@@ -27,7 +27,7 @@ struct CommandInfo {
     std::string info{};
     std::vector<std::uint8_t> numbers{};    // the value types as the device sends them
     bool has_open_type = false;    // has a value type 7 of unknown meaning: `types` has f32 for it, and it can't be called
-    std::uint32_t doubts = 0, presence = 0;    // Device::doubts() and presence() when the description was read
+    std::uint32_t signs = 0, presence = 0;    // Device::signs() and presence() when the description was read
     friend bool operator==(const CommandInfo&, const CommandInfo&) = default;
 };
 

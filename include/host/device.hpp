@@ -159,6 +159,12 @@ public:
     /// (TelemetryPace), when the link to it was down, and when a write was not acknowledged. Its earlier descriptions may be
     /// wrong.
     std::uint32_t doubts() const noexcept { return doubts_; }
+    /// The same without the writes that were not acknowledged, which is normal on a bad line: a command does not wait for those.
+    std::uint32_t signs() const noexcept { return doubts_ - missed_; }
+    /// Whether there was no sign since `signs`, and its telemetry does not pause now.
+    bool has_no_sign_since(std::uint32_t signs, TimePoint now) const noexcept {
+        return is_present(now) && signs == this->signs() && !pace_.pauses(now);
+    }
     /// Whether there was no such sign since `doubts`, and its telemetry does not pause now.
     bool is_certain_since(std::uint32_t doubts, TimePoint now) const noexcept {
         return is_present(now) && doubts == doubts_ && !pace_.pauses(now);
@@ -171,6 +177,8 @@ public:
     TimePoint identified_at() const noexcept { return identified_at_; }
     /// Sets its device info, as received before this object was made.
     void know_as(DeviceInfo info) { known_as_ = std::move(info); }
+    /// Sets the pace of its telemetry, as observed before this object was made.
+    void know_pace(const TelemetryPace& pace) noexcept { pace_ = pace; }
     /// There is a sign that another device may have the address.
     void doubt() noexcept { ++doubts_; }
     /// Asks for its device info before all other requests, if a command would have to wait for that. To be called whenever the
@@ -238,6 +246,7 @@ private:
     bool is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept;
     bool waits_for_identity(Exchange& exchange, TimePoint now);
     Exchange* held() noexcept;
+    bool may_reach_another(const Exchange& exchange) const noexcept;
     void go_unidentified(Exchange& exchange, const Ended& unanswered, TimePoint now);
     void end_as(Exchange& exchange, Outcome outcome, std::optional<Evidence> evidence, TimePoint now);
     void hear(FrameView frame, TimePoint now);
@@ -282,6 +291,8 @@ private:
     std::optional<DeviceInfo> known_as_;    // the last device info, also while it is away
     Identity identity_;
     TimePoint identified_at_{};
+    std::uint32_t missed_ = 0;    // those of doubts_ that are acknowledgements of writes
+    std::uint32_t identified_signs_ = 0;
     std::uint32_t identified_doubts_ = 0;               // doubts_ at that time
     bool is_unacknowledged_ = false;                    // a frame that acts was not acknowledged since then
     std::optional<std::uint32_t> unanswered_doubts_;    // doubts_ when it did not answer the question for its device info

@@ -217,6 +217,7 @@ ano::host::Device& DeviceService::device(std::uint8_t address) {
     if (!known->device) {
         known->device = std::make_unique<ano::host::Device>(address, own_);
         if (known->info) known->device->know_as(*known->info);
+        known->device->know_pace(paces_[address]);
         known->device->on_maybe_deaf([this](ano::FrameView next) { return net_.flush_parser(next); });
     }
     if (ano::address::is_port_id(address)) asked_ports_ |= std::uint32_t{1} << address;
@@ -378,9 +379,9 @@ void DeviceService::link_was_down(std::uint8_t address) {
 
 // Called after a sign that it may be another device.
 void DeviceService::confirm_info(Known& known, ano::FrameView frame, TimePoint now) {
-    const std::uint32_t doubts = known.device ? known.device->doubts() : known.doubts;
-    const bool is_in_doubt = std::exchange(known.in_doubt, false) || doubts != known.doubts;
-    known.doubts = doubts;
+    const std::uint32_t signs = known.device ? known.device->signs() : known.signs;
+    const bool is_in_doubt = std::exchange(known.in_doubt, false) || signs != known.signs;
+    known.signs = signs;
     if (known.device && known.device->is_identified()) return;
     if (!is_in_doubt || !known.info || frame.id() == ano::id_of<"device_info">) return;
     known.in_doubt = holder(frame.source()) != nullptr;    // a job measures its own silence: later
@@ -569,12 +570,20 @@ void DeviceService::hear_mode(ano::FrameView frame, TimePoint now) {
     const auto mode = ano::as<"mode">(frame);
     if (!mode) return;
     losses_.hear_mode(frame.source(), mode->get<"sflag">(), now);
+    note_pace(frame.source(), now);
     tell_back(frame.source(), now);
 }
 
 void DeviceService::hear_telemetry(std::uint8_t source, std::uint8_t id, TimePoint now) {
     losses_.hear(source, id, now);
-    if (LossWatch::is_telemetry(id)) tell_back(source, now);
+    if (!LossWatch::is_telemetry(id)) return;
+    note_pace(source, now);
+    tell_back(source, now);
+}
+
+// A Device measures the pace itself.
+void DeviceService::note_pace(std::uint8_t source, TimePoint now) noexcept {
+    if (!known_[source] || !known_[source]->device) static_cast<void>(paces_[source].came(now, {}));
 }
 
 void DeviceService::tell_back(std::uint8_t source, TimePoint now) {

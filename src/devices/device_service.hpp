@@ -21,6 +21,7 @@
 #include <host/air_guard.hpp>
 #include <host/description_cache.hpp>
 #include <host/device.hpp>
+#include <host/telemetry_pace.hpp>
 
 #include <array>
 #include <cstdint>
@@ -191,7 +192,7 @@ private:
         DeviceTexts texts;
         bool told_encoding = false;    // logged that the texts contradict the key of the link
         std::uint32_t presence = 0;    // of the device that `texts` belongs to
-        std::uint32_t doubts = 0;      // of the device that `info` belongs to
+        std::uint32_t signs = 0;       // of the device that `info` belongs to
         bool in_doubt = false;         // the link was down since `info`
         unsigned acted_before = 0;     // jobs with a lower id began before the last frame that changed the device
     };
@@ -231,6 +232,7 @@ private:
     void look(Job& job, ano::TimePoint now);
     void changed(Job& job);
     void await(ano::TimePoint now);
+    void note_pace(std::uint8_t source, ano::TimePoint now) noexcept;
     void tell_back(std::uint8_t source, ano::TimePoint now);
     void run_feeds(ano::TimePoint now);
     void await_feeds();
@@ -257,7 +259,8 @@ private:
     LossWatch losses_;
     std::uint8_t own_;
     std::array<std::unique_ptr<Known>, 256> known_;
-    std::uint32_t asked_ports_ = 0;    // a bit for each port id that has a device in known_
+    std::array<ano::host::TelemetryPace, 256> paces_{};    // until there is a Device, which measures its own
+    std::uint32_t asked_ports_ = 0;                        // a bit for each port id that has a device in known_
     ano::host::DescriptionCache cache_;
     ano::host::CommandCache commands_;
     ano::host::AirGuard guard_;

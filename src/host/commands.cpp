@@ -111,7 +111,7 @@ void CommandCheck::ended(const Ended& ended, TimePoint now) {
         found_ = Found::same;
         if (last != nullptr && known_.id < last->size()) {
             CommandInfo& kept = cache_.last_of(device().address())->descriptions[known_.id];
-            kept.doubts = device().doubts();
+            kept.signs = device().signs();
             kept.presence = device().presence();
         }
     }
@@ -142,7 +142,7 @@ Request Commands::question(std::uint32_t i) {
 bool Commands::took(std::uint32_t i, FrameView answer) {
     auto info = command_info_in(answer);
     if (!info) return false;
-    info->doubts = device().doubts();
+    info->signs = device().signs();
     info->presence = device().presence();
     descriptions_[asked_for(i)] = std::move(*info);
     return true;

@@ -111,6 +111,7 @@ void Device::recognise(const DeviceInfo& info, TimePoint now) {
     known_as_ = info;
     identified_at_ = now;
     identified_doubts_ = doubts_;
+    identified_signs_ = signs();
     is_unacknowledged_ = identifies_ = false;
     while (Exchange* const one = held()) one->release(false);
 }
@@ -130,22 +131,27 @@ bool Device::is_another(const Exchange& exchange) const noexcept {
 
 // In its loader a device sends no telemetry and need not answer, and frames are lost while it writes flash.
 bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept {
-    if (!known_as_) return false;
     const bool is_of_loader = exchange.frame().id() == id_of<"firmware">;
+    if (!known_as_) return !is_of_loader && !is_command(exchange) && !unanswered_doubts_;
     const bool is_first_command = is_command(exchange) && !exchange.was_sent();
     const bool was_asked = unanswered_doubts_ == doubts_ && (is_of_loader || now - unanswered_at_ <= longest_wait_before_command);
     if ((is_of_loader || is_first_command) && was_asked) return false;
-    if (!is_identified()) return true;
+    if (is_first_command ? signs() != identified_signs_ : !is_identified()) return true;
     if (is_of_loader) return false;
     if (!is_present(now)) return true;
     if (pace_.pauses(now) && now - identified_at_ > pace_.longest_pause()) return true;
     return is_unacknowledged_ && !is_first_command;
 }
 
+// A command that is repeated although nothing shows which device answered the first time.
+bool Device::may_reach_another(const Exchange& exchange) const noexcept {
+    return !known_as_ && is_command(exchange) && exchange.was_sent() && (exchange.last().doubts != doubts_ || is_lost_);
+}
+
 bool Device::waits_for_identity(Exchange& exchange, TimePoint now) {
     if (!exchange.is_of_same() || exchange.passes() || !is_in_doubt(exchange, now)) return false;
     exchange.hold();
-    identify(is_command(exchange) || exchange.frame().id() == id_of<"firmware">);
+    identify(!known_as_ || is_command(exchange) || exchange.frame().id() == id_of<"firmware">);
     return true;
 }
 
@@ -167,7 +173,7 @@ void Device::identify(bool for_command) {
 }
 
 void Device::identify_for_command(TimePoint now) {
-    if (known_as_ && (!is_identified() || !is_present(now) || pace_.pauses(now))) identify(true);
+    if (known_as_ && !has_no_sign_since(identified_signs_, now)) identify(true);
 }
 
 void Device::not_identified(const Ended& ended, TimePoint now) {
@@ -179,6 +185,7 @@ void Device::not_identified(const Ended& ended, TimePoint now) {
 
 void Device::go_unidentified(Exchange& exchange, const Ended& unanswered, TimePoint now) {
     exchange.release(false);
+    if (!known_as_) return exchange.release(true);
     if (is_command(exchange)) {
         const bool has_sign = exchange.was_sent() && (exchange.last().doubts != doubts_ || is_lost_);
         if (!has_sign) return exchange.release(true);
@@ -290,6 +297,7 @@ std::optional<FrameView> Device::next_frame(TimePoint now) {
         const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == next; });
         if (!may_be_asked(next->frame())) end(from, which, Outcome::not_there, {}, now);
         else if (is_another(*which)) end(from, which, Outcome::another, {}, now);
+        else if (may_reach_another(*which)) end(from, which, Outcome::timeout, {}, now);
         else if (waits_for_identity(*which, now)) continue;
         else if (!may_be_repeated(*which, now)) end(from, which, Outcome::uncertain, {}, now);
         else if (!waits_for_flush(*which, now)) return send(from, which, now);
@@ -311,7 +319,9 @@ void Device::expire(TimePoint now) {
 void Device::not_acknowledged(const Exchange& exchange) noexcept {
     if (exchange.frame().id() == id_of<"firmware">) return;
     is_unacknowledged_ = true;
-    if (!is_command(exchange)) ++doubts_;
+    if (is_command(exchange)) return;
+    ++doubts_;
+    ++missed_;
 }
 
 std::size_t Device::on_their_way() const noexcept {

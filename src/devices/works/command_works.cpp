@@ -98,7 +98,7 @@ protected:
         return all != nullptr ? std::optional{with_stated_types(*all)} : std::nullopt;
     }
     bool is_certain(const CommandInfo& command, TimePoint now) const {
-        return place().device.is_certain_since(command.doubts, now);
+        return place().device.has_no_sign_since(command.signs, now);
     }
     void confirm(const CommandInfo& command, TimePoint now) {
         auto task = std::make_unique<CommandCheck>(place().device, command, place().commands);

@@ -262,6 +262,27 @@ TEST_F(KnownCommands, of_a_device_that_paused_are_confirmed) {
 }
 
 // The question for its description is sent before all other requests.
+// The pace of its telemetry was observed before the first question to it.
+TEST_F(CommandRoutes, of_a_device_that_paused_soon_after_the_first_list_are_confirmed) {
+    for (const auto& [interval, silence] : {std::pair<Duration, Duration>{100ms, 2s}, {200ms, 1500ms}, {1s, 4s}, {2s, 5s}}) {
+        SimulatedNet own;
+        FakeDevice& device = own.add();
+        device.commands = fake.commands;
+        for (const TimePoint end = own.time + 20s; own.time < end; own.pass(interval))
+            own.service.hear_telemetry(0xDC, 0x03, own.time);
+        own.service.hear_telemetry(0xDC, 0x03, own.time);
+        own.ask("GET", "/devices/0xDC/commands");
+        own.pass(silence);
+        own.sent.clear();
+        device.name = "CAR";
+        device.commands = {{{1, 0, 2}, {}, "FULL_SPEED", ""}};
+        static_cast<void>(own.ask("POST", "/devices/0xDC/commands/LAND"));
+        ASSERT_FALSE(own.sent.empty());
+        EXPECT_EQ(own.sent.front()[3], 0xE0) << interval / 1ms;
+        for (const Bytes& one : own.sent) EXPECT_NE(one[3], 0xC0) << interval / 1ms;
+    }
+}
+
 TEST_F(KnownCommands, pass_a_long_job) {
     fake.make_parameters(200);
     net.line.delay = 30ms;

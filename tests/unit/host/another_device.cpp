@@ -293,5 +293,65 @@ TEST(AnotherDevice, gets_no_old_values_when_the_new_ones_fail) {
     EXPECT_FALSE(bench.task.has_old_values());
 }
 
+// A device that was never asked for its device info.
+struct Unasked : testing::Test {
+    FakeDevice fake;
+    Device device{0xDC};
+    Simulation simulation{device, fake, {.delay = 10ms}};
+    std::vector<std::uint8_t> ids() const {
+        std::vector<std::uint8_t> all;
+        for (const Bytes& one : fake.heard) all.push_back(one[3]);
+        return all;
+    }
+};
+
+TEST_F(Unasked, is_identified_before_the_first_frame_that_acts) {
+    ParameterAction save{device, Action::save};
+    std::size_t saves = 0;
+    fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (intent_of(frame) != Intent::acts) return std::nullopt;
+        ++saves;
+        fake.name = "OTHER";
+        return std::vector<Bytes>{};
+    };
+    save.start(simulation.now);
+    simulation.run(save);
+    ASSERT_TRUE(save.end());
+    EXPECT_TRUE(save.is_of_another()) << save.end()->what;
+    EXPECT_EQ(saves, 1u);
+    EXPECT_EQ(fake.heard.at(1)[3], 0xE0) << "who it is, before the save";
+}
+
+TEST_F(Unasked, and_silent_about_its_device_info_is_served_all_the_same) {
+    fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        const bool asks_who = frame.id() == 0xE0 && frame.data().size() >= 1 && frame.data()[0] == 0;
+        return asks_who ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    const TimePoint begin = simulation.now;
+    ParameterAction save{device, Action::save};
+    save.start(simulation.now);
+    simulation.run(save);
+    EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->what;
+    EXPECT_LE(simulation.now - begin, 1100ms);
+    const TimePoint again = simulation.now;
+    ParameterAction second{device, Action::save};
+    second.start(simulation.now);
+    simulation.run(second);
+    EXPECT_EQ(second.end()->ending, Ending::done);
+    EXPECT_LE(simulation.now - again, 100ms) << "it is asked once";
+}
+
+TEST_F(Unasked, gets_its_first_command_as_the_first_frame_and_no_repeat_after_its_link_was_down) {
+    CommandCall call{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, true};
+    fake.instead = [&](FrameView) -> std::optional<std::vector<Bytes>> {
+        device.link_was_down();
+        return std::vector<Bytes>{};
+    };
+    call.start(simulation.now);
+    simulation.run(call);
+    ASSERT_TRUE(call.end());
+    EXPECT_EQ(ids(), std::vector<std::uint8_t>{0xC0});
+}
+
 }    // namespace
 }    // namespace ano::host::another_device_tests
