@@ -25,6 +25,8 @@ public:
         const auto [begin, end] = std::equal_range(parties_.begin(), parties_.end(), party);
         return std::max(few, static_cast<std::size_t>(end - begin));
     }
+    /// Only for a few connections at a time: behind the same address there may be somebody else.
+    bool go_first(const WaitingConnection& one) const { return one.goes_first && of(one.party) <= few; }
 
 private:
     std::vector<std::uint64_t> parties_;
@@ -34,12 +36,12 @@ private:
 
 std::optional<std::size_t> gives_way(All all, bool for_first) {
     const Parties parties{all};
-    const bool all_go_first = std::all_of(all.begin(), all.end(), [](const auto& one) { return one.goes_first; });
+    const bool all_go_first = std::all_of(all.begin(), all.end(), [&](const auto& one) { return parties.go_first(one); });
     if (all_go_first && !for_first) return std::nullopt;
     std::size_t most = 0;
     std::vector<std::size_t> candidates;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        if (all[i].stage == Stage::at_work || (all[i].goes_first && !all_go_first)) continue;
+        if (all[i].stage == Stage::at_work || (parties.go_first(all[i]) && !all_go_first)) continue;
         const std::size_t has = parties.of(all[i].party);
         if (has > most) candidates.clear();
         if (has < most) continue;
@@ -61,7 +63,7 @@ std::optional<std::size_t> next_turn(All all, std::size_t places) {
     const int order = all.size() >= places - places / 4 ? -1 : 1;
     std::optional<std::size_t> next;
     const auto rank = [&](const WaitingConnection& one) {
-        return std::tuple{!one.goes_first, !one.has_answered, parties.of(one.party), order * one.since.time_since_epoch()};
+        return std::tuple{!parties.go_first(one), !one.has_answered, parties.of(one.party), order * one.since.time_since_epoch()};
     };
     for (std::size_t i = 0; i < all.size(); ++i)
         if (all[i].stage == Stage::its_turn && (!next || rank(all[i]) < rank(all[*next]))) next = i;

@@ -181,7 +181,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_reload_refused) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
     const std::string one = R"("udp-listen:127.0.0.1:0,name=ground")";
-    for (const rlim_t some : {0, 16, 64, 300, 1'000, 4'000, 20'000}) {
+    for (const rlim_t some : {0u, 16u, 64u, 300u, 1'000u, 4'000u, 20'000u}) {
         const std::string file = dir.write("anogate.json", R"({"links": [)" + one + "]}");
         Daemon daemon{ANOGATED, dir / "control", {"--config", file}};
         ASSERT_TRUE(daemon.until_up("ground") && has_started(daemon));

@@ -43,7 +43,7 @@ struct Lobby::State : std::enable_shared_from_this<State> {
     void add(Socket socket, std::uint64_t party, bool goes_first) {
         if (is_gone(socket, is_encrypted)) return;
         while (all.size() >= places_now())
-            if (!give_way(goes_first)) return;
+            if (!give_way(goes_first)) return count_one();
         const auto one = std::make_shared<One>(
             One{std::move(socket), {party, ano::Clock::now(), WaitingConnection::Stage::silent, goes_first, false}});
         all.push_back(one);
@@ -70,9 +70,12 @@ struct Lobby::State : std::enable_shared_from_this<State> {
         const auto leaves = anogate::gives_way(facts(), for_first);
         if (!leaves) return false;
         all.erase(all.begin() + static_cast<std::ptrdiff_t>(*leaves));
+        count_one();
+        return true;
+    }
+    void count_one() {
         ++gave_way.count;
         gave_way.last = ano::Clock::now();
-        return true;
     }
 
     static bool is_silent(const std::shared_ptr<One>& one) { return one->facts.stage == WaitingConnection::Stage::silent; }

@@ -51,6 +51,19 @@ TEST(WaitingPlaces, a_trusted_one_gives_way_to_trusted_ones_alone) {
     EXPECT_EQ(gives_way({}, false), std::nullopt);
 }
 
+TEST(WaitingPlaces, of_one_address_only_a_few_go_first) {
+    std::vector<WaitingConnection> all;
+    for (int i = 0; i < 4; ++i) all.push_back({1, at(i * 1ms), Stage::its_turn, true});
+    all.push_back({2, at(5ms), Stage::its_turn});
+    EXPECT_EQ(gives_way(all, false), 4u);
+    EXPECT_EQ(next_turn(all, 100), 0u);
+    all.push_back({1, at(6ms), Stage::its_turn, true});
+    EXPECT_EQ(gives_way(all, false), 0u) << "a flood from the address of somebody trusted";
+    EXPECT_EQ(next_turn(all, 100), 4u);
+    std::vector<WaitingConnection> crowd(300, {1, at(0ms), Stage::silent, true});
+    EXPECT_EQ(gives_way(crowd, false), 0u) << "others get in";
+}
+
 TEST(WaitingPlaces, turns_are_for_trusted_ones_then_for_who_answered_then_for_the_address_with_fewest_then_for_the_oldest) {
     std::vector<WaitingConnection> all{{1, at(0ms), Stage::begun}};
     EXPECT_EQ(next_turn(all, 100), std::nullopt);
@@ -60,7 +73,7 @@ TEST(WaitingPlaces, turns_are_for_trusted_ones_then_for_who_answered_then_for_th
     EXPECT_EQ(next_turn(all, 100), 11u);
     all.push_back({2, at(20ms), Stage::its_turn, false, true});
     EXPECT_EQ(next_turn(all, 100), 12u);
-    all.push_back({2, at(20ms), Stage::its_turn, true, false});
+    all.push_back({4, at(20ms), Stage::its_turn, true, false});
     EXPECT_EQ(next_turn(all, 100), 13u);
 }
 
