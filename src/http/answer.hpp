@@ -1,4 +1,4 @@
-// The answer of a gateway, at its client.
+// The response of a gateway, as the client stores it.
 #pragma once
 #include <http/request.hpp>
 
@@ -13,7 +13,7 @@ struct Answer {
     std::vector<Field> headers;
     std::string body;
 
-    /// `name` in any case; empty: there is no such header.
+    /// `name`: upper or lower case; empty: there is no such header.
     std::string_view header(std::string_view name) const noexcept { return field_value(headers, name); }
 };
 

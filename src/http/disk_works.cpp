@@ -48,7 +48,7 @@ void DiskWorks::stop() {
     stopped_ = true;
     waiting_.clear();
     unheld_.clear();
-    const ano::TimePoint by = ano::Clock::now() + Errand::patience_at_the_end;    // for all of them
+    const ano::TimePoint by = ano::Clock::now() + Errand::patience_at_the_end;    // one deadline for all threads
     for (Errand& errand : errands_) errand.stop(by);
 }
 

@@ -19,13 +19,14 @@ public:
     DiskWorks(const DiskWorks&) = delete;
     DiskWorks& operator=(const DiskWorks&) = delete;
 
-    /// Must be held until `done` is called. When it is released earlier, `done` is not called, and work that has not begun is dropped.
+    /// Must be held until `done` is called. If it is released earlier, `done` is not called, and work that has not begun is
+    /// dropped.
     using Ticket = std::shared_ptr<void>;
     /// As Errand::run(). `done` is never called from within this call.
     Ticket run(std::function<void()> work, std::function<void(std::string fault)> done);
-    /// The same without a ticket: the work is done in any case, until stop().
+    /// The same without a ticket: the work is always done, unless stop() is called first.
     void run_for_nobody(std::function<void()> work, std::function<void(std::string fault)> done);
-    /// Begins no more work, and calls no more `done`.
+    /// Starts no further work and makes no further calls of `done`.
     void stop();
 
 private:

@@ -21,8 +21,8 @@ public:
 class BodyKeeper {
 public:
     virtual ~BodyKeeper() = default;
-    /// Stores the next part; the next call must wait for `done`. That is called from the loop, never from within put(), with the reason
-    /// of a failure or ""; not after the keeper is destroyed.
+    /// Stores the next part; the next call must wait for `done`. `done` is called from the loop, never from within put(), with
+    /// the reason of a failure or ""; not after the keeper is destroyed.
     virtual void put(std::string part, std::function<void(std::string fault)> done) = 0;
     /// To be called when all parts are stored.
     virtual std::shared_ptr<const StoredBody> whole() const = 0;

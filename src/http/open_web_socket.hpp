@@ -13,27 +13,27 @@ namespace anogate::http {
 
 class OpenWebSocket : public WebSocket {
 public:
-    /// Ends at once; the user is destroyed.
+    /// Closes the connection at once and destroys the user.
     virtual void end() = 0;
     /// WebSocketUser::has_last_words().
     virtual bool has_last_words() const = 0;
-    /// Something waits to be sent, and the client has taken nothing since `time`.
+    /// True if data wait to be sent and the client has accepted none since `time`.
     virtual bool is_stalled_since(ano::TimePoint time) const = 0;
-    /// Its turn: the user hears the message that waits for it.
+    /// Passes the waiting message to the user.
     virtual void take_turn() = 0;
 };
 
-/// `request` must have no web_socket_fault(); `early`: bytes that came after it. The result lives as long as the connection and keeps
-/// `place`. `wait_for_turn` is called for each message, which the user hears at take_turn(); meanwhile no further one is read. Without it
-/// the user hears each at once.
+/// The server's side. `request` must have no web_socket_fault(); `early`: bytes that were received after it. The result lives as
+/// long as the connection and holds `place`. `wait_for_turn` is called for each message; the user receives the message in
+/// take_turn(), and no further one is read before. Without `wait_for_turn` the user receives each message at once.
 std::shared_ptr<OpenWebSocket> open_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
                                                std::string early, std::unique_ptr<WebSocketUser> user,
                                                const WebSocketLimits& limits, std::shared_ptr<void> place,
                                                std::function<void()> wait_for_turn = {});
 
-/// The client's side: `request` has the target and the headers without those of the handshake. `ended` is called once after the user
-/// is destroyed, unless end() came before: with the status 101 if the WebSocket was open, otherwise with the answer, or without one
-/// if none came within `patience`.
+/// The client's side. `request` has the target and the headers without those of the handshake. `ended` is called once after the
+/// user is destroyed, unless end() was called first: with the status 101 if the WebSocket was open, otherwise with the response,
+/// or with none if none was received within `patience`.
 std::shared_ptr<OpenWebSocket> join_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
                                                std::unique_ptr<WebSocketUser> user, const WebSocketLimits& limits,
                                                ano::Duration patience, std::function<void(Outcome)> ended);

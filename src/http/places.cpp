@@ -8,7 +8,7 @@
 namespace anogate::http {
 namespace {
 
-constexpr std::size_t one_is_kept_in = 8;    // of the places, for clients that may control
+constexpr std::size_t one_is_kept_in = 8;    // one place in this many is reserved for clients that may control
 
 using Visitors = std::span<const Visitor>;
 
@@ -30,7 +30,7 @@ std::optional<std::size_t> longest(Visitors visitors, Among among) {
     return found;
 }
 
-/// The party that has most visitors of `among`, if more than `more_than`.
+/// The party with most visitors of `among`, if they are more than `more_than`.
 template <class Among>
 std::optional<Party> crowd(Visitors visitors, std::size_t more_than, Among among) {
     std::optional<Party> found;
@@ -42,7 +42,7 @@ std::optional<Party> crowd(Visitors visitors, std::size_t more_than, Among among
     return found;
 }
 
-/// The oldest of `among` of the party that has most of those.
+/// The oldest visitor of `among` of the party with most of those, if they are more than `more_than`.
 template <class Among>
 std::optional<std::size_t> oldest_of_crowd(Visitors visitors, std::size_t more_than, Among among) {
     const auto whose = crowd(visitors, more_than, among);
@@ -54,7 +54,7 @@ bool is_whole(const Visitor& visitor) { return visitor.asking == Asking::whole; 
 bool controls(const Visitor& visitor) { return visitor.may == Access::control; }
 bool looks(const Visitor& visitor) { return is_whole(visitor) && !controls(visitor); }
 
-/// The first to give way among those of `easy`.
+/// The one among `easy` whose connection is closed first.
 template <class Easy>
 std::optional<std::size_t> easiest(Visitors visitors, Easy easy) {
     const auto whose = crowd(visitors, 0, easy);
@@ -94,7 +94,7 @@ PlaceFor request_place(Visitors visitors, std::size_t places, const Party& party
 }
 
 PlaceFor stream_place(Visitors visitors, std::size_t streams, const Party& party, Access access) {
-    constexpr std::size_t one_in = 4;    // is kept for clients that may control
+    constexpr std::size_t one_in = 4;    // one place in this many is reserved for clients that may control
     const bool may_control = access == Access::control;
     const auto views = [](const Visitor& v) { return v.streams && !controls(v); };
     const auto is_equal = [&](const Visitor& v) { return v.streams && controls(v) == may_control; };

@@ -1,18 +1,19 @@
-// An answer that is produced while it is sent.
+// A response body that is produced while it is sent.
 #pragma once
 #include <functional>
 #include <string>
 
 namespace anogate::http {
 
-/// Called for the next part when the client can take it, so that only one part is in memory however slow the client is. Destroyed when
-/// everything is sent, when the client is gone or takes nothing for too long, and when the server stops.
+/// Called for the next part when the client can receive it, so that only one part is in memory however slow the client is.
+/// Destroyed when everything is sent, when the client is gone or accepts nothing for SessionLimits::patience, and when the server
+/// stops.
 class Producer {
 public:
     enum class Next {
-        part,     // the next part may be ready at once. Empty: it takes more turns of the loop to make one
-        later,    // no more until `wake` is called; may come with a part
-        end,      // no more at all; may come with a part
+        part,     // the next part may be ready at once. If this one is empty, making it takes more turns of the loop
+        later,    // no more until `wake` is called; a part may be returned with it
+        end,      // no more at all; a part may be returned with it
     };
     virtual ~Producer() = default;
 

@@ -1,4 +1,4 @@
-// The header Range: which bytes of a file a request wants.
+// The header Range: which bytes of a file a request asks for.
 #pragma once
 #include <cstdint>
 #include <string_view>

@@ -36,7 +36,7 @@ RequestReader::Fault fault_of_chunk(const RequestLimits& limits) {
 }    // namespace
 
 // Trailer fields after a chunked body are ignored, because Beast 1.74 fails an assertion at some malformed ones. So the parser is
-// stopped at the last chunk, and takes that when everything up to its end is here.
+// stopped at the last chunk and gets it when everything up to its end was received.
 struct RequestReader::Parser : beast::request_parser<GrowingBody> {
     Parser() { on_chunk_header(stop_at_the_last); }
 
@@ -52,8 +52,8 @@ struct RequestReader::Parser : beast::request_parser<GrowingBody> {
     std::uint64_t max_body = 0;     // bytes
     std::uint64_t in_chunks = 0;    // so far
 
-    /// Whether the end of the body is unknown, or what it means: it must not be mistaken for the next request (RFC 9112, 6.3), nor a compressed
-    /// body for a plain one.
+    /// Whether the end of the body or its encoding is unknown: the body must not be mistaken for the next request (RFC 9112,
+    /// 6.3), nor a compressed body for a plain one.
     bool length_is_unknown() {
         const auto& message = get();
         const auto codings = message.count(beast::field::transfer_encoding);
@@ -63,7 +63,7 @@ struct RequestReader::Parser : beast::request_parser<GrowingBody> {
     }
 };
 
-// The limit of the body is known after the header only, but Beast must be given one before: none.
+// The limit of the body is known only after the header, but Beast needs one before: none is set.
 RequestReader::RequestReader(const RequestLimits& limits, BodyLimit body_limit)
     : limits_{limits}, body_limit_{std::move(body_limit)}, parser_{std::make_unique<Parser>()} {
     parser_->header_limit(limits.header);
@@ -83,7 +83,7 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
         return used;
     }
     if (parser_->get().count(beast::field::content_type) > 1) {
-        fault_ = {400, "more than one Content-Type header"};    // the readers of two would disagree on what the body is
+        fault_ = {400, "more than one Content-Type header"};    // with two, programs disagree on the type of the body
         return used;
     }
     head_ = read_head();
@@ -109,7 +109,7 @@ std::size_t RequestReader::put(std::string_view bytes) {
         const bool goes_on = !fault_ && parser_->is_header_done() && !parser_->is_done() && used < bytes.size();
         return goes_on ? used + put(bytes.substr(used)) : used;
     }
-    // Another assertion of Beast 1.74: it fails if only four bytes of a body with just the last chunk are here.
+    // Another assertion of Beast 1.74 fails if only four bytes of a body with just the last chunk were received.
     if (parser_->chunked() && bytes.starts_with('0') && bytes.size() < min_chunks.size()) return 0;
     error_code ec;
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);

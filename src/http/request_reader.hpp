@@ -15,11 +15,13 @@ struct RequestLimits {
     std::uint64_t body = 64 * 1024;
 };
 
-/// One request. Flow: put() the received bytes, then again what it did not take together with more, until is_done() or fault().
+/// One request. Flow: put() the received bytes, then the bytes that it did not consume together with more, until is_done() or
+/// fault().
 class RequestReader {
 public:
-    /// Called with the head of a request: the maximum size of its body, instead of RequestLimits::body. std::nullopt: the body is not
-    /// read; the caller must answer with the reason. What it adds to the head is in what take() returns.
+    /// Called with the head of a request. Returns the maximum size of its body, instead of RequestLimits::body. std::nullopt: the
+    /// body is not read; the caller must send a response with the reason. Fields that it sets in the head are in the result of
+    /// take().
     using BodyLimit = std::function<std::optional<std::uint64_t>(Request& head)>;
 
     explicit RequestReader(const RequestLimits& limits, BodyLimit body_limit = {});
@@ -27,10 +29,10 @@ public:
     RequestReader& operator=(RequestReader&&) noexcept;
     ~RequestReader();
 
-    /// Takes what it can from the front of `bytes` and returns how much; the caller passes the rest again.
+    /// Consumes bytes from the front of `bytes` and returns their number; the caller passes the rest again.
     std::size_t put(std::string_view bytes);
     bool is_done() const;
-    /// Bytes of the body that have come and were not taken yet; a large body is taken in parts.
+    /// Bytes of the body that were received and not yet returned by take_body(); a large body is taken in parts.
     std::size_t body_size() const;
     std::string take_body();
 
@@ -52,7 +54,7 @@ private:
     RequestLimits limits_;
     BodyLimit body_limit_;
     std::unique_ptr<Parser> parser_;
-    Request head_;    // once it is here
+    Request head_;    // once it was received
     std::optional<Fault> fault_;
 };
 

@@ -44,7 +44,7 @@ std::string_view reason(unsigned status) {
     return "Unknown Status";
 }
 
-// Escapes: the words may quote any bytes.
+// Escapes invalid text: the words may quote any bytes.
 std::string json_text(std::string_view words) {
     std::string text = "\"";
     for (const char c : words) {

@@ -16,8 +16,8 @@ namespace anogate::http {
 
 struct Response;
 
-/// Gets a function `say`, to be called once from the loop with the response. Harmless if the client is gone by then. That response must
-/// not have `later` or `patient` again.
+/// Gets a function `say`, to be called once from the loop with the response. The call has no effect if the client is gone by
+/// then. That response must not have `later` or `patient` again.
 using Later = std::function<void(std::function<void(Response)> say)>;
 
 struct Response {
@@ -29,9 +29,9 @@ struct Response {
     std::unique_ptr<Producer> producer;           // makes the body, instead of `body`
     std::optional<std::uint64_t> length{};        // bytes that `producer` makes; if it makes fewer, the connection is closed
     std::unique_ptr<WebSocketUser> web_socket;    // the connection becomes a WebSocket; for requests that is_web_socket() only
-    Later later;                       // instead of everything else: the answer comes later, within SessionLimits::patience
+    Later later;                       // instead of everything else: the response is made later, within SessionLimits::patience
     bool patient = false;              // `later` has no time limit
-    std::shared_ptr<void> needed{};    // with `patient`: destroyed when it is answered, or the client is gone
+    std::shared_ptr<void> needed{};    // with `patient`: destroyed when the response is known or the client is gone
 
     std::size_t size() const noexcept { return body.size() + (shared ? shared->size() : 0); }
     /// The complete body; `body` is empty afterwards.
@@ -44,15 +44,15 @@ std::string_view what_of(unsigned status) noexcept;
 /// {"error": words, "what": what_of(status)}
 Response error(unsigned status, std::string_view words);
 
-/// 401: a token is needed, or another one.
+/// 401: a token is missing, or the one sent is not sufficient.
 Response needs_token(std::string_view words);
 
-/// 503: the client may ask again in a second.
+/// 503: the client may repeat the request after a second.
 Response try_again(std::string_view words);
 /// The header Retry-After for that.
 Field retry_after();
 
-/// The answer to a request that can't become a WebSocket; status 200 if it can.
+/// The error for a request that can't become a WebSocket; status 200 if it can.
 Response web_socket_fault(const Request& request);
 
 /// A Response with `later`.
@@ -68,7 +68,7 @@ struct Sending {
 /// The status line and the header, with the empty line.
 std::string head_of(const Response& response, const Sending& sending);
 
-/// The complete text of the last response of a connection.
+/// The complete text, head and body, of the last response of a connection.
 std::string last_words(const Response& response);
 
 /// `part`, which must not be empty, as a chunk of a chunked body.

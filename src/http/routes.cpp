@@ -21,7 +21,8 @@ std::string_view take_segment(std::string_view& path) {
 
 bool is_parameter(std::string_view segment) { return segment.starts_with('{') && segment.ends_with('}'); }
 
-/// Calls `visit` with each pair of segments while it returns true. False: it returned false, or the number of segments differs.
+/// Calls `visit` with each pair of segments while it returns true. Returns false if it did not, or if the number of segments
+/// differs.
 template <class Visit>
 bool side_by_side(std::string_view pattern, std::string_view path, Visit visit) {
     while (pattern.starts_with('/') && path.starts_with('/')) {
@@ -48,7 +49,7 @@ bool read_parameters(std::string_view pattern, std::string_view path, std::vecto
     });
 }
 
-/// The pattern with the segments of `path` in place of its parameters, so that these count as equal in a comparison.
+/// The pattern with its parameters replaced by the segments of `path`, so that these count as equal in a comparison.
 std::string filled(std::string_view pattern, std::string_view path) {
     std::string all;
     const std::string_view whole = pattern;
@@ -106,7 +107,7 @@ bool says_nothing(const Request& request) {
     return !request.stored && (body.empty() || body == "{}");
 }
 
-// What the server as a whole answers (RFC 9110, 9.3.7).
+// The methods of the whole server, for `OPTIONS *` (RFC 9110, 9.3.7).
 Response Routes::options() const {
     std::vector<std::string_view> allowed;
     for (const Row& row : rows_) allow(allowed, row.method);

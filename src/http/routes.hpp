@@ -1,4 +1,4 @@
-// The table of paths that the server answers.
+// The table of paths of the server.
 #pragma once
 #include <http/request.hpp>
 #include <http/response.hpp>
@@ -15,7 +15,7 @@ namespace anogate::http {
 /// 401 or 403 for a client with the access `given` where `needed` is required.
 Response not_permitted(Access given, Access needed);
 
-/// Whether a body asks for nothing: it is empty, or an empty JSON object.
+/// True if the body is empty or an empty JSON object.
 bool says_nothing(const Request& request);
 
 /// Rows of method, pattern and function, with their documentation. A pattern is a path such as /links/{name}, where {name} stands for
@@ -26,11 +26,11 @@ public:
     struct Row {
         std::string method, pattern;
         Access access = Access::control;    // the access that a client needs
-        std::string answers;                // what it answers, in a clause for the documentation
+        std::string answers;                // the content of its response, in a clause for the documentation
         Function function;
         std::uint64_t body = 0;     // maximum bytes of a request's body; 0: the default
-        bool starts_job = false;    // a GET that sends frames, or may: not for pages of other sites
-        bool takes_body = true;     // false: a body that says something is refused, since it asks for what is not done
+        bool starts_job = false;    // a GET that sends frames, or may send some: not for pages of other sites
+        bool takes_body = true;     // false: a body is refused unless says_nothing(), since it would have no effect
     };
 
     void add(Row row) { rows_.push_back(std::move(row)); }
@@ -45,12 +45,12 @@ public:
     }
     const std::vector<Row>& rows() const noexcept { return rows_; }
 
-    /// The answer of the matching row's function, or an error: 400 for a bad encoding in path or query, 404 with the nearest pattern,
-    /// 405 with the methods of the path, 401 or 403 for a client without the needed access, 403 for a page of another site that starts or changes
-    /// something. The function may move from `request`.
+    /// The response of the matching row's function, or an error: 400 for a bad encoding in path or query, 404 with the nearest
+    /// pattern, 405 with the methods of the path, 401 or 403 for a client without the needed access, 403 for a page of another
+    /// site that starts or changes something. The function may move from `request`.
     Response answer(Request& request) const;
     Response answer(Request&& request) const { return answer(request); }
-    /// The row that answers it; nullptr: none does.
+    /// The row that matches the request; nullptr: there is none.
     const Row* row_for(const Request& request) const;
 
 private:

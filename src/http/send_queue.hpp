@@ -7,7 +7,7 @@
 
 namespace anogate::http {
 
-/// Limited in bytes. A message that does not fit is refused; the queue stays unchanged.
+/// Limited in bytes. A message that does not fit is refused and leaves the queue unchanged.
 class SendQueue {
 public:
     struct Entry {
@@ -16,7 +16,7 @@ public:
     };
     explicit SendQueue(std::size_t max_bytes) noexcept : max_bytes_{max_bytes} {}
 
-    /// False: there is no room. A message larger than the whole queue is never taken.
+    /// False: the message does not fit. A message larger than the whole queue is always refused.
     bool push(WebSocket::Message message, WebSocket::Kind kind) {
         if (message->size() > max_bytes_ - bytes_) return false;
         const std::size_t size = message->size();

@@ -13,7 +13,7 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t piece_size = 256 * 1024;     // bytes of a read
-constexpr std::size_t size_of_part = 64 * 1024;    // bytes given between two turns of the loop
+constexpr std::size_t size_of_part = 64 * 1024;    // bytes of one part of the response, made in one turn of the loop
 
 // Returns fewer bytes at the end of the file, or when it can't be read.
 std::string read_piece(int fd, std::uint64_t at, std::size_t size) {
@@ -62,22 +62,22 @@ private:
     }
 
     DiskWorks& disk_;
-    std::shared_ptr<const UniqueFd> file_;    // shared with a thread that may read longer than this object lives
+    std::shared_ptr<const UniqueFd> file_;    // shared with a thread that may read after this object is destroyed
     std::uint64_t at_, left_;
     std::string piece_;
-    std::size_t given_ = 0;    // bytes of piece_ that were given
+    std::size_t given_ = 0;    // bytes of piece_ that were already returned
     bool has_failed_ = false;
     std::function<void()> wake_;
     DiskWorks::Ticket ticket_;
 };
 
-// Differs after each change of the file.
+// The entity tag: it differs after each change of the file.
 std::string tag_of(const struct stat& is) {
     return "\"" + std::to_string(is.st_ino) + "-" + std::to_string(is.st_size) + "-" + std::to_string(is.st_mtim.tv_sec) + "." +
            std::to_string(is.st_mtim.tv_nsec) + "\"";
 }
 
-// The headers of the request, for the thread.
+// The headers of the request that the thread needs.
 struct Wanted {
     std::string range, if_range;
 };

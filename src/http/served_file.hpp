@@ -18,12 +18,12 @@ struct ServedFile {
     std::string save_as{};    // the file name for a download; empty: the browser displays the file
 };
 
-/// 200 with a whole regular file, 206 with the requested range, 416 when the range is outside the file. `disk` outlives the response. Of a
-/// file that grows meanwhile, the part that existed at the begin is sent.
+/// 200 with a whole regular file, 206 with the requested range, 416 if the range is outside the file. `disk` must outlive the
+/// response. If the file grows meanwhile, only the part that existed at the beginning is sent.
 http::Response served(DiskWorks& disk, const http::Request& request, ServedFile file);
 
-/// Opens a regular file in `folder`, no symbolic link; `writable`: for writing too. On failure the UniqueFd is empty and errno is set;
-/// EINVAL: not a regular file.
+/// Opens a regular file in `folder`, no symbolic link; `writable`: also for writing. On failure the UniqueFd is empty and errno
+/// is set; EINVAL: not a regular file.
 UniqueFd open_regular(int folder, const std::string& name, bool writable = false);
 
 }    // namespace anogate

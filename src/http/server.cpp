@@ -13,16 +13,16 @@ namespace anogate::http {
 namespace {
 
 constexpr long max_large_bodies = 2;
-// Handshakes that wait for their turn. Each costs a millisecond of the loop: those of one client must not fill the queue, behind which
-// others would wait in the kernel.
+// Handshakes that wait for their turn. Each takes a millisecond of the loop. The limit per client prevents one client from
+// filling the queue while others wait in the kernel.
 constexpr std::ptrdiff_t max_handshakes = 8, max_handshakes_per_client = 6;    // a browser opens six
-constexpr int accepts_per_turn = 16;    // of the network, where a flood must not fill the kernel's queue
+constexpr int accepts_per_turn = 16;    // of the network: many connections at once must not fill the kernel's queue
 constexpr ano::Duration memory_stays = std::chrono::milliseconds{1};
 constexpr ano::Duration long_turn = std::chrono::milliseconds{1};
 constexpr ano::Duration max_rest = std::chrono::milliseconds{50};
 constexpr ano::Duration finish_look = std::chrono::milliseconds{5};
 
-/// What links may need is left to them.
+/// True if requests may use a descriptor: those that links may need are reserved for them.
 bool has_descriptors() { return descriptors_left() >= descriptors_of_links(); }
 
 Response no_place() { return try_again("too many requests at once; try again"); }
@@ -62,7 +62,7 @@ Expected<std::uint16_t> Server::start(const Network& network) {
     return made->port;
 }
 
-// To accept takes a descriptor.
+// Accepting needs a descriptor.
 bool Server::may_accept() { return descriptors_left() > 0 || lobby_->give_way() || has_place(network_); }
 
 void Server::welcome(Socket socket) {
@@ -96,7 +96,7 @@ void Server::dismiss_those(const std::function<bool(const Session& session)>& wa
     });
 }
 
-// A page of another site reads at most, and has the places of those that read.
+// A page of another site may only read, and uses the places of clients that only read.
 tl::expected<Access, Response> Server::judge(Request& request) {
     auto access = admission_.judge(request, ano::Clock::now());
     if (access && admission_.is_foreign(request)) *access = std::min(*access, Access::view);
@@ -112,7 +112,7 @@ std::optional<Response> Server::crowded_out(const Party& party, Access access) {
     return std::nullopt;
 }
 
-// An address that has controlled is likely to do so again: until it is heard, it goes before others.
+// An address that has controlled is likely to do so again: its new connections have priority until their request is judged.
 void Server::remember(const Party& party, Access access) {
     constexpr std::size_t most = 16;
     if (access != Access::control || party.user != unknown_user) return;
@@ -206,7 +206,7 @@ std::vector<Visitor> Server::Room::visitors() {
     return visitors;
 }
 
-// What may be closed meanwhile is left out.
+// `call` may close sessions: they are skipped.
 template <class Call>
 void Server::for_each_session(Call call) {
     for (Room* const room : {&local_, &network_})
@@ -223,7 +223,7 @@ std::optional<std::size_t> Server::who_leaves(const Room& room, const std::vecto
     return place || has_descriptors() ? place : oldest_stream(visitors);
 }
 
-// To accept takes a descriptor already.
+// Accepting already needs a descriptor.
 bool Server::has_place(Room& room) {
     for (Room* const one : {&network_, &local_})
         if (const auto leaves = descriptors_left() == 0 ? who_leaves(*one, one->visitors()) : std::nullopt)
@@ -232,7 +232,7 @@ bool Server::has_place(Room& room) {
     return descriptors_left() > 0 && (!is_full(room, all.size()) || who_leaves(room, all));
 }
 
-// How many wait for their turn, of all or of one client.
+// The number of handshakes that wait for their turn, of all clients or of one.
 std::ptrdiff_t Server::handshakes(const Party* of) {
     std::ptrdiff_t wait = 0;
     for_each_session(
@@ -243,14 +243,15 @@ std::ptrdiff_t Server::handshakes(const Party* of) {
 bool Server::may_shake_hands(const Party& party) { return handshakes(&party) < max_handshakes_per_client; }
 
 bool Server::make_place(Room& room) {
-    if (!has_descriptors())    // links have taken what was left to them
+    if (!has_descriptors())    // the reserved ones are in use: fewer connections are kept
         for (Room* const one : {&network_, &local_}) make_room(*one, one->places.in_need + 1);
     make_room(room, 0);
-    // Whoever was accepted when there were descriptors stays, though he has taken the last that is not kept.
+    // `in_need` does not count here: the new connection was accepted while descriptors were left, even if it uses the last of
+    // them.
     return room.visitors().size() < room.places.connections;
 }
 
-// Of those that are `at_least` nobody has to leave.
+// Closes no connection while there are fewer than `at_least`.
 void Server::make_room(Room& room, std::size_t at_least) {
     for (;;) {
         const std::vector<Visitor> all = room.visitors();
@@ -268,7 +269,7 @@ void Server::send_away(Room& room, std::size_t place) {
     leaves->leave(no_place());
 }
 
-// The last words would take a descriptor for a while.
+// Sends a last response only if descriptors are left: it holds one for up to ServerLimits::farewell.
 void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {
     if (!has_descriptors()) return stream->close();
     std::erase_if(farewells_, [](const auto& farewell) { return farewell.expired(); });
@@ -291,15 +292,16 @@ void Server::wait_for_turn(std::shared_ptr<Session> session, const Party& party,
     else if (goes_first) rest_.cancel();
 }
 
-// Behind a long turn of who may not control the loop rests from such turns for the same time: so they have half of it at most, and whatever
-// takes several turns of the loop, such as a command with its answer, is behind one of theirs, not several.
+// After a long turn of a session that may not control, such sessions have no turn for the same time (at most max_rest). So their
+// turns take at most about half of the loop's time, and work that needs several turns of the loop, such as a command with its
+// answer, waits for one of them, not several.
 void Server::give_turn() {
     if (turns_.has_first() || ano::Clock::now() >= rests_until_) return give_turn_soon();
     rest_.expires_at(rests_until_);
     rest_.async_wait([this](error_code) { give_turn_soon(); });
 }
 
-// Posts twice: between the two the loop polls the system, and handlers that became ready run before the second.
+// Posts twice: between the two the loop polls the system, and handlers that are ready by then run before the second.
 void Server::give_turn_soon() {
     asio::post(io_, [this] {
         asio::post(io_, [this] {
@@ -312,7 +314,7 @@ void Server::give_turn_soon() {
 }
 
 void Server::take_turn(Session& session) {
-    if (session.awaits_handshake()) return session.take_turn();    // as long as others', and bounded by their number
+    if (session.awaits_handshake()) return session.take_turn();    // no rest: all take equally long and their number is limited
     const ano::TimePoint began = ano::Clock::now();
     session.take_turn();
     const ano::TimePoint ended = ano::Clock::now();
@@ -320,7 +322,7 @@ void Server::take_turn(Session& session) {
 }
 
 void Server::shut() {
-    if (local_listener_) local_socket_.remove();    // before closing: the file must not lead nowhere
+    if (local_listener_) local_socket_.remove();    // first: otherwise clients could connect to a closed socket
     local_listener_.reset();
     shut_network();
     turns_.clear();

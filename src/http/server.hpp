@@ -24,22 +24,23 @@ namespace anogate::http {
 struct DoorPlaces {
     std::size_t connections = 0;
     std::size_t streams = 0;    // of the connections: streams and WebSockets, which stay
-    std::size_t in_need = 0;    // the same as `connections` while there are few descriptors; there are no streams then
-    ano::Duration hearing{};    // for so long who just connected keeps his place
+    std::size_t in_need = 0;    // replaces `connections` while few descriptors are left; there are no streams then
+    ano::Duration hearing{};    // a new connection keeps its place for this time, even if nothing is received on it
 };
 
 struct ServerLimits {
-    // 20 may wait for devices (DeviceService::waiting_places): beside them and the streams some stay free.
+    // Up to 20 requests may wait for devices (DeviceService::waiting_places): beside them and the streams some places stay free.
     DoorPlaces local{44, 20, 3, std::chrono::milliseconds{100}};
     DoorPlaces network{44, 20, 1, std::chrono::milliseconds{100}};
-    std::size_t farewells = 32;           // closing connections that still get their last answer
+    std::size_t farewells = 32;           // closing connections that are still sent their last response
     std::size_t farewells_in_need = 4;    // the same while memory is short
     ano::Duration farewell = std::chrono::seconds{1};
     SessionLimits session;
 };
 
-/// Between two requests the loop does its other work. Users of the Unix socket and clients of the network have places of their own. Who finds
-/// none waits in the kernel's queue; since who may control is never asked to leave, that is only behind others who may.
+/// Between two requests the loop does its other work. Users of the Unix socket and clients of the network have separate places. A
+/// client without a place waits in the kernel's queue, but only while requests that may control take all places and no response
+/// of them lasts.
 class Server : private SessionOwner {
 public:
     /// Whether the system has memory for one request and its answer.
@@ -50,7 +51,7 @@ public:
     Server(const Server&) = delete;
     Server& operator=(const Server&) = delete;
 
-    /// What is answered. To be changed before start() only.
+    /// The paths that are answered. Must not be changed after start().
     Routes& routes() noexcept { return routes_; }
 
     /// Where bodies above SessionLimits::request.body are stored; without it they are held in memory.
@@ -72,23 +73,23 @@ public:
     };
     /// Listens there. Returns the port, or the error; after that it may be called again.
     Expected<std::uint16_t> start(const Network& network);
-    /// Listens there no more; its clients get the answers that are being made, and nothing else.
+    /// Stops listening there; its clients receive only the responses that are being made.
     void stop_network();
-    /// For clients that connect from now on.
+    /// Used for clients that connect from now on.
     void set_tls(std::shared_ptr<Tls> tls) { network_settings_.tls = std::move(tls); }
-    /// Replaces the rules. Whoever asked with a token that allows less now is dismissed.
+    /// Replaces the rules. Calls Session::dismiss() for clients whose token allows less now.
     void set_rules(AdmissionRules rules);
     /// The rules for network doors: tokens and names.
     Admission& admission() noexcept { return admission_; }
     const Admission& admission() const noexcept { return admission_; }
-    /// Clients of the network that had sent nothing yet, or waited, and gave way to others.
+    /// Connections of the network that were silent or waited for a place, and were closed for others.
     const GaveWay& gave_way() const noexcept { return gave_way_; }
     /// Adds a client with any sort of connection.
     void admit(std::unique_ptr<Stream> stream);
-    /// As stop(), but answers in progress are completed within `patience`, and those that are not made yet are waited for until
+    /// As stop(), but responses in progress are completed within `patience`, and those that are not made yet may be sent until
     /// no_more_answers(). Accepts no connections and reads no requests meanwhile.
     void finish(ano::Duration patience);
-    /// Behind finish(): what is not answered now will not be.
+    /// To be called after finish(): closes the connections whose response is not made yet.
     void no_more_answers();
     /// Closes everything at once and removes the socket; destroys producers and users of WebSockets. The loop may still hold handlers of
     /// the server and must not run after its destruction.
@@ -142,7 +143,7 @@ private:
     ServerLimits limits_;
     asio::steady_timer finish_check_{io_};
     HasMemory has_memory_;
-    ano::TimePoint memory_seen_at_{};    // and none was used for an answer since
+    ano::TimePoint memory_seen_at_{};    // when memory was last found free; {}: an answer was made since
     MakeKeeper make_keeper_;
     std::shared_ptr<int> large_bodies_ = std::make_shared<int>();    // its use count - 1 is the number of large bodies
     Routes routes_;
@@ -153,10 +154,10 @@ private:
     std::unique_ptr<Lobby> lobby_;    // of the network
     std::unique_ptr<Listener> local_listener_, network_listener_;
     Room local_{limits_.local}, network_{limits_.network};
-    std::deque<Party> controllers_;                   // clients of the network that have controlled, the latest last
+    std::deque<Party> controllers_;                   // clients of the network that have controlled, the most recent last
     Turns<std::shared_ptr<Session>, Party> turns_;    // sessions with a complete request
     asio::steady_timer rest_{io_};
-    ano::TimePoint rests_until_{};    // those who may not control have no turn before
+    ano::TimePoint rests_until_{};    // sessions that may not control have no turn before
     std::deque<std::weak_ptr<Farewell>> farewells_;
 };
 

@@ -11,7 +11,7 @@ namespace {
 using ano::Clock;
 
 constexpr std::size_t some_of_body = 1024;
-constexpr unsigned too_many = 429;    // the status
+constexpr unsigned too_many = 429;    // the HTTP status
 
 }    // namespace
 
@@ -27,7 +27,7 @@ Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stre
       party_{party_of(user_, stream_->door())},
       is_of_network_{stream_->door().is_network} {}
 
-// Too little memory for a client is the end of its connection, not of the program.
+// If memory is short for a client, its connection is closed and the program continues.
 template <class Function>
 void Session::guarded(Function function) {
     try {
@@ -76,7 +76,7 @@ void Session::dismiss() {
 void Session::leave(const Response& words) {
     const bool is_answered = asking_ == Asking::whole && !awaits_turn_;
     if (!stream_ || asking_ == Asking::nothing || is_answered) return close();
-    if (asking_ == Asking::unheard && stream_->door().is_encrypted) return close();    // words would cost a handshake
+    if (asking_ == Asking::unheard && stream_->door().is_encrypted) return close();    // a response would need a handshake
     refuse(words);
 }
 
@@ -87,7 +87,7 @@ Visitor Session::visitor(ano::TimePoint now) const {
     return {party_, stalled ? Asking::nothing : asking_, since_, may_, by_address_, streams_, lasts};
 }
 
-// Some of the next request may be here.
+// `input_` may already contain a part of the next request.
 void Session::await_request() {
     room_for_body_ = {};
     go_on_awaited_ = false;
@@ -110,13 +110,13 @@ void Session::expect_progress() {
 
 void Session::expect_nothing() { patient_until_.reset(); }
 
-// The timer may have expired already, with its call still to come: that must find no deadline either.
+// The timer may have expired already while its handler waits in the loop: the handler must find no deadline.
 void Session::end_deadline() {
     expect_nothing();
     deadline_.cancel();
 }
 
-// However often there is progress meanwhile, the timer is set once: to set it costs more than to let it come for nothing.
+// The timer is not set again on progress: that would cost more than one early expiry, which sets it to the new deadline.
 void Session::await_deadline() {
     if (std::exchange(deadline_runs_, true)) return;
     deadline_.expires_at(*patient_until_);
@@ -130,7 +130,7 @@ void Session::await_deadline() {
     });
 }
 
-// Who asked half a request may still read why nothing comes of it.
+// A client that sent an incomplete request still gets an error response.
 void Session::lost_patience() {
     if (!stream_ || asking_ != Asking::half) return close();
     if (is_kept_) return refuse(try_again("the disk is too slow for such a large body; try again"));
@@ -163,7 +163,7 @@ void Session::came(error_code ec, std::size_t size) {
     }
     if (!part_awaited_ && !answer_awaited_) return;
     if (input_.size() <= limits_.request.header) return read();
-    if (part_awaited_) return close();    // nothing can be said within a stream
+    if (part_awaited_) return close();    // no error can be sent within a stream
     refuse(error(431, "more than " + std::to_string(limits_.request.header) +
                           " bytes were received after a request that is not answered yet"));
 }
@@ -187,7 +187,8 @@ void Session::give_up_body() {
                  "the body was received too slowly for " + seconds_text(limits_.slow_body) + ", and another request is waiting"));
 }
 
-// The client may still read an answer. But the next part of a stream may never come, and nothing else would show that it is gone.
+// The client may still read a response. But if a part of a stream or a later response is awaited, it may never be made, and a
+// client that is gone would not be noticed: the connection is closed.
 void Session::input_ended() {
     input_ended_ = true;
     if (asking_ == Asking::half) return refuse(error(400, "the request ended before it was complete"));
@@ -220,7 +221,7 @@ void Session::hear() {
     owner_.wait_for_turn(shared_from_this(), party_, *may_);
 }
 
-// It is judged before its turn, which depends on what it may do.
+// The request is judged before its turn, since the order of turns depends on its access.
 void Session::came_whole() {
     Request& request = request_.emplace(reader_->take());
     request.user = user_;
@@ -237,7 +238,7 @@ void Session::came_whole() {
     also_ = std::move(request.also);
 }
 
-// Called once a request, so that it is not judged twice.
+// Called once per request; stores its access if it is judged here, so that it is not judged twice.
 bool Session::has_room(Request& head) {
     if (owner_.may_control(party_, &head)) {
         may_ = Access::control;
@@ -265,7 +266,7 @@ void Session::say_go_on() {
     });
 }
 
-// One that comes in chunks is known to be large when so much of it is here.
+// A chunked body counts as large once more than RequestLimits::body of it was received.
 bool Session::has_place_for(std::size_t held) {
     if (!room_for_body_.place && held > limits_.request.body) {
         auto place = owner_.place_for_body();
@@ -276,7 +277,7 @@ bool Session::has_place_for(std::size_t held) {
     return room_for_body_.place != nullptr;
 }
 
-// A large body goes to its keeper part by part; meanwhile nothing is read.
+// A large body is passed to its keeper in parts; nothing is read while the keeper stores one.
 bool Session::puts_body() {
     const std::size_t size = reader_->body_size();
     if (!has_place_for(size)) {
@@ -323,8 +324,8 @@ void Session::answer(Request& request) {
     const bool guesses = unanswered_ || request.slowed > ano::Duration{};
     auto no_answer = std::exchange(unanswered_, std::nullopt);
     Response response = no_answer ? std::move(*no_answer) : owner_.answer(request);
-    if (!stream_) return;                            // the answer was that all ends
-    if (guesses && response.status == too_many) {    // whoever guesses needs a connection for each
+    if (!stream_) return;                            // the function of the route has closed this session
+    if (guesses && response.status == too_many) {    // the connection is closed: each further guess needs a new one
         if (also_) response.headers.push_back(*std::exchange(also_, std::nullopt));
         return refuse(response);
     }
@@ -346,18 +347,18 @@ void Session::answer(Request& request) {
     }
     if (!response.later) return send(std::move(response), head_only);
     if (response.patient) {
-        await_answer(std::move(response.needed));    // reading holds us, until the client is gone
+        await_answer(std::move(response.needed));    // the pending read keeps this session alive until the client is gone
         return response.later([weak = weak_from_this(), head_only](Response known) {
             if (const auto self = weak.lock(); self && self->stream_)
                 self->guarded([&] { self->send(std::move(known), head_only); });
         });
     }
-    response.later([self = shared_from_this(), head_only](Response known) {    // meanwhile nobody else holds us
+    response.later([self = shared_from_this(), head_only](Response known) {    // nothing else keeps this session alive meanwhile
         if (self->stream_) self->guarded([&] { self->send(std::move(known), head_only); });
     });
 }
 
-// A message may cost as much as a request. Of those who may control each is heard at once.
+// A message may cost as much as a request, so it waits for a turn. Messages of clients that may control are processed at once.
 std::function<void()> Session::turns_of_web_socket() {
     if (may() == Access::control) return {};
     return [weak = weak_from_this()] {
@@ -378,7 +379,7 @@ void Session::send(Response response, bool head_only) {
     needed_.reset();
     if (also_) response.headers.push_back(*std::exchange(also_, std::nullopt));
     if (response.producer && !response.length && sending_.version == 10)
-        sending_.keep_alive = false;    // the end of the body is that of the connection
+        sending_.keep_alive = false;    // HTTP/1.0: closing the connection ends the body
     sending_.chunked = response.producer && !response.length && sending_.version != 10;
     has_length_ = response.length.has_value();
     to_come_ = response.length.value_or(0);
@@ -419,7 +420,7 @@ void Session::wrote() {
     shared_ = nothing_;
     written_ = 0;
     if (producer_) return next_part();
-    body_ = std::string{};    // who is idle holds no answer
+    body_ = std::string{};    // releases the buffer while the connection is idle
     asking_ = Asking::nothing;
     streams_ = false;
     if (sending_.keep_alive) return await_request();
@@ -453,7 +454,7 @@ void Session::next_part_soon() {
     });
 }
 
-// False: it does not keep to the length that was told, which only the end of the connection can tell its client.
+// False: the producer's data do not match the length in the header; the client can only be informed by closing the connection.
 bool Session::takes_part(bool is_last) {
     if (!has_length_) return true;
     if (body_.size() > to_come_) return false;
@@ -461,7 +462,7 @@ bool Session::takes_part(bool is_last) {
     return !is_last || to_come_ == 0;
 }
 
-// From anywhere, also from within next(): so the loop calls the producer.
+// May be called from anywhere, also from within next(). So the producer is called from the loop.
 void Session::wake() {
     if (std::exchange(woken_, true)) return;
     try {
@@ -473,7 +474,7 @@ void Session::wake() {
         });
     } catch (const std::bad_alloc&) {
         woken_ = false;
-        if (stream_) stream_->close();    // what is under way on it ends, and with it the session
+        if (stream_) stream_->close();    // the pending operation fails, and that ends the session
     }
 }
 

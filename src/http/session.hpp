@@ -20,17 +20,19 @@ class Session;
 struct SessionLimits {
     RequestLimits request;
     WebSocketLimits web_socket;
-    /// Maximum time until a complete request or more of a large body has come, and until the client has taken more of an answer.
+    /// Maximum time until a complete request or more of a large body is received, and until the client accepts more of a
+    /// response.
     ano::Duration patience = std::chrono::seconds{30};
     /// A client that sends less than 1 KiB of a large body in this time gives way to another one.
     ano::Duration slow_body = std::chrono::seconds{3};
-    /// Bytes of a large body that are collected before they are given to its keeper.
+    /// Bytes of a large body that are collected before they are passed to its keeper.
     std::size_t part_of_body = std::size_t{256} * 1024;
-    /// A client that has taken nothing of an answer for this time counts as idle; an answer that takes longer lasts.
+    /// A client that has accepted nothing of a response for this time counts as idle; a response that takes longer is marked as
+    /// Visitor::lasts.
     ano::Duration stalled_after = std::chrono::seconds{1};
 };
 
-/// What is decided about the body of a request when its head is known.
+/// The decisions about the body of a request, made when its head is known.
 struct BodyRoom {
     std::uint64_t max_bytes = 0;
     std::optional<Access> judged{};    // what the request may do, if it was judged for this
@@ -41,24 +43,26 @@ struct BodyRoom {
 class SessionOwner {
 public:
     virtual ~SessionOwner() = default;
-    /// Calls take_turn() when it is the session's turn. Those that may control come first, then each party in turn.
+    /// Calls take_turn() when it is the session's turn. Sessions that may control are first, then the parties in rotation.
     virtual void wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) = 0;
-    /// What a request may do, or the answer that refuses it.
+    /// The access of a request, or the response that refuses it.
     virtual tl::expected<Access, Response> judge(Request& request) = 0;
-    /// For a request with `access`, which the session's visitor() already has: the last answer of the session if there are too many such
-    /// requests; std::nullopt: go on.
+    /// For a request with `access`, which the session's visitor() already has: the last response of the session if there are too
+    /// many such requests; std::nullopt: continue.
     virtual std::optional<Response> crowded_out(const Party& party, Access access) = 0;
-    /// Whether a request with this head, or nullptr, the next one of the party, is likely to be one that may control. What decides is judge().
+    /// Whether a request with this head (nullptr: the next one of the party) is likely to be one that may control. The decision
+    /// is made by judge().
     virtual bool may_control(const Party& party, const Request* head) = 0;
     /// Whether one more handshake of the party may wait for its turn.
     virtual bool may_shake_hands(const Party& party) = 0;
-    /// Before an answer that stays: a stream, or one that waits for a job (`streams` is false). The answer that refuses it; std::nullopt: go on.
+    /// To be called before a response that lasts: a stream, or one that waits for a job (`streams` is false). Returns the
+    /// response that refuses it; std::nullopt: continue.
     virtual std::optional<Response> no_room_to_stay(const Party& party, Access access, bool streams) = 0;
-    /// Takes what it needs out of `request`.
+    /// The response to `request`; may move from it.
     virtual Response answer(Request& request) = 0;
-    /// What is allowed for the body of `head`, or the answer that refuses it before it comes.
+    /// The limit for the body of `head`, or the response that refuses the body before it is received.
     virtual tl::expected<BodyRoom, Response> room_for_body(Request& head) = 0;
-    /// A place for a large body, to be held as long as that; or the answer if all of the few places are taken.
+    /// A place for a large body, to be held as long as the body; or the response to send if all places are in use.
     virtual tl::expected<std::shared_ptr<void>, Response> place_for_body() = 0;
     /// For a large body; nullptr: it is held in memory.
     virtual std::unique_ptr<BodyKeeper> keeper() = 0;
@@ -66,40 +70,42 @@ public:
     virtual void refuse(std::unique_ptr<Stream> stream, const Response& words) = 0;
     /// Whether there is memory for one request and its answer.
     virtual bool has_memory() = 0;
-    /// The same, for a session that called has_memory() just before: need not ask the system again.
+    /// The same, for a session that has just called has_memory(): does not query the system again within a millisecond.
     virtual bool still_has_memory() = 0;
 };
 
 /// Reads requests one after the other; each is answered before the next is read. Lives as long as its connection, or until close().
-/// A client that sends nothing, takes nothing or sends no HTTP gets an error or is disconnected.
+/// A client that sends nothing, accepts nothing or sends no HTTP gets an error or is disconnected.
 class Session : public std::enable_shared_from_this<Session> {
 public:
     Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits);
 
-    /// The client of an encrypted connection has sent something.
+    /// To be called first; for an encrypted connection, after its client has sent something.
     void start();
-    /// Its turn: the request is answered, the handshake begins, or a message of its WebSocket is heard.
+    /// To be called when it is its turn: answers the request, starts the handshake, or passes a message to the user of its
+    /// WebSocket.
     void take_turn();
     const Party& party() const noexcept { return party_; }
     bool awaits_handshake() const noexcept { return stream_ && awaits_handshake_; }
     /// Closes at once; destroys the producer or the user of the WebSocket.
     void close();
-    /// The server is stopping: completes the current answer, or the next part of a stream; everything else ends at once.
+    /// To be called when the server stops: completes the current response, or the next part of a stream; otherwise closes at
+    /// once.
     void finish();
-    /// A client waits for an answer that is not made yet (Response::patient).
+    /// True while the client waits for a response that is not made yet (Response::patient).
     bool awaits_answer() const noexcept { return answer_awaited_; }
-    /// As finish(), for a client that may not ask any more; a WebSocket ends at once.
+    /// As finish(), for a client that has no access any more; a WebSocket is closed at once.
     void dismiss();
     /// The token of the current or the last request; empty: there was none.
     const std::string& token() const noexcept { return token_; }
     Access may() const noexcept { return may_.value_or(Access::open); }
     bool is_of_network() const noexcept { return is_of_network_; }
-    /// Gives its place to another client. Sends `words` unless it is in the middle of an answer.
+    /// Ends the session because another client gets its place. Sends `words` unless it is idle or in the middle of a response.
     void leave(const Response& words);
     Visitor visitor(ano::TimePoint now) const;
-    /// Since when the client has sent too little of a large body; std::nullopt: it has not.
+    /// The time since which the client has sent too little of a large body; std::nullopt: it sends fast enough, or no large body.
     std::optional<ano::TimePoint> body_waits_since() const;
-    /// Gives the place of its large body to another client's.
+    /// Refuses its large body, so that another client can use the place.
     void give_up_body();
 
 private:
@@ -147,16 +153,16 @@ private:
     Party party_;
     bool is_of_network_;
     std::string token_{};
-    std::optional<Access> may_;             // what the current or the last request may do
-    bool by_address_ = false;               // it is supposed, since others of its client controlled
+    std::optional<Access> may_;             // the access of the current or the last request
+    bool by_address_ = false;               // `may_` is assumed, since the party controlled before
     std::optional<Request> request_;        // complete, and waits for its turn
-    std::optional<Response> unanswered_;    // why it is refused instead
-    std::optional<Field> also_;             // a header of its answer
+    std::optional<Response> unanswered_;    // the response if it is refused
+    std::optional<Field> also_;             // an additional header of its response
 
     Asking asking_ = Asking::unheard;
     bool awaits_turn_ = false;    // has a complete request
     bool awaits_handshake_ = false;
-    bool streams_ = false;    // the answer is a stream or a WebSocket
+    bool streams_ = false;    // the response is a stream or a WebSocket
     bool reading_ = false;
     bool input_ended_ = false;
     ano::TimePoint since_;         // when it connected or last made progress
@@ -171,8 +177,8 @@ private:
     static const std::shared_ptr<const std::string> nothing_;
     std::size_t written_ = 0;
     std::unique_ptr<Producer> producer_;
-    bool part_awaited_ = false;      // the producer has none for now
-    bool has_length_ = false;        // the producer's answer has a length
+    bool part_awaited_ = false;      // the producer has no part for now
+    bool has_length_ = false;        // the producer's response has a length
     std::uint64_t to_come_ = 0;      // bytes of it still to be made
     bool answer_awaited_ = false;    // with Response::patient
     std::shared_ptr<void> needed_;
@@ -180,7 +186,7 @@ private:
     std::optional<Response> refusal_;    // of the request's body
     bool go_on_awaited_ = false;         // 100 Continue
     bool is_kept_ = false;               // the keeper is storing a part of the body
-    std::size_t came_since_ = 0;         // bytes of the body since body_since_
+    std::size_t came_since_ = 0;         // bytes of the body received since body_since_
     ano::TimePoint body_since_{};
     std::unique_ptr<BodyKeeper> keeper_;
     bool woken_ = false;

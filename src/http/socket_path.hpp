@@ -1,4 +1,4 @@
-// The default path of the control socket, and where one can be made.
+// The default path of the control socket, and whether a socket can be made at a path.
 #pragma once
 #include <optional>
 #include <string>
@@ -18,10 +18,11 @@ std::optional<std::string> control_socket(const std::string& configured, const R
 /// The path of the system's gateway.
 std::string system_socket();
 
-/// The path that a client connects to; `asked` if it is not empty. A normal user gets the system's gateway if none of its own runs.
+/// The path that a client connects to: `asked` if it is not empty. For a normal user whose own gateway does not run: the path of
+/// the system's gateway.
 std::string socket_to_ask(const std::string& asked, const Runner& runner);
 
-/// Why no socket can be made at `path`, without trying it; empty: it can be made, or is in use.
+/// The reason why no socket can be made at `path`, found without making one; empty: it can be made, or is in use.
 std::string fault_of_socket(const std::string& path, const Runner& runner);
 
 }    // namespace anogate::http

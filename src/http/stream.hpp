@@ -1,4 +1,4 @@
-// A connection of bytes in both directions, of any sort.
+// A bidirectional connection of any kind.
 #pragma once
 #include <http/asio.hpp>
 #include <http/doors/door.hpp>
@@ -16,7 +16,7 @@ public:
     using Parts = std::array<asio::const_buffer, 3>;    // empty ones are skipped
 
     virtual ~Stream() = default;
-    /// The client sends nothing more, and what it sent may be unread.
+    /// True if the client has ended its output; some of it may be unread.
     virtual bool has_left() const { return false; }
     /// One read and one write at a time. `done` is called from the loop, never from within the call, even if the stream is destroyed
     /// meanwhile.
@@ -24,7 +24,7 @@ public:
     virtual void write_some(const Parts& from, Done done) = 0;
     /// Ends the current operations with an error.
     virtual void cancel() = 0;
-    /// Ends the output: the client reads what was written, then the end.
+    /// Ends the output: the client receives the written data, then the end of the stream.
     virtual void end_output() = 0;
     virtual void close() = 0;
     /// The user at the other end of a Unix socket; unknown_user for other connections.

@@ -67,7 +67,7 @@ public:
         error_code ignored;
         state_->ssl.lowest_layer().cancel(ignored);
     }
-    // Without TLS close_notify: every answer has a length or a last chunk, so the client needs no other end.
+    // Without TLS close_notify: every response has a length or a last chunk, so the client does not depend on it.
     void end_output() override {
         error_code ignored;
         state_->ssl.lowest_layer().shutdown(Socket::shutdown_send, ignored);
@@ -80,7 +80,7 @@ public:
     const Door& door() const override { return door_; }
 
 private:
-    /// Many clients close without close_notify: that counts as the end of the input.
+    /// Many clients close the connection without close_notify: that counts as the end of the input.
     static error_code ended(error_code ec) { return ec == asio::ssl::error::stream_truncated ? asio::error::eof : ec; }
 
     std::shared_ptr<const void> keep_;
@@ -88,7 +88,7 @@ private:
     Door door_;
 };
 
-// OpenSSL does not tell why a file can't be read, and it would block on a pipe.
+// Checked here since OpenSSL does not report why a file can't be read, and blocks on a pipe.
 std::string fault_of_file(const std::string& file) {
     struct stat facts {};
     if (::access(file.c_str(), R_OK) != 0 || ::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
@@ -108,7 +108,8 @@ Tls::~Tls() = default;
 
 Expected<std::unique_ptr<Tls>> Tls::load(const std::string& certificate, const std::string& key) {
     auto context = std::make_shared<Context>();
-    // Not by Asio, whose options are of type long: on 32 bits that is too small, and the sign would set all bits from 2^32 up.
+    // Not set by Asio, whose options are of type long: it is too small on 32 bits, and sign extension would set all bits from
+    // 2^32 up.
     ::SSL_CTX_set_options(context->ssl.native_handle(),
                           SSL_OP_ALL | SSL_OP_NO_TLSv1 | SSL_OP_NO_TLSv1_1 | SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION);
     for (const std::string& file : {certificate, key})

@@ -15,10 +15,11 @@ public:
     static Expected<std::unique_ptr<Tls>> load(const std::string& certificate, const std::string& key);
     ~Tls();
 
-    /// What makes it a bad choice; empty: nothing. A new connection with a large RSA key costs the loop many milliseconds.
+    /// A warning about the key; empty: none. A new connection with a large RSA key takes the loop many milliseconds.
     std::string advice() const;
 
-    /// The server's side of a connected socket. The handshake is done with the first read or write, to be called when the client has sent something.
+    /// The server's side of a connected socket. The handshake is done with the first read or write, which must be called only
+    /// after the client has sent something.
     std::unique_ptr<Stream> stream(Socket socket, Door door) const;
 
 private:

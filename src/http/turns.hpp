@@ -1,4 +1,4 @@
-// A queue of those that wait for their turn.
+// A queue of sessions that wait for their turn.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace anogate::http {
 
-/// Those that go first come before all others. Of equals, each client (`of`) gets one turn after the other: however many of a client
-/// wait, between two of them everybody else has one. The owner calls next() for one turn at a time, and lets the loop do its other work
-/// in between.
+/// Entries with `goes_first` precede all others. Among equals, the clients (`of`) get turns in rotation: however many entries of
+/// a client wait, every other client has a turn between two of them. The owner calls next() for one turn at a time, and the loop
+/// does its other work in between.
 template <class Who, class Client>
 class Turns {
 public:
@@ -24,7 +24,7 @@ public:
         first_.leave(who);
         others_.leave(who);
     }
-    /// The scheduled call: returns who is next. If is_arranged() afterwards, the caller must schedule the next call.
+    /// The scheduled call: returns the next entry. If is_arranged() afterwards, the caller must schedule the next call.
     std::optional<Who> next() {
         auto who = first_.next();
         if (!who) who = others_.next();
@@ -32,16 +32,16 @@ public:
         return who;
     }
     bool is_arranged() const noexcept { return arranged_; }
-    /// Somebody waits who goes before all others.
+    /// True if an entry with `goes_first` waits.
     bool has_first() const noexcept { return !first_.is_empty(); }
-    /// A scheduled call of next() still comes and returns std::nullopt.
+    /// Removes all entries. A scheduled call of next() is still made and returns std::nullopt.
     void clear() noexcept {
         first_.clear();
         others_.clear();
     }
 
 private:
-    /// In rounds; in each, a client has one turn.
+    /// A queue in rounds; in each round, a client has one turn.
     class Line {
     public:
         void wait(Who who, const Client& of) {
@@ -73,7 +73,7 @@ private:
             Client of;
             std::uint64_t round;
         };
-        std::vector<One> waiting_;      // in the order in which they came
+        std::vector<One> waiting_;      // in the order of wait()
         std::vector<Client> served_;    // in this round
         std::uint64_t round_ = 0;
     };

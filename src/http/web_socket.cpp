@@ -39,7 +39,7 @@ public:
             room = *it;
         if (early_.empty())
             return stream_->read_some(room, [this, done = done(std::forward<Handler>(handler))](error_code ec, std::size_t size) {
-                ++reads_;    // the handler keeps our owner alive
+                ++reads_;    // `done` keeps the owner of this object alive
                 done(ec, size);
             });
         const std::size_t size = asio::buffer_copy(room, asio::buffer(early_));
@@ -67,7 +67,7 @@ private:
         return [held](error_code ec, std::size_t size) {
             try {
                 std::move (*held)(ec, size);
-            } catch (const std::bad_alloc&) {}    // Beast's operation is gone, and so is the WebSocket when its other one ends
+            } catch (const std::bad_alloc&) {}    // this operation of Beast is lost; the WebSocket ends with its other one
         };
     }
 
@@ -178,7 +178,7 @@ public:
         socket_.next_layer().stream().close();
         if (!writing_) queue_.clear();    // otherwise the write in progress still needs the queue
         place_.reset();
-        waits_.reset();    // the caller holds us
+        waits_.reset();    // the caller keeps this object alive
         const auto user = std::move(user_);
         user_.reset();
     }
@@ -207,11 +207,11 @@ private:
 
     void begin() {
         read();
-        const auto user = user_;    // keeps it alive: it may end us
+        const auto user = user_;    // keeps the user alive: it may end this WebSocket
         user->opened(*this);
     }
 
-    // Too little memory for a client is its end, not that of the program.
+    // If memory is short for a client, its connection is closed and the program continues.
     template <class Function>
     void guarded(Function function) {
         try {
@@ -221,13 +221,13 @@ private:
         }
     }
 
-    // The read that is under way, or the one that follows, fails now.
+    // The pending read, or the next one, fails and ends the connection.
     void give_up() noexcept override {
         closing_ = true;
         socket_.next_layer().stream().close();
     }
 
-    // Ended by itself: calls ended_.
+    // For an end that was not caused by end(): calls ended_.
     void end_for(const error_code& ec) {
         if (!user_) return;
         const auto ended = std::move(ended_);
@@ -243,7 +243,7 @@ private:
         });
     }
 
-    // Meanwhile no read that is under way holds us.
+    // No read is pending that would keep this object alive, so waits_ does.
     void wait() {
         waits_ = shared_from_this();
         wait_for_turn_();
@@ -279,7 +279,7 @@ private:
         user->sent_all();
     }
 
-    // One timer as long as something is being sent, not one for each write.
+    // The timer runs as long as data are being sent; it is not set again for each write.
     void watch() {
         if (std::exchange(watching_, true)) return;
         stuck_.expires_at(std::max(begun_at_, socket_.next_layer().taken_at()) + limits_.stuck);
@@ -304,10 +304,10 @@ private:
     bool watching_ = false;
     std::shared_ptr<WebSocketUser> user_;    // nullptr: ended
     std::function<void(Outcome)> ended_;     // on the client's side
-    Answer answer_;                          // on the client's side: to the request
+    Answer answer_;                          // on the client's side: the response to the request
     std::shared_ptr<void> place_;
     const std::function<void()> wait_for_turn_;
-    std::shared_ptr<BeastWebSocket> waits_;    // ourselves, as long as a message waits for its turn
+    std::shared_ptr<BeastWebSocket> waits_;    // this object, as long as a message waits for its turn
 };
 
 }    // namespace

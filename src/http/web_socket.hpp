@@ -15,10 +15,10 @@ struct WebSocketLimits {
     std::size_t message = 64 * 1024;    // maximum bytes of a received message; a longer one ends the connection (1009)
     std::size_t queue = 1024 * 1024;    // maximum bytes that wait to be sent
     ano::Duration idle = std::chrono::seconds{30};     // ends after this time without any data or pong; pings after half of it
-    ano::Duration stuck = std::chrono::seconds{30};    // ends if the client takes nothing of what waits for this time
+    ano::Duration stuck = std::chrono::seconds{30};    // ends if data wait and the client accepts none for this time
 };
 
-/// To send to the client. Valid as long as its user lives.
+/// Sends messages to the client. Valid as long as its user lives.
 class WebSocket {
 public:
     enum class Kind : std::uint8_t { text, binary };
@@ -26,18 +26,18 @@ public:
     using Message = std::shared_ptr<const std::string>;
 
     virtual ~WebSocket() = default;
-    /// Sends the message after those that wait. False: there is no room, or the WebSocket is closing; the message is dropped, and the
-    /// caller should count it. A text must be UTF-8.
+    /// Sends the message after those that wait. False: the queue is full, or the WebSocket is closing; the message is dropped,
+    /// and the caller should count it. A text must be UTF-8.
     virtual bool send(Message message, Kind kind) = 0;
     /// Bytes that wait to be sent.
     virtual std::size_t waiting() const noexcept = 0;
     /// Number of reads so far. If it has not changed during a whole turn of the loop, no received data is waiting.
     virtual std::uint64_t reads() const noexcept = 0;
-    /// Sends a close frame with code and reason; drops what waits. heard() is not called any more.
+    /// Sends a close frame with code and reason; drops waiting messages. heard() is not called any more.
     virtual void close(std::uint16_t code, std::string_view reason) = 0;
 
-    /// Calls `function`, which makes and sends messages, from outside of the user's functions. Without memory for that the connection ends
-    /// soon, and nothing else.
+    /// Calls `function`, which makes and sends messages, from outside of the user's functions. If memory is short for that, only
+    /// the connection ends, as give_up() does it.
     template <class Function>
     void attempt(Function function) {
         try {
@@ -52,19 +52,20 @@ protected:
     virtual void give_up() noexcept = 0;
 };
 
-/// The server's code behind a WebSocket. Destroyed when the connection has ended, or the server stops. Its functions may throw std::bad_alloc:
-/// then the connection ends.
+/// The code that uses a WebSocket. Destroyed when the connection has ended or the server stops. If one of its functions throws
+/// std::bad_alloc, the connection ends.
 class WebSocketUser {
 public:
     virtual ~WebSocketUser() = default;
-    /// The chosen one of the subprotocols that the client offered; empty: none.
+    /// The subprotocol chosen from those that the client offered; empty: none.
     virtual std::string_view subprotocol() const { return {}; }
     /// Called first.
     virtual void opened(WebSocket& socket) = 0;
     virtual void heard(std::string_view message, WebSocket::Kind kind) = 0;
-    /// Everything that waited was sent.
+    /// Called when all waiting messages were sent.
     virtual void sent_all() {}
-    /// True: when the server stops, the user sends something and then closes by itself. False: it is disconnected.
+    /// True: when the server stops, the user sends a last message and then closes the WebSocket itself. False: it is
+    /// disconnected.
     virtual bool has_last_words() const { return false; }
 };
 

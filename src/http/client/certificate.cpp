@@ -94,7 +94,7 @@ Expected<void> write_new(const std::string& path, BIO& text, mode_t mode) {
     return Unexpected{error_text(path, error)};
 }
 
-/// Makes a pair, has `finish` complete and sign the certificate, and writes both.
+/// Makes a key and a certificate, calls `finish` to complete and sign the certificate, and writes both.
 template <class Finish>
 Expected<void> make_pair(const std::string& subject, long days, const CertificateFiles& files, Finish finish) {
     const Key pair{EVP_EC_gen("P-256")};

@@ -1,4 +1,5 @@
-// Makes certificates for TLS: self-signed ones, about which browsers ask once, and those of an own authority.
+// Makes certificates for TLS: self-signed ones, which browsers ask the user to accept once, and ones signed by an authority of
+// the user.
 #pragma once
 #include <sys/expected.hpp>
 
@@ -12,8 +13,8 @@ struct CertificateNames {
     std::vector<std::string> addresses;    // "192.168.1.5"
 };
 
-/// Writes a new key (P-256, readable by our user only) and its self-signed certificate, valid for 824 days (some browsers do not accept
-/// more) from yesterday (clocks differ). Existing files are never overwritten.
+/// Writes a new key (P-256, readable by our user only) and its self-signed certificate. The certificate is valid for 824 days
+/// (some browsers do not accept more), from yesterday on (clocks differ). Existing files are never overwritten.
 Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key);
 
 /// PEM files.
@@ -22,7 +23,7 @@ struct CertificateFiles {
 };
 /// Writes a new authority, which signs the certificates of several computers, valid for 20 years. Existing files are never overwritten.
 Expected<void> make_authority(const std::string& name, const CertificateFiles& files);
-/// As make_certificate(), signed by `authority`; also for the end that connects.
+/// As make_certificate(), signed by `authority`; also valid for clients.
 Expected<void> make_signed_certificate(const CertificateNames& names, const CertificateFiles& files,
                                        const CertificateFiles& authority);
 

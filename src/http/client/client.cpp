@@ -21,7 +21,7 @@ using ano::Clock;
 
 constexpr ano::Duration knock_again = std::chrono::milliseconds{20};
 
-// The request as text; the only one of its connection.
+// The request as text. It is the only request of its connection.
 std::string request_text(const Request& request) {
     std::string text = request.method + " " + request.target + " HTTP/1.1\r\nHost: anogate\r\nConnection: close\r\n";
     for (const Field& field : request.headers) text += field.name + ": " + field.value + "\r\n";
@@ -31,7 +31,7 @@ std::string request_text(const Request& request) {
     return text + "\r\n" + request.body;
 }
 
-/// The time after which a gateway without a free place may be asked again; 0: not at all.
+/// The time after which a request may be repeated if the gateway had no free place; 0: not at all.
 ano::Duration retry_after(const Answer& answer) {
     unsigned wait = 0;
     const std::string_view said = answer.header("Retry-After");
@@ -99,7 +99,8 @@ private:
                                       [self = shared_from_this()](Outcome outcome) { self->finish(std::move(outcome)); });
     }
 
-    // A gateway that refuses a request may close before it has read all of it; its answer can still be read.
+    // Errors are ignored: a gateway that refuses a request may close before it has read all of it; its response can still be
+    // read.
     void write() {
         if (output_.empty()) return;
         stream_->write_some({asio::buffer(output_) + written_}, [self = shared_from_this()](error_code ec, std::size_t size) {
@@ -147,7 +148,7 @@ private:
         return false;
     }
 
-    // False: the exchange was ended, by a callback or by a line that is too long.
+    // False: a callback or a line that is too long has ended the exchange.
     bool hear_lines() {
         lines_ += reader_.take_body();
         std::size_t begin = 0;

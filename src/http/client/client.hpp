@@ -14,15 +14,15 @@
 namespace anogate::http {
 
 struct ClientLimits {
-    /// Limit until the answer is complete; for a stream and a WebSocket, until it begins.
+    /// Time limit until the response is complete; for a stream and a WebSocket, until it begins.
     ano::Duration patience = std::chrono::seconds{10};
-    std::size_t body = 64 * 1024 * 1024;    // bytes of an answer
+    std::size_t body = 64 * 1024 * 1024;    // bytes of a response
     std::size_t line = 1024 * 1024;         // bytes of one line of a stream
     WebSocketLimits web_socket{.message = 4 * 1024 * 1024};
 };
 
-/// One exchange at a time, each by its own connection. Beginning one cancels the one before without calling back. Callbacks come from
-/// the loop, never from within the call that began the exchange, and may destroy the client.
+/// One exchange at a time, each over its own connection. Starting one cancels the previous one without a callback. Callbacks are
+/// called from the loop, never from within the call that started the exchange, and may destroy the client.
 class Client {
 public:
     using Done = std::function<void(Outcome)>;
@@ -31,16 +31,17 @@ public:
     Client(asio::io_context& io, std::string path, const ClientLimits& limits = {});
     Client(const Client&) = delete;
     Client& operator=(const Client&) = delete;
-    /// Cancels; no callback comes afterwards.
+    /// Cancels the exchange; no callback is called afterwards.
     ~Client();
 
-    /// `done` gets the complete answer, whatever its status. A gateway without a free place is asked again within ClientLimits::patience.
+    /// `done` gets the complete response, whatever its status. If the gateway has no free place, the request is repeated within
+    /// ClientLimits::patience.
     void ask(Request request, Done done);
-    /// For an endless answer: calls `line` for each line, without its line end. `done` gets the body if the status is not 200.
+    /// For an endless response: calls `line` for each line, without its line end. `done` gets the body if the status is not 200.
     void stream(Request request, std::function<void(std::string_view line)> line, Done done);
-    /// A WebSocket. `done` gets the status 101 if it was open, otherwise the answer. `user` is destroyed before.
+    /// Opens a WebSocket. `done` gets the status 101 if it was open, otherwise the response. `user` is destroyed first.
     void open(Request request, std::unique_ptr<WebSocketUser> user, Done done);
-    /// Closes the connection; no callback comes afterwards.
+    /// Closes the connection; no callback is called afterwards.
     void cancel();
 
 private:

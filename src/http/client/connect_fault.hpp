@@ -4,14 +4,14 @@
 
 namespace anogate::http {
 
-/// What can be found out about a path that we could not connect to.
+/// The known facts about a path that can't be connected to.
 struct SocketFile {
     bool is_there = false;
     bool is_socket = false;
-    bool can_be_seen = true;        // false: we may not enter a folder of the path
+    bool can_be_seen = true;        // false: our user may not enter a folder of the path
     std::string owner, group;       // names, or numbers where there is no name
     bool is_for_group = false;      // members of the group may use it
-    bool lists_us = false;          // the group has us as a member, from the next login on
+    bool lists_us = false;          // our user is a member of the group, in effect from the next login on
     std::string nor{};              // another socket that was tried first; empty: none
     bool no_runtime_dir = false;    // the path of a gateway of this user is unknown
 };

@@ -43,7 +43,7 @@ ResponseReader::~ResponseReader() = default;
 
 std::size_t ResponseReader::put(std::string_view bytes) {
     if (is_done() || !fault_.empty()) return 0;
-    // Beast 1.74 fails an assertion if only four bytes of a body with just the last chunk are here.
+    // Beast 1.74 fails an assertion if only four bytes of a body with just the last chunk were received.
     if (parser_->is_header_done() && parser_->chunked() && bytes.starts_with('0') && bytes.size() < min_last_chunk) return 0;
     error_code ec;
     const std::size_t used = parser_->put(asio::buffer(bytes.data(), bytes.size()), ec);

@@ -9,8 +9,8 @@
 
 namespace anogate::http {
 
-/// One response. Flow: put() the received bytes, then again what it did not take together with more, and end() at the end of the
-/// connection, until is_done() or fault(). The body is taken in parts as it comes; the caller limits its size.
+/// One response. Flow: put() the received bytes, then the bytes that it did not consume together with more, and end() at the end
+/// of the connection, until is_done() or fault(). The body is taken in parts as they arrive; the caller limits its size.
 class ResponseReader {
 public:
     /// `max_header`: bytes, including the status line. It also limits the bytes between two chunks of a body.
@@ -19,9 +19,9 @@ public:
     ResponseReader& operator=(ResponseReader&&) noexcept;
     ~ResponseReader();
 
-    /// Takes what it can from the front of `bytes` and returns how much; the caller passes the rest again.
+    /// Consumes bytes from the front of `bytes` and returns their number; the caller passes the rest again.
     std::size_t put(std::string_view bytes);
-    /// The connection has ended, and with it a body without a length.
+    /// To be called when the connection has ended: completes a body without a length.
     void end();
 
     bool has_head() const;
@@ -32,7 +32,7 @@ public:
     /// Valid once has_head().
     unsigned status() const;
     std::vector<Field> headers() const;
-    /// The part of the body that came since the last call.
+    /// The part of the body that was received since the last call.
     std::string take_body();
 
 private:

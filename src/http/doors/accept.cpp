@@ -8,7 +8,7 @@
 namespace anogate::http {
 namespace {
 
-/// Takes what stands before the next `separator` off the front of `rest`.
+/// Removes the text before the next `separator` from the front of `rest` and returns it.
 std::string_view take(std::string_view& rest, char separator) {
     const auto end = std::min(rest.find(separator), rest.size());
     const std::string_view word = rest.substr(0, end);
@@ -21,7 +21,7 @@ bool same_word(std::string_view one, std::string_view other) {
     return std::equal(one.begin(), one.end(), other.begin(), other.end(), [&](char a, char b) { return lower(a) == lower(b); });
 }
 
-/// "0.75" is 750; what is no number is 0.
+/// 750 for "0.75"; 0 if the text is not a number.
 unsigned thousandths(std::string_view text) {
     double value = 0;
     std::from_chars(text.data(), text.data() + text.size(), value);

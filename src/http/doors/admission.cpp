@@ -12,7 +12,7 @@ namespace anogate::http {
 namespace {
 
 struct Authority {
-    std::string host;         // in lower case, without brackets and final dot
+    std::string host;         // lower case, without brackets and final dot
     std::string_view port;    // empty: the default of the scheme
 };
 
@@ -37,7 +37,7 @@ bool is_passed_on(const Request& request) {
     });
 }
 
-/// The values of the cookie `name` in headers "a=1; b=2": a browser may send an old one beside that of now.
+/// The values of the cookie `name` in headers "a=1; b=2": a browser may send an old one besides the current one.
 std::vector<std::string_view> cookies_of(const Request& request, std::string name) {
     name += '=';
     std::vector<std::string_view> values;
@@ -111,7 +111,8 @@ bool Admission::is_listed(std::string_view origin) const {
                        [&](const std::string& allowed) { return ano::lower_case(origin) == ano::lower_case(allowed); });
 }
 
-// What a page can't set goes first. Without it, an older browser names the origin at least of what changes something.
+// Sec-Fetch-Site has priority, since a page can't set it. Older browsers don't send it, but send Origin with requests that change
+// something.
 bool Admission::is_foreign(const Request& request) const {
     const std::string_view origin = request.header("Origin");
     const std::string site = ano::lower_case(request.header("Sec-Fetch-Site"));
@@ -123,7 +124,7 @@ std::string Admission::cookie_name(const Door& door) const {
     return "anogate-" + std::to_string(door.port) + (rules_.token_file_id.empty() ? "" : "-" + rules_.token_file_id);
 }
 
-// Empty: there is none but perhaps that of the cookie.
+// The token in a header or the query; empty: there is none. The cookie is not considered.
 std::string Admission::token_of(const Request& request) const {
     if (const auto bearer = bearer_of(request)) return std::string{*bearer};
     return may_have_it_in_query(request) ? query_token_of(request) : std::string{};
@@ -161,7 +162,7 @@ tl::expected<Access, Response> Admission::judge(Request& request, ano::TimePoint
         if (access) request.token = std::move(token);
         return access;
     }
-    // A header set for this request goes before the cookie, which a browser adds by itself, and to whoever signs in as well.
+    // The token of a header has priority over the cookie, which a browser adds to every request, also to a request that signs in.
     const auto kept = cookies_of(request, cookie_name(request.door));
     if (kept.empty() || split(request.target).path == "/login") return Access::open;
     std::optional<Access> access;
@@ -188,7 +189,7 @@ bool Admission::shows_control(const Request& head) const {
 
 std::optional<Access> Admission::access_of_known(std::string_view token) const {
     std::optional<Access> access;
-    for (const Token& known : rules_.tokens)    // compares all of them, so that the time tells nothing
+    for (const Token& known : rules_.tokens)    // compares all of them: the duration must not depend on the token
         if (is_same_token(known.text, token)) access = std::max(access.value_or(Access::open), known.access);
     return access;
 }
@@ -209,7 +210,7 @@ std::string Admission::token_for(Access access) const {
     return found == rules_.tokens.end() ? std::string{} : found->text;
 }
 
-// For how long the client's were slowed down before this one.
+// Returns the time for which the client's wrong tokens were already slowed down before this one; zero: they were not.
 ano::Duration Admission::count_wrong(const Door& door, ano::TimePoint now) {
     ++wrong_tokens_;
     const auto slowed = attempts_.slowed_for(door.peer, now);

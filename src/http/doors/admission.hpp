@@ -1,4 +1,4 @@
-// Decides what a request may do, from the request, its door and the tokens. No I/O.
+// Decides the access of a request from the request, its door and the tokens. No I/O.
 #pragma once
 #include <ano/time.hpp>
 #include <http/doors/attempts.hpp>
@@ -23,52 +23,52 @@ struct Token {
 
 struct AdmissionRules {
     std::vector<Token> tokens;
-    std::string host_name;               // our host name: it and HOST.local are our names
-    std::vector<std::string> hosts;      // further names of ours: "vehicle.lan"
+    std::string host_name;               // the host name of this machine: it and HOST.local are its names
+    std::vector<std::string> hosts;      // further names of this machine: "vehicle.lan"
     std::vector<std::string> origins;    // other pages that may send requests: "https://ground.example:8443"
     /// A WebSocket at one of these paths that offers one of these subprotocols may have its token in the query (?token=), because its
-    /// clients can't send it otherwise.
+    /// clients can't send it in another way.
     std::vector<std::string_view> paths{}, subprotocols{};
-    std::string token_file_id{};    // in the name of the cookie: another gateway's cookie is not taken for ours
+    std::string token_file_id{};    // part of the name of the cookie, so that the cookies of other gateways are ignored
 };
 
-/// 429 to who sent too many wrong tokens.
+/// 429 for a client that sent too many wrong tokens; `time`: until it may try again.
 Response slow_down(ano::Duration time);
 
 class Admission {
 public:
     void set(AdmissionRules rules) { rules_ = std::move(rules); }
 
-    /// What the request may do, or the answer that refuses it. At a network door it refuses: a Host that is not one of our names,
-    /// since any other name may be made to resolve to us (DNS rebinding); an Origin other than our own; a body that a form of any page
-    /// could send; a wrong token. A wrong token in a cookie counts as none, and the answer clears the cookie (Request::also); it is counted and
-    /// slowed down like others, though not where no token is needed (Request::slowed). A token that was
-    /// checked with the head of the request (Request::judged) is not checked again. A request passed on by a proxy needs a token at every
-    /// door.
+    /// The access of the request, or the response that refuses it. At a network door it refuses: a Host that is not a name of
+    /// this machine, since any other name may be made to resolve to it (DNS rebinding); an Origin other than our own or one of
+    /// `origins`; a body that a form of any page could send; a wrong token. A wrong token in a cookie counts as no token, and the
+    /// response clears the cookie (Request::also); it is counted and slowed down as others are, but only where a token is needed
+    /// (Request::slowed). A token that was checked with the head of the request (Request::judged) is not checked again. A request
+    /// forwarded by a proxy needs a token at every door.
     tl::expected<Access, Response> judge(Request& request, ano::TimePoint now);
 
     /// Whether a request with this head may control, unless judge() refuses it. Counts nothing.
     bool shows_control(const Request& head) const;
 
-    /// Whether a browser says that a page of another site sends the request, other than one of `origins`.
+    /// Whether the headers of a browser show that the request is sent for a page of another site that is not one of `origins`.
     bool is_foreign(const Request& request) const;
 
-    /// Removes a checked token from the target, so that it can't appear in anything written about the request.
+    /// Removes a checked token from the target, so that it can't appear in any text about the request.
     void forget_token(Request& request) const;
 
-    /// What a token allows, whatever wrong ones came before; for a wrong one 401, or 429 after too many.
+    /// The access of a valid token, however many wrong ones were sent before; for a wrong one 401, or 429 after too many.
     tl::expected<Access, Response> access_of(std::string_view token, const Door& door, ano::TimePoint now);
     /// Counts a wrong token or code. Returns `answer`, or 429 after too many.
     Response refuse_wrong(const Door& door, Response answer, ano::TimePoint now);
-    /// For how long wrong tokens and codes of this client are still slowed down; zero: they are not.
+    /// The time for which wrong tokens and codes of this client are still slowed down; zero: they are not.
     ano::Duration slowed_for(const Door& door, ano::TimePoint now) const { return attempts_.slowed_for(door.peer, now); }
-    /// The first token that allows this and no more; empty: there is none.
+    /// The first token whose access is exactly `access`; empty: there is none.
     std::string token_for(Access access) const;
-    /// Whether the token allows as much as `access` still, after set().
+    /// Whether the token still allows `access` after set().
     bool still_allows(std::string_view token, Access access) const { return access_of_known(token) >= access; }
-    /// The header Set-Cookie, by which a browser sends this token from now on.
+    /// The header Set-Cookie that makes a browser send this token with its requests.
     Field cookie(std::string_view token, const Door& door) const;
-    /// The header by which a browser forgets it.
+    /// The header that makes a browser delete the cookie.
     Field no_cookie(const Door& door) const;
 
     std::uint64_t wrong_tokens() const noexcept { return wrong_tokens_; }

@@ -10,22 +10,22 @@
 
 namespace anogate::http {
 
-/// After ten wrong tokens of a client (client_network) within a minute, further wrong ones are slowed down until the first is a minute old. Of
-/// more than max_peers clients the one whose last failure is oldest is forgotten.
+/// After ten wrong tokens of a client (client_network) within a minute, further wrong ones are slowed down until the first is a
+/// minute old. Above max_peers clients, the one whose last failure is oldest is forgotten.
 class Attempts {
 public:
-    /// For how long wrong tokens of `peer` are still slowed down; zero: they are not.
+    /// The time for which wrong tokens of `peer` are still slowed down; zero: they are not.
     ano::Duration slowed_for(const std::string& peer, ano::TimePoint now) const;
     struct News {
-        bool is_told = false;    // this client is slowed down for the first time, as far as is remembered, and it is to be logged
+        bool is_told = false;        // log it: this client is slowed down for the first time (unless it was forgotten meanwhile)
         std::uint64_t untold = 0;    // clients before it that were not logged
-        bool is_last = false;        // further ones of this minute will not be logged
+        bool is_last = false;        // further clients are not logged within this minute
     };
     News failed(const std::string& peer, ano::TimePoint now);
-    /// How often a client was slowed down for the first time.
+    /// Number of clients that were slowed down, each counted at its first time.
     std::uint64_t slowed() const noexcept { return slowed_; }
 
-    static constexpr std::size_t max_failures = 10, max_peers = 256, max_told = 10;    // told in a window
+    static constexpr std::size_t max_failures = 10, max_peers = 256, max_told = 10;    // max_told: logged within a window
     static constexpr ano::Duration window = std::chrono::minutes{1};
 
 private:

@@ -1,4 +1,4 @@
-// How a connection reached us.
+// The properties of the listener that accepted a connection.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace anogate::http {
 
-/// What a client may do, and what a path requires.
+/// The access of a client, and the access that a path requires.
 enum class Access : std::uint8_t {
     open,       // without a token: the files of the page, and sending a token
     view,       // read only
@@ -17,10 +17,10 @@ enum class Access : std::uint8_t {
 std::string_view text(Access access) noexcept;
 
 struct Door {
-    bool is_network = false;    // TCP: the client may be a browser that another page misuses
+    bool is_network = false;    // TCP: the client may be a browser that sends requests for a page of another site
     bool is_encrypted = false;
     bool needs_token = false;    // false: all its clients may do everything
-    std::string local;           // our address that the client connected to, "192.168.1.5" or "fe80::1"
+    std::string local;           // the local address that the client connected to, "192.168.1.5" or "fe80::1"
     std::uint16_t port = 0;
     std::string peer;    // the client's address
 };

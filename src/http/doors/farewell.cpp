@@ -24,7 +24,7 @@ void Farewell::close() {
     stream_.reset();
 }
 
-// Even this may fail for lack of memory.
+// Starting a write may throw for lack of memory.
 void Farewell::write() try {
     const asio::const_buffer left = asio::buffer(words_) + said_;
     stream_->write_some({left}, [self = shared_from_this()](error_code ec, std::size_t size) { self->written(ec, size); });

@@ -1,4 +1,4 @@
-// Ends a connection with a last answer that tells the client why.
+// Ends a connection with a last response that contains the reason.
 #pragma once
 #include <ano/time.hpp>
 #include <http/stream.hpp>
@@ -8,8 +8,9 @@
 
 namespace anogate::http {
 
-/// Sends the last answer, then reads and discards what the client still sends for a moment: if the connection were closed with unread
-/// data, the client would get a reset instead of the answer. Lives as long as that takes.
+/// Sends the last response, then reads and discards data of the client: if the connection were closed with unread data, the
+/// client would get a reset instead of the response. Closes after the `moment` of say(), after 1 MiB, or when the client closes.
+/// Lives until then.
 class Farewell : public std::enable_shared_from_this<Farewell> {
 public:
     Farewell(asio::io_context& io, std::unique_ptr<Stream> stream, std::string words)

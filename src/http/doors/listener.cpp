@@ -9,8 +9,8 @@ namespace anogate::http {
 namespace {
 
 constexpr int accepted_per_turn = 64;
-constexpr auto between_looks = std::chrono::milliseconds{2};          // for a place
-constexpr auto without_descriptor = std::chrono::milliseconds{50};    // until one may be free
+constexpr auto between_looks = std::chrono::milliseconds{2};          // pause before the next check for a free place
+constexpr auto without_descriptor = std::chrono::milliseconds{50};    // pause after an error, such as no free descriptor
 
 }    // namespace
 
@@ -34,7 +34,7 @@ struct Listener::State : std::enable_shared_from_this<State> {
             Socket socket{acceptor.get_executor()};
             acceptor.accept(socket, ec);
             if (ec) break;
-            if (is_gone(socket)) continue;    // they are many in a flood, and must not keep the others waiting
+            if (is_gone(socket)) continue;    // not counted: many of them must not delay the others
             ++admitted;
             try {
                 admit(std::move(socket));

@@ -15,8 +15,8 @@ public:
     using HasPlace = std::function<bool()>;
     using Admit = std::function<void(Socket socket)>;
 
-    /// `fd` must listen; `family`: AF_UNIX, AF_INET or AF_INET6. While `has_place` returns false, clients wait in the kernel's queue. `admit` may
-    /// throw std::bad_alloc: the connection is closed then. `admitted_per_turn` of the loop, if so many have come.
+    /// `fd` must listen; `family`: AF_UNIX, AF_INET or AF_INET6. While `has_place` returns false, clients wait in the kernel's
+    /// queue. If `admit` throws std::bad_alloc, the connection is closed. `admitted_per_turn`: the maximum per turn of the loop.
     Listener(asio::io_context& io, UniqueFd fd, int family, int admitted_per_turn, HasPlace has_place, Admit admit);
     ~Listener();
     Listener(const Listener&) = delete;

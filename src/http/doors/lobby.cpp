@@ -13,8 +13,8 @@
 namespace anogate::http {
 namespace {
 
-constexpr auto before_next_look = std::chrono::milliseconds{2};    // when all places are taken
-constexpr int let_in_per_turn = 4;    // admitting costs more than accepting, which must not wait for it
+constexpr auto before_next_look = std::chrono::milliseconds{2};    // pause when all places are in use
+constexpr int let_in_per_turn = 4;                                 // admitting takes longer than accepting, and must not delay it
 
 }    // namespace
 

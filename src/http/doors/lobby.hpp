@@ -1,5 +1,5 @@
-// Accepted network connections whose client has sent nothing yet. They cost little, so many can wait here. A connection gets one of
-// the server's places only after its client has sent something.
+// Accepted network connections whose client has sent nothing yet. They need little memory, so many can wait here. A connection
+// gets one of the server's places only after its client has sent something.
 #pragma once
 #include <ano/time.hpp>
 #include <http/asio.hpp>
@@ -12,7 +12,7 @@
 
 namespace anogate::http {
 
-/// Waiting connections that were closed to make room for others.
+/// Counts waiting connections that were closed to make room for others.
 struct GaveWay {
     std::uint64_t count = 0;
     ano::TimePoint last{};
@@ -41,7 +41,8 @@ private:
     std::shared_ptr<State> state_;
 };
 
-/// The client has closed the connection and left no request. A TLS client that has closed its half gets no response in any case.
+/// True if the client has closed the connection and left no request. A TLS client that has closed its half counts as gone in any
+/// case.
 bool is_gone(Socket& socket, bool is_encrypted = false) noexcept;
 
 }    // namespace anogate::http

@@ -13,7 +13,7 @@
 namespace anogate::http {
 namespace {
 
-constexpr int backlog = SOMAXCONN;    // clients that wait for a place
+constexpr int backlog = SOMAXCONN;    // clients that wait for a place in the kernel
 constexpr char another_path[] = " (use --control with another path, or --control none)";
 constexpr char in_use[] = ": another program is using it (use --control with another path)";
 
@@ -39,11 +39,11 @@ UniqueFd connect_to(const UniqueFd& held) {
     return fd;
 }
 
-// Only ECONNREFUSED means that nothing listens there. With any other error (other socket type, no permission, no more descriptors) the
-// file must not be replaced.
+// Only ECONNREFUSED means that nothing listens there. After any other error (other socket type, no permission, no more
+// descriptors) the file must not be replaced.
 bool is_alive(const UniqueFd& held) { return connect_to(held) || errno != ECONNREFUSED; }
 
-// Asks the kernel who listens; the name of a file in another user's folder proves nothing.
+// Queries the process that listens from the kernel: another user may have replaced the file in a folder of theirs.
 bool is_our_own(const UniqueFd& held) {
     const UniqueFd fd = connect_to(held);
     ucred who{};

@@ -21,7 +21,8 @@ public:
     /// Listens at `path` for our user, and for the group `anogate` if it exists and we are a member. Makes a missing folder that is
     /// is_own_folder(); replaces a socket left by a dead process. After an error it may be called again.
     Outcome listen(const std::string& path);
-    /// Removes the file if it is still ours. To be called before the listening socket is closed, so that the file never leads nowhere.
+    /// Removes the file if it is still ours. To be called before the listening socket is closed, so that clients never find the
+    /// file of a closed socket.
     void remove() noexcept;
 
 private:

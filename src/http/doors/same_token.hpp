@@ -5,7 +5,7 @@
 
 namespace anogate::http {
 
-/// Takes the same time wherever the texts differ. `known` is not empty.
+/// Its duration does not depend on where the texts differ. `known` must not be empty.
 inline bool is_same_token(std::string_view known, std::string_view given) {
     unsigned different = known.size() == given.size() ? 0u : 1u;
     for (std::size_t i = 0; i < given.size(); ++i)

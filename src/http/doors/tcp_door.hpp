@@ -12,13 +12,13 @@ namespace anogate::http {
 struct ListeningSocket {
     UniqueFd fd;
     int family = 0;
-    std::uint16_t port = 0;    // the one chosen by the kernel, if 0 was asked for
+    std::uint16_t port = 0;    // the actual port: chosen by the kernel if 0 was requested
 };
 
 /// Listens at an IP address; [::] accepts IPv4 too.
 Expected<ListeningSocket> listen_tcp(const std::string& address, std::uint16_t port);
 
-/// The address of the other end; empty: it has gone.
+/// The address of the remote end; empty: it has disconnected.
 std::string peer_of(int fd);
 
 /// Sets the addresses of a connected socket in `door`; enables TCP_NODELAY and keep-alive on it.

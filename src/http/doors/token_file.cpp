@@ -28,7 +28,7 @@ bool is_token(std::string_view text) {
 
 std::string draft_of(const std::string& path, pid_t process) { return path + "." + std::to_string(process); }
 
-// Drafts of processes that ended while they made the file.
+// Removes drafts of processes that ended while they made the file.
 void remove_old_drafts(const std::string& path) {
     namespace fs = std::filesystem;
     std::error_code ec;
@@ -127,7 +127,7 @@ Expected<std::vector<Token>> read_or_make_tokens(const std::string& path) {
     return read_tokens(fd, path);
 }
 
-// Of where it is, not of what is in it: a digest of a weak token could be tried out.
+// A digest of the file's location, not of its content: a weak token could be guessed from a digest.
 std::string id_of_token_file(const std::string& path) {
     struct stat facts {};
     ::stat(path.c_str(), &facts);

@@ -16,7 +16,7 @@ Expected<std::vector<Token>> parse_tokens(std::string_view text);
 /// made as well.
 Expected<std::vector<Token>> read_or_make_tokens(const std::string& path);
 
-/// Eight hex digits by which the file differs from those of other gateways; the same as long as the file is.
+/// Eight hex digits that distinguish the file from those of other gateways. They stay the same as long as the file exists.
 std::string id_of_token_file(const std::string& path);
 
 /// The error that read_or_make_tokens() would return for the file or its folder; makes nothing.
