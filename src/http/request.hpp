@@ -39,7 +39,7 @@ struct Request {
     bool keep_alive = true;
     std::uint32_t user = unknown_user;    // the client's user at a Unix socket
     Door door;
-    Access access = Access::control;    // what it may do
+    Access access = Access::control;    // the access that it has
     std::string token{};                // the valid token that allows it; empty: none was needed, or none was sent
     std::optional<Access> judged{};     // `access`, if it was judged before the body was received
     bool is_foreign = false;            // a browser sends it for a page of another site

@@ -35,7 +35,7 @@ struct SessionLimits {
 /// The decisions about the body of a request, made when its head is known.
 struct BodyRoom {
     std::uint64_t max_bytes = 0;
-    std::optional<Access> judged{};    // what the request may do, if it was judged for this
+    std::optional<Access> judged{};    // the access of the request, if it was judged for this
     std::shared_ptr<void> place{};     // of a large body: place_for_body()
 };
 
