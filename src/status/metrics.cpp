@@ -18,7 +18,7 @@ std::string utf8(const std::string& name) {
     return ano::to_utf8({reinterpret_cast<const std::uint8_t*>(name.data()), name.size()}, ano::Encoding::utf8);
 }
 
-/// `name` as valid UTF-8, changed if it is in `taken`; adds it there.
+/// `name` as valid UTF-8, with a number appended if it is in `taken`; the result is added to `taken`.
 std::string made_unique(const std::string& name, std::set<std::string>& taken) {
     const std::string text = utf8(name);
     std::string one = text;
@@ -35,7 +35,7 @@ void make_labels_unique(MetricsSnapshot& snapshot) {
     }
 }
 
-/// Calls `visit` for every counter, with its name, its help text and a function that takes its value from a Traffic.
+/// Calls `visit` for every counter, with its name, its help text and a function that returns its value from a Traffic.
 template <class Visit>
 void each_counter(Visit visit) {
     for (const auto& row : receive_counters)
@@ -153,7 +153,7 @@ void write_tunnel(MetricsText& text, const TunnelCounters& counters) {
     }
 }
 
-// Under the usual names of Prometheus clients.
+// Uses the usual names of Prometheus clients.
 void write_process(MetricsText& text, const ProcessFigures& process) {
     text.family("process_cpu_seconds", MetricType::counter, "user and system CPU time");
     text.sample({}, process.cpu_s);

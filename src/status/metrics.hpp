@@ -27,7 +27,7 @@ struct MetricsSnapshot {
     };
     struct Channel {
         std::string peer;
-        std::optional<double> silent_s;    // since its last good frame; std::nullopt: there was none
+        std::optional<double> silent_s;    // seconds since its last valid frame; std::nullopt: there was none
         Traffic traffic;
     };
     struct Link {
@@ -35,7 +35,7 @@ struct MetricsSnapshot {
         bool up = false;
         double since_s = 0;                                  // time since the last change of `up`
         std::string_view hint_id;                            // empty: none
-        std::optional<std::int64_t> certificate_days;        // of a TLS link, until its certificate expires
+        std::optional<std::int64_t> certificate_days;        // of a TLS link: days until its certificate expires
         std::optional<std::uint64_t> handshakes_gave_way;    // of a link that listens with TLS
         Traffic traffic;
         std::vector<Channel> channels;
@@ -48,7 +48,7 @@ struct MetricsSnapshot {
     std::uint64_t own_frames = 0;
     std::vector<std::pair<std::string_view, std::uint64_t>> routes;    // deciding rule, number of addresses
     std::uint64_t conflicts = 0;
-    std::uint64_t wrong_tokens = 0, guessing_clients = 0, gave_way = 0;    // of control.http
+    std::uint64_t wrong_tokens = 0, guessing_clients = 0, gave_way = 0;    // of control.http, see NetworkDoor
     std::uint64_t amber_alarms = 0, red_alarms = 0;                        // values beyond their limits
     std::vector<Link> links;
     std::optional<TunnelCounters> tunnel;
@@ -58,7 +58,7 @@ struct MetricsSnapshot {
 
 MetricsSnapshot metrics_snapshot(const Gateway& gateway, ano::TimePoint now);
 
-/// No two series have the same labels, whatever the names of links and peers are.
+/// The text of `snapshot`. All series have different labels, even if links or peers have the same name.
 std::string metrics(MetricsSnapshot snapshot, MetricsForm form);
 
 }    // namespace anogate

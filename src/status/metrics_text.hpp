@@ -8,7 +8,7 @@
 namespace anogate {
 
 enum class MetricsForm : std::uint8_t { prometheus, openmetrics };
-/// The form that the Accept header of a request asks for; without one the older form.
+/// The form that the Accept header of a request selects; without one, the older form (prometheus).
 MetricsForm metrics_form(std::string_view accept);
 std::string_view content_type(MetricsForm form) noexcept;
 
@@ -34,7 +34,7 @@ private:
     void label(const Label& label);
 
     MetricsForm form_;
-    std::string name_;    // of the present family, with the suffix
+    std::string name_;    // of the current family, with the suffix
     std::string text_;
 };
 

@@ -9,27 +9,27 @@
 
 namespace anogate {
 
-/// Where programs and browsers reach the gateway, and which files they need for it; never the token itself.
+/// The address at which programs and browsers reach the gateway, and the files that they need for it. It does not contain tokens.
 struct NetworkDoor {
     enum class State : std::uint8_t {
         off,        // not configured
-        waiting,    // until its address or port is available
+        waiting,    // for its address or port to become available
         shut,       // until a reload or the next start, because of a fault of its tokens or its certificate
         up,
     };
     static constexpr std::chrono::minutes lately{10};
     State state = State::off;
     std::string error{};      // why it waits, or is shut
-    std::string address{};    // as it is configured: "0.0.0.0", "::", "fe80::1%wlan0"
+    std::string address{};    // as configured: "0.0.0.0", "::", "fe80::1%wlan0"
     std::uint16_t port = 0;
     bool is_encrypted = false;
     std::string certificate{};    // absolute path; empty: not encrypted
     bool needs_token = false;
     std::string token_file{};                                     // absolute path; empty: no tokens
     std::vector<std::string> hosts{};                             // configured names of this machine
-    std::uint64_t wrong_tokens = 0;                               // that came so far
-    std::uint64_t guessing_clients = 0;                           // whose wrong tokens were slowed down
-    std::uint64_t gave_way = 0;                                   // connections that waited and gave way to others
+    std::uint64_t wrong_tokens = 0;                               // received so far
+    std::uint64_t guessing_clients = 0;                           // clients whose wrong tokens were slowed down
+    std::uint64_t gave_way = 0;                                   // waiting connections that were closed for others
     bool gave_way_lately = false;                                 // within `lately`
     std::string_view link_code = "none", digits_code = "none";    // the state of the one-time codes
 };

@@ -22,14 +22,15 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t counters = std::size(receive_counters) + std::size(send_counters) + 1;
 
-// An ordered object that grows beyond its room copies all that stands in it, to the last leaf.
+// Reserves memory: an ordered object that grows beyond its capacity copies all its members completely.
 Json object_with_room(std::size_t members) {
     Json json = Json::object();
     json.get_ref<Json::object_t&>().reserve(members);
     return json;
 }
 
-// They are most of the status, and none of these names stands there already: [] would look for each among all others.
+// Appends the counters without a search: operator[] would search for each name among all others. The names must not be in `json`
+// yet.
 void put(Json& json, const ReceiveCounters& received, const SendCounters& sent, std::size_t waiting) {
     Json::object_t& object = json.get_ref<Json::object_t&>();
     for (const auto& row : receive_counters) object.emplace_back(row.name, received.*row.value);
@@ -169,7 +170,7 @@ Json http_json(const NetworkDoor& door) {
     return json;
 }
 
-/// null: no map is configured.
+/// null if no map is configured.
 Json map_json(const MapSettings& map) {
     if (map.file.empty()) return nullptr;
     return {{"file", map.file}, {"datum", map.datum == Datum::gcj02 ? "gcj02" : "wgs84"}};
@@ -247,7 +248,8 @@ std::vector<std::string> HintLog::news(Gateway& gateway) {
         std::set<std::string>& told = told_[state.link->name()];
         if (!state.up) told.clear();
         const LinkError error = state.up ? state.link->trouble() : LinkError{};
-        const bool is_of_recording = error.id == "recording_damaged" || error.id == "nothing_to_replay";    // not a hint
+        const bool is_of_recording = error.id == "recording_damaged" ||
+                                     error.id == "nothing_to_replay";    // logged besides hints
         for (const std::string& words :
              {is_of_recording ? error.text : std::string{}, hint_of_trouble(report_of(gateway, state, now).figures)})
             if (!words.empty() && told.insert(words).second) lines.push_back(state.link->name() + ": " + words);

@@ -16,26 +16,26 @@ class Gateway;
 
 /// GET /status: one JSON text. `door`: the TCP access; `lost`: the devices that are lost, if that is known.
 std::string status_json(Gateway& gateway, const NetworkDoor& door = {}, const nlohmann::ordered_json* lost = nullptr);
-/// GET /links, GET /routes: only these arrays of the status.
+/// GET /links, GET /routes: only this array of the status.
 std::string links_json(Gateway& gateway);
 std::string routes_json(Gateway& gateway);
-/// GET /messages: the table, with the flexible messages as they are configured.
+/// GET /messages: the table of messages, with the flexible messages as configured.
 std::string messages_json(const Gateway& gateway);
-/// The same in a few lines for the log.
+/// The status in a few lines for the log.
 std::string status_text(Gateway& gateway);
 
-/// The good frames of all links since the start.
+/// The valid frames of all links since the start.
 struct FrameCount {
     std::uint64_t in = 0, out = 0;
 };
 FrameCount frame_count(const Gateway& gateway);
 
-/// Hints, and damage of a recording that is replayed, for the log: each once while its link is up.
+/// The log lines of hints, and of damage in a recording that is replayed: each once while its link is up.
 class HintLog {
 public:
-    /// One line for each hint that was not written yet.
+    /// One line for each hint that was not returned yet.
     std::vector<std::string> news(Gateway& gateway);
-    /// The link of this name was replaced or removed.
+    /// To be called when the link of this name was replaced or removed.
     void forget(const std::string& link) { told_.erase(link); }
 
 private:
