@@ -1,5 +1,5 @@
-// A sanitizer has an operator new of its own, which compares every delete with its new: there it is asked. Else operator new is
-// replaced for the whole program.
+// A sanitizer has its own operator new, which compares every delete with its new: there the sanitizer is queried. Otherwise
+// operator new is replaced for the whole program.
 #include "allocations.hpp"
 
 #include <cstddef>
@@ -30,7 +30,7 @@ namespace {
 
 #else
 
-// Not inline: GCC would see malloc in one and delete in another place, and warn of a mismatch.
+// Not inline: GCC would see malloc and delete in different places and warn about a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
     ++support::allocations;
     if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;

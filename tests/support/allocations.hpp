@@ -1,10 +1,10 @@
-// Counts what is allocated, in a program that allocations.cpp is linked to.
+// Counts allocations in a program that is linked to allocations.cpp.
 #pragma once
 #include <cstdint>
 
 namespace support {
 
-/// Since the program began.
+/// Number of allocations since the program started.
 extern std::uint64_t allocations;
 
 }    // namespace support

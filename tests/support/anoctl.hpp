@@ -1,4 +1,4 @@
-// anoctl, run within the test.
+// Runs anoctl within the test.
 #pragma once
 #include <anoctl/anoctl.hpp>
 
@@ -18,7 +18,7 @@ struct AnoctlResult {
     std::string err;
 };
 
-/// `input` is what standard input holds.
+/// `input`: the content of standard input.
 inline AnoctlResult anoctl(std::vector<std::string> words, const std::string& input = {}, bool terminal = false,
                            bool color = false) {
     std::vector<const char*> argv{"anoctl"};

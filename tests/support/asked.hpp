@@ -1,4 +1,4 @@
-// The control interface of a gateway, asked by the client that anoctl has.
+// Sends requests to the control interface of a gateway, with the client of anoctl.
 #pragma once
 #include "wait.hpp"
 
@@ -10,7 +10,7 @@
 
 namespace support {
 
-/// The test fails where nobody answers.
+/// Returns the response. The test fails if there is none.
 inline anogate::http::Answer asked(const std::string& socket, const std::string& method, const std::string& target,
                                    const std::string& body = {}, const std::string& accept = {}) {
     anogate::http::Request request;

@@ -1,4 +1,5 @@
-// anoctl's commands for devices, asked of a gateway with a simulated flight controller (0xDC) and a second device of the tests (0xDD).
+// For tests of anoctl's device commands: a gateway with a simulated flight controller (0xDC) and a second device of the test
+// (0xDD).
 #pragma once
 #include "bytes.hpp"
 #include "fake_loader.hpp"
@@ -26,7 +27,7 @@ public:
         int exit = -1;
         std::string output;
     };
-    /// What was written with --json.
+    /// The lines of an output with --json, parsed.
     static std::vector<nlohmann::json> lines_of(const std::string& text) {
         std::vector<nlohmann::json> all;
         std::istringstream in{text};
@@ -41,16 +42,16 @@ protected:
         ASSERT_TRUE(
             gateway.until([](const nlohmann::json& status) { return status.dump().find("\"0xDC\"") != std::string::npos; }));
     }
-    /// Standard input is no terminal.
+    /// Runs anoctl to its end. Its standard input is not a terminal.
     Ran anoctl(std::vector<std::string> words) {
         words.insert(words.end(), {"--control", socket});
         Process process{ANOCTL, std::move(words)};
         const int exit = process.wait();
         return {exit, process.output()};
     }
-    /// What a second device says unasked.
+    /// A frame that the second device sends unrequested.
     static Bytes frame_of_another() { return frame(0xDD, 0xFE, 0x03, {0, 0, 0, 0, 0, 0, 1}); }
-    /// It is known, and never answers.
+    /// Makes the second device known to the gateway. It never answers.
     void hear_of_another() {
         ASSERT_TRUE(wait_until([&] {
             peer.send(gateway.port("peer"), frame_of_another());
@@ -58,13 +59,13 @@ protected:
         }));
     }
 
-    /// The second device was sent a question.
+    /// True if the second device received a question.
     bool is_asked() {
         const auto frames = split(peer.heard()).frames;
         return std::any_of(frames.begin(), frames.end(), [](const Bytes& one) { return one[2] == 0xDD && one[3] == 0xE0; });
     }
 
-    /// The gateway has heard whether the device flies since it was told anything.
+    /// Waits until the gateway has received from the device whether it flies, after the commands sent so far.
     void hear_whether_it_flies() { ASSERT_EQ(anoctl({"monitor", "--id", "mode", "--count", "1"}).exit, 0); }
 
     TempDir dir;
@@ -73,13 +74,13 @@ protected:
     Daemon gateway{ANOGATED, socket, {"sim:fc,name=fc", peer.link("peer")}};
 };
 
-/// The second device answers, as long as somebody waits for what it has to do with.
+/// Here the second device answers while the test waits for a process that uses it.
 class AnsweringDevice : public DeviceGateway {
 protected:
     AnsweringDevice() { fake.address = 0xDD; }
-    /// The second device answers what came.
+    /// Sends the second device's answers to the frames that it has received.
     void answer() {
-        if (!port_) port_ = gateway.port("peer");    // the gateway may end before what it sent was read
+        if (!port_) port_ = gateway.port("peer");    // kept: the gateway may end before its frames were read
         for (const Bytes& one : peer.frames())
             if (one[2] == 0xDD || one[2] == 0xFF)
                 for (const Bytes& said : fake.take(ano::FrameView{one})) peer.send(*port_, said);
@@ -93,7 +94,7 @@ protected:
         }));
         return process.wait();
     }
-    /// A command for the second device, until it has ended.
+    /// Runs a command of anoctl for the second device to its end.
     Ran asked(std::vector<std::string> words) {
         words.insert(words.end(), {"--device", "0xDD", "--control", socket});
         Process process{ANOCTL, std::move(words)};

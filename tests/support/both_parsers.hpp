@@ -32,7 +32,7 @@ public:
     }
     void expire() {
         reference_.expire(now);
-        // Each true gives up one byte at the least.
+        // Each call that returns true gives up at least one byte.
         for (std::size_t i = parser_.waiting(); parser_.expire(now); --i) {
             if (i == 0) return tell("expire() has no end");
             drain();
@@ -57,7 +57,8 @@ private:
             const std::size_t n = std::min(room.size(), bytes.size());
             std::copy_n(bytes.data(), n, room.data());
             parser_.commit(n, now);
-            reference_.put({bytes.data(), bytes.data() + n}, now);    // the result may depend on when which bytes were there
+            reference_.put({bytes.data(), bytes.data() + n},
+                           now);    // in the same pieces: the result may depend on the times of the bytes
             bytes = bytes.subspan(n);
             drain();
         }

@@ -35,8 +35,8 @@ inline Bytes operator+(Bytes a, const Bytes& b) {
     return a;
 }
 
-/// The frames that `stream` consists of; `rest` is what follows the last whole one. Nothing is skipped: bytes that are not
-/// a frame end the list, and are the rest.
+/// The frames of a stream; `rest` contains the bytes after the last whole one. Nothing is skipped: bytes that are not a frame end
+/// the list and belong to the rest.
 struct Split {
     std::vector<Bytes> frames;
     Bytes rest;

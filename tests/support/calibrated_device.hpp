@@ -1,4 +1,5 @@
-// A device with an accelerometer, as real ones are: what it sends is corrected by its calibration, which a restart takes from flash.
+// A device with an accelerometer that works like real ones: its samples are corrected by its calibration, which it loads from
+// flash on a restart.
 #pragma once
 #include <host/calibration.hpp>
 #include <support/fake_device.hpp>
@@ -16,7 +17,7 @@
 
 namespace support {
 
-/// The device, the host with its task, and a person who turns the device, in simulated time: a sample each step.
+/// The device, the host with its task, and a person who turns the device, in simulated time: one sample per step.
 class CalibrationBench {
 public:
     using Calibration = ano::host::Calibration;
@@ -30,24 +31,24 @@ public:
     TimePoint now = TimePoint{} + 1h;
     Values flash{-30, 20, 10, 0.97f, 1.02f, 1, 1, 0.01f, 0, 0, 1, 0, 0, 0, 1};    // of an earlier calibration, of another sensor
     Duration uses_after{};                                                        // the time from storing to using it
-    Values (*as_it_uses)(Values) = [](Values values) { return values; };          // by another formula than ours
+    Values (*as_it_uses)(Values) = [](Values values) { return values; };          // another one simulates a different formula
     struct Sensor {
         ano::host::Vector offset{25, -15, 5}, factor{1.02, 1.01, 1.00};
     } sensor;
-    bool uses_nothing = false;         // it stores what it never uses
-    bool shows_the_clear = true;       // in its parameters
-    bool uses_the_clear = true;        // otherwise it goes on to correct by its old calibration
-    bool ignores_the_clear = false;    // it acknowledges it
+    bool uses_nothing = false;         // it stores a calibration but never uses it
+    bool shows_the_clear = true;       // its parameters change when the calibration is cleared
+    bool uses_the_clear = true;        // false: it continues to use its old calibration
+    bool ignores_the_clear = false;    // true: it only acknowledges the clear
     bool is_dead = false;
     Duration step = 20ms;
-    Duration late{};            // samples come so much later than answers
+    Duration late{};            // samples arrive later than answers by this time
     double smooths = 0;         // s, the time constant of its low pass
-    bool holds_still = true;    // the person
-    double tilts = 0;           // °/s, who holds it does not lay it down
-    double lies_off = 0;        // rad, at most: each face is laid down otherwise
+    bool holds_still = true;    // the person does not move the device while it is measured
+    double tilts = 0;           // °/s, the device is held in the hand and tilts slowly
+    double lies_off = 0;        // rad, maximum: each face is tilted differently
     std::uint32_t lays = 1;     // the seed of these tilts
-    double sways = 0;           // rad, about two axes
-    Duration sways_in = 40s;    // there and back
+    double sways = 0;           // rad, amplitude about two axes
+    Duration sways_in = 40s;    // the period
     std::vector<std::uint16_t> actions;
     std::function<void()> each_step;    // optional
 
@@ -62,12 +63,12 @@ public:
         };
     }
 
-    /// After a change of `flash`, before it starts.
+    /// To be called after a change of `flash`, before the task starts.
     void load_flash() {
         load(flash);
         used_ = flash;
     }
-    /// Its old calibration is exactly right.
+    /// Makes its old calibration exactly right.
     void make_right(const Sensor& is) {
         sensor = is;
         flash = raw;
@@ -77,13 +78,13 @@ public:
         }
         load_flash();
     }
-    /// It is an older one, whose values are i32 with this scale.
+    /// Makes it an older device, whose values are i32 with this scale.
     void make_scaled(std::int32_t mul) {
         fake.scaled = true;
         for (auto& parameter : fake.parameters) parameter.mul = mul;
         load(flash);
     }
-    /// It has its old calibration again, and sends nothing for `time`.
+    /// Restarts it: it uses the calibration in flash again, and sends nothing for `time`.
     void restart(Duration time) {
         load(flash);
         used_ = flash;
@@ -95,13 +96,13 @@ public:
         hear(frame(0xDC, 0xFF, 0xE3,
                    Bytes{0xDC, 100, 0, static_cast<std::uint8_t>(version), 0, 0, 0, 0x20, 3} + Bytes(name.begin(), name.end())));
     }
-    /// Until it ends, or the time is over.
+    /// Runs until the task ends or `limit` is over.
     void run(Duration limit = 10min) {
         if (!begun_) task.start(now);
         begun_ = true;
         for (const TimePoint end = now + limit; !task.end() && now < end;) take_step();
     }
-    /// Until the task is in this step, with so many faces measured.
+    /// Runs until the task is in step `where` with at least `faces` measured faces; false: it ended or `limit` was over first.
     bool run_to(Calibration::Step where, std::size_t faces = 0, Duration limit = 2min) {
         if (!begun_) task.start(now);
         begun_ = true;
@@ -109,7 +110,7 @@ public:
             if (task.step() == where && task.faces().faces_done() >= faces) return true;
         return false;
     }
-    /// cm/s², the largest error of a face, with what the device has stored.
+    /// The largest error of a face with the stored calibration, in cm/s².
     double worst_face() const {
         double worst = 0;
         for (std::size_t face = 0; face < 6; ++face)
@@ -147,7 +148,7 @@ private:
         }
         return values;
     }
-    // What its sensor measures.
+    // The measurement of its sensor.
     ano::host::Vector felt(std::size_t face) const {
         ano::host::Vector v = sensor.offset;
         v[face / 2] += (face % 2 == 0 ? 1 : -1) * ano::host::SixFaces::gravity * sensor.factor[face / 2];
@@ -182,7 +183,7 @@ private:
         if (each_step) each_step();
         task.look(now);
     }
-    // The next face when one is enough; in the second after that it is moving.
+    // Turns to the next face when one is measured; the device moves for the next half second.
     void turn() {
         if (task.step() == Calibration::Step::verify && moving_ == 0 &&
             face_ != static_cast<std::size_t>(*task.face_to_verify())) {
@@ -202,7 +203,7 @@ private:
         moving_ = static_cast<int>(500ms / step);
         tilt_ = 0;
     }
-    // What its sensor measures while it is tilted, and behind the low pass.
+    // The measurement of its sensor while it is tilted, after the low pass.
     ano::host::Vector measured() {
         ano::host::Vector v = lies_off > 0 || sways > 0 ? felt_tilted() : felt(face_);
         tilt_ += tilts * std::chrono::duration<double>{step}.count() * std::numbers::pi / 180;
@@ -240,7 +241,7 @@ private:
     int moving_ = 0;
     double tilt_ = 0;    // rad
     ano::host::Vector smoothed_{};
-    std::deque<std::pair<TimePoint, Bytes>> on_the_way_;    // when it arrives
+    std::deque<std::pair<TimePoint, Bytes>> on_the_way_;    // by time of arrival
     bool begun_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Work in a process of its own, which is killed when its handle is destroyed.
+// Runs work in a separate process, which is killed when its handle is destroyed.
 #pragma once
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -11,7 +11,7 @@ namespace support {
 
 class Child {
 public:
-    /// Runs `work` in a forked process; it exits with what `work` returns.
+    /// Runs `work` in a forked process; its exit status is the result of `work`.
     explicit Child(const std::function<int()>& work) : pid_{::fork()} {
         if (pid_ != 0) return;
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -26,7 +26,7 @@ public:
     Child& operator=(const Child&) = delete;
 
     pid_t pid() const { return pid_; }
-    /// Its exit status; 128 + the signal when a signal ended it.
+    /// Its exit status; 128 + the signal if a signal ended it.
     int wait() {
         int status = 0;
         ::waitpid(pid_, &status, 0);

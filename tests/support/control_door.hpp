@@ -1,4 +1,4 @@
-// A gateway in the test's loop with its control interface, and clients of that in the same loop.
+// A gateway in the test's loop with its control interface, and clients of this interface in the same loop.
 #pragma once
 #include "running_gateway.hpp"
 #include "temp_dir.hpp"
@@ -51,7 +51,7 @@ public:
     anogate::http::Server server;
 };
 
-/// One end of a WebSocket: keeps what it hears.
+/// A client of a WebSocket that stores the received messages.
 class Ear {
 public:
     Ear(ControlDoor& door, std::string target, std::vector<anogate::http::Field> headers = {})
@@ -71,10 +71,10 @@ public:
     }
     void leave() { client_.cancel(); }
 
-    /// The messages that came, in their order.
+    /// The received messages, in their order.
     const std::vector<std::string>& texts() const { return state_.texts; }
     const std::vector<std::string>& messages() const { return state_.binary; }
-    /// The bytes of the binary ones.
+    /// The bytes of all binary messages.
     Bytes bytes() const {
         Bytes all;
         for (const std::string& message : state_.binary) all.insert(all.end(), message.begin(), message.end());

@@ -1,4 +1,4 @@
-// Input crafted to be slow for a parser that looks again behind every candidate it refuses.
+// Input crafted to be slow for a parser that searches again after every candidate it refuses.
 #pragma once
 #include <support/bytes.hpp>
 #include <support/random.hpp>
@@ -11,7 +11,7 @@
 
 namespace support {
 
-/// Appends some bytes; called again until there are enough.
+/// Appends some bytes; called repeatedly until there are enough.
 using Piece = std::function<void(Bytes&, Random&)>;
 
 struct Crafted {
@@ -24,7 +24,7 @@ inline Piece repeat(Bytes pattern) {
     return [pattern](Bytes& input, Random&) { input.insert(input.end(), pattern.begin(), pattern.end()); };
 }
 
-/// `heads` headers overlap; the last one's LEN is drawn anew each time, from 0 to `largest`.
+/// `heads` overlapping headers; LEN of the last one is chosen at random each time, from 0 to `largest`.
 inline Piece headers_of_any_length(std::size_t heads, std::size_t largest) {
     return [=](Bytes& input, Random& random) {
         const std::size_t length = random.below(largest + 1);
@@ -33,7 +33,7 @@ inline Piece headers_of_any_length(std::size_t heads, std::size_t largest) {
     };
 }
 
-/// A header every `step` bytes; the frames of all of them end where the run of `run` bytes ends.
+/// A header every `step` bytes; the frames of all of them end at the end of the run of `run` bytes.
 inline Piece headers_that_just_fit(std::size_t step, std::size_t run) {
     return [=](Bytes& input, Random&) {
         Bytes bytes(run, 0);
@@ -47,8 +47,8 @@ inline Piece headers_that_just_fit(std::size_t step, std::size_t run) {
     };
 }
 
-/// Copies of `piece`, after good frames of the sources 0xAB, 0 and 0xA7. In front of each `run` bytes stands a header of the
-/// largest frame from 0x77, which was not heard: while it waits for its rest, two frames in a row are searched for behind it.
+/// Copies of `piece`, after valid frames of the sources 0xAB, 0 and 0xA7. Before each `run` bytes there is a header of the
+/// largest frame from 0x77, an unknown source: while it waits for its rest, the parser searches for two frames in a row after it.
 inline Piece behind_false_headers(const Piece& piece, std::size_t run, std::size_t max_data) {
     return [=, next = std::size_t{0}](Bytes& input, Random& random) mutable {
         if (input.empty()) {
@@ -67,14 +67,14 @@ inline Piece behind_false_headers(const Piece& piece, std::size_t run, std::size
     };
 }
 
-/// Good frames, but never two in a row.
+/// Valid frames, but never two in a row.
 inline void lonely_frames(Bytes& input, Random&) {
     const Bytes lonely = frame(0, 0xFF, 0xE0, {1, 0, 0});
     input.insert(input.end(), lonely.begin(), lonely.end());
     input.push_back(0);
 }
 
-/// Two good frames in a row behind `headers` headers that must give way to them.
+/// Two valid frames in a row after `headers` headers that the parser must give up for them.
 inline Piece pair_behind_headers(std::size_t headers, std::size_t max_data) {
     return [=](Bytes& input, Random& random) {
         for (std::size_t i = 0; i < headers; ++i) {
@@ -98,13 +98,13 @@ inline std::vector<Crafted> crafted() {
     return {{"all_heads_64k", repeat({0xAB}), 65535},
             {"all_heads_too_long", repeat({0xAB}), 4096},
             {"seven_of_eight_64k", repeat({0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0}), 65535},
-            {"two_of_three_64k", repeat({0xAB, 0xAB, 0}), 65535},    // no LEN is two HEADs
+            {"two_of_three_64k", repeat({0xAB, 0xAB, 0}), 65535},    // no LEN consists of two HEADs
             {"every_second_byte", repeat({0xAB, 0}), 4096},
             {"every_fifth_byte", repeat({0xAB, 0, 0, 0, 1}), 4096},
             {"empty_frames", repeat({0xAB, 0xAB, 0xAB, 0xAB, 0, 0}), 4096},
             {"short_frames", repeat({0xAB, 0xAB, 0xAB, 0xAB, 8, 0}), 4096},
             {"short_frames_64k", repeat({0xAB, 0xAB, 0xAB, 0xAB, 8, 0}), 65535},
-            {"sum_holds", repeat({0xAB, 0, 0, 0xA7, 10, 0}), 4096},    // but not the second check
+            {"sum_holds", repeat({0xAB, 0, 0, 0xA7, 10, 0}), 4096},    // the first check holds, the second does not
             {"varied_short", headers_of_any_length(1, 40), 4096},
             {"varied", headers_of_any_length(1, 4096), 4096},
             {"varied_64k", headers_of_any_length(1, 65535), 65535},
@@ -114,7 +114,7 @@ inline std::vector<Crafted> crafted() {
             {"just_fits_64k", headers_that_just_fit(6, 65543), 65535}};
 }
 
-/// Crafted to be slow for a search for two good frames in a row.
+/// Input crafted to be slow for the search for two valid frames in a row.
 inline std::vector<Crafted> crafted_for_pairs() {
     std::vector<Crafted> all;
     for (const Crafted& c : crafted())

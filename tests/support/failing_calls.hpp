@@ -1,4 +1,5 @@
-// Replaces the system calls by which frames leave, so that a test can make them do what a kernel may do but seldom does. Include it in one file of a program.
+// Replaces the system calls that send frames, so that a test can simulate results that are rare with a real kernel. To be
+// included in one file of a program.
 #pragma once
 #include <sys/socket.h>
 #include <sys/syscall.h>
@@ -14,15 +15,15 @@
 
 namespace support {
 
-/// What happens to one call: an errno, or so many bytes (writev) or datagrams (sendmmsg) are taken at most, and no datagram of more
-/// bytes than the way carries.
+/// The result of one call: an errno, or the maximum number of bytes (writev) or datagrams (sendmmsg) that are accepted, and the
+/// maximum size of a datagram in bytes.
 struct Fate {
     int error = 0;
     std::size_t most = SIZE_MAX;
     std::size_t mtu = SIZE_MAX;
 };
 
-/// Asked before every call; calls that are not of the gateway's links (the file descriptor tells) get {}.
+/// Called before every call; must return {} for calls that are not of the gateway's links (recognized by the file descriptor).
 inline std::function<Fate(int fd)> fate_of_writev, fate_of_sendmmsg;
 
 }    // namespace support

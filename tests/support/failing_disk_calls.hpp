@@ -1,4 +1,4 @@
-// Replaces the system calls by which a recording gets onto its disk by those of the failing disk. For one file of a program.
+// Replaces the system calls that write recordings with those of the failing disk. To be included in one file of a program.
 #pragma once
 #include "failing_disk.hpp"
 

@@ -1,4 +1,4 @@
-// A device's side of the protocol, as simple as a test needs it, and the line to it in simulated time.
+// The device's side of the protocol, only as complete as tests need it, and the line to it in simulated time.
 #pragma once
 #include <ano/typed.hpp>
 #include <ano/values.hpp>
@@ -24,15 +24,16 @@ using namespace std::chrono_literals;
 using ano::Duration;
 using ano::TimePoint;
 
-/// Answers as the protocol text says; a question or a write at or beyond the count of parameters crashes it, as vendor firmware does.
+/// Answers as specified in the protocol text. A question or a write at or beyond the count of parameters crashes it, like vendor
+/// firmware.
 class FakeDevice {
 public:
     struct Parameter {
         std::uint8_t type;
         std::string name, info;
         Bytes value;
-        std::function<Bytes(Bytes)> store = nullptr;    // what it stores of a value written
-        std::int32_t min = -10, max = 100, mul = 0;     // of an older device
+        std::function<Bytes(Bytes)> store = nullptr;    // the value that it stores for a written one; null: the same
+        std::int32_t min = -10, max = 100, mul = 0;     // for an older device
     };
     struct Command {
         std::array<std::uint8_t, 3> cid;
@@ -41,21 +42,21 @@ public:
     };
 
     std::uint8_t address = 0xDC;
-    std::optional<std::uint8_t> port{};    // asked there, it answers as well
+    std::optional<std::uint8_t> port{};    // a second address at which it receives
     std::string name = "fake";
     std::uint16_t version = 100, hardware = 100;
     std::vector<Parameter> parameters;
-    std::optional<std::uint16_t> says_count;    // else as many as there are
+    std::optional<std::uint16_t> says_count;    // the count that it reports; std::nullopt: the true one
     std::vector<Command> commands;
     std::vector<Bytes> waypoints;
     bool old = false;       // describes parameters by min and max; every value is an i32
-    bool scaled = false;    // by min, max and mul
+    bool scaled = false;    // describes parameters by min, max and mul
     bool crashed = false;
     bool deaf = false;
-    std::vector<Bytes> heard;                                                    // all frames to it
-    std::function<std::optional<std::vector<Bytes>>(ano::FrameView)> instead;    // nothing: as usual
+    std::vector<Bytes> heard;                                                    // all received frames
+    std::function<std::optional<std::vector<Bytes>>(ano::FrameView)> instead;    // std::nullopt: the usual answers
 
-    /// n parameters of all numeric types in turns, `text` more bytes behind each name.
+    /// Appends n parameters of all numeric types in rotation, each with `text` bytes of information after its name.
     void make_parameters(std::size_t n, std::size_t text = 30) {
         for (std::size_t i = 0; i < n; ++i) {
             const auto type = static_cast<std::uint8_t>(i % 10);
@@ -130,7 +131,7 @@ private:
         return {to_host(frame, 0xE2, u16(val) + Bytes{p.type} + text(p.name, 20) + text(p.info))};
     }
 
-    // A value shorter than its type takes the check bytes as well: as field code copies them.
+    // If a value is shorter than its type, the check bytes are copied as well, as devices in the field do.
     std::vector<Bytes> written(ano::FrameView frame) {
         const std::uint16_t id = number(frame, 0);
         if (id >= parameters.size()) {
@@ -175,14 +176,14 @@ private:
     }
 };
 
-/// What a line does to frames, one way.
+/// The effect of a line on frames in one direction.
 struct LineFaults {
     Duration delay{};
-    Duration jitter{};    // at random on top: frames overtake each other
-    double loss = 0;      // of 1
+    Duration jitter{};    // random additional delay: frames overtake each other
+    double loss = 0;      // probability, 0 to 1
     double duplicate = 0;
-    unsigned baud = 0;         // bytes take their time, 10 bits each; 0: none
-    double byte_errors = 0;    // of 1; a frame with one is lost
+    unsigned baud = 0;         // for the duration of bytes, 10 bits each; 0: no duration
+    double byte_errors = 0;    // probability, 0 to 1; a frame with an error is lost
 };
 
 /// A host's side of one device, the device, and the line between them, in simulated time.
@@ -199,12 +200,12 @@ public:
     std::map<ano::host::Taken, int> taken;
     std::function<void(TimePoint)> each_step;    // optional
     std::function<std::vector<Bytes>(const Bytes&)>
-        parse;                  // the device's parser: bytes in, frames out; none: it is never confused
-    bool blocks = false;        // the device hears nothing while its answer is on the line
-    unsigned queue_rate = 0;    // bytes/s by which our own queue leaves; 0: at once
+        parse;                  // the device's parser: bytes in, frames out; none: it finds every frame
+    bool blocks = false;        // the device receives nothing while its answer is on the line
+    unsigned queue_rate = 0;    // bytes/s at which the host's queue is sent; 0: at once
     std::size_t zeros_there = 0;
 
-    /// The line is a UART: before a request that the device may not hear, zero bytes are sent, at most once a second.
+    /// Makes the line a UART: before a request that the device may not receive, zero bytes are sent, at most once per second.
     void be_uart() {
         device.on_maybe_deaf([this](ano::FrameView) -> ano::Flush {
             if (now < free_there_) return {};
@@ -216,10 +217,10 @@ public:
             return {.busy = free_there_ - now};
         });
     }
-    /// Bytes that come to the device now.
+    /// Passes `bytes` to the device now.
     void disturb(const Bytes& bytes) { events_.emplace(now, Event{true, bytes}); }
 
-    /// Until `task` has ended, or nothing more will happen, or the time is over. Returns how long it took.
+    /// Runs until `task` has ended, no event is left, or `limit` is over. Returns the duration.
     Duration run(const ano::host::Task& task, Duration limit = 1h) {
         const TimePoint begin = now;
         send();
@@ -235,7 +236,7 @@ public:
         }
         return now - begin;
     }
-    /// Time passes, and what is on the line arrives.
+    /// Advances the time; frames on the line arrive meanwhile.
     void pass(Duration time) {
         const TimePoint until = now + time;
         while (!events_.empty() && events_.begin()->first <= until) {

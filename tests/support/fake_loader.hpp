@@ -1,4 +1,4 @@
-// A device's loader, as simple as a test needs it: hook it in as FakeDevice::instead.
+// The firmware loader of a device, only as complete as tests need it. To be used as FakeDevice::instead.
 #pragma once
 #include <ano/crc16.hpp>
 #include <support/fake_device.hpp>
@@ -10,26 +10,26 @@ namespace support {
 
 class FakeLoader {
 public:
-    /// What it does with an info while it receives frames.
+    /// Its reaction to an info while it receives frames.
     enum class SecondInfo { accepts, refuses, ignores };
 
     bool refuses = false;
     bool cannot_erase = false;
     bool erases_silently = false;
     bool checks_silently = false;
-    unsigned fails_frame_7 = 0;    // so many times
+    unsigned fails_frame_7 = 0;    // number of failures of frame 7
     bool fails_every_frame_once = false;
-    std::optional<std::uint16_t> dies_at{};    // from this frame on it says nothing
+    std::optional<std::uint16_t> dies_at{};    // it does not answer this frame and later ones
     std::size_t flash_bytes = std::size_t{1} << 20;
-    bool reads_codes = false;    // codes high byte first, both ways; others mean nothing to it
+    bool reads_codes = false;    // codes are high byte first in both directions; it ignores others
     SecondInfo second_info = SecondInfo::accepts;
-    bool fails_when_lost = true;                    // else it does not answer frames that it does not wait for
-    std::optional<std::uint16_t> says_instead{};    // of every code
+    bool fails_when_lost = true;                    // false: it does not answer frames that it does not expect
+    std::optional<std::uint16_t> says_instead{};    // sent instead of every code
 
     std::size_t infos = 0, erases = 0, checks = 0, frames = 0;
     Bytes info, flash;
 
-    /// What was received is lost; it waits for an info.
+    /// Discards everything received; it waits for an info.
     void lose_power() {
         receives_ = false;
         info.clear();

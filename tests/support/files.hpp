@@ -1,4 +1,4 @@
-// Files of the source tree, and what a file holds.
+// Files of the source tree, and the content of files.
 #pragma once
 #include <filesystem>
 #include <fstream>
@@ -14,7 +14,7 @@ inline std::filesystem::path source_file(const std::string& path) { return std::
 inline std::string text_of(const std::filesystem::path& path) {
     std::ifstream file{path, std::ios::binary};
     std::ostringstream text;
-    text << file.rdbuf();    // in large pieces: byte by byte takes seconds where every access is checked
+    text << file.rdbuf();    // in large pieces: with a sanitizer, byte by byte takes seconds
     return std::move(text).str();
 }
 

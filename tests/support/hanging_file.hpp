@@ -1,5 +1,5 @@
-// Replaces read(), so that one file gives what somebody writes into a pipe, when he does: the slowest of all disks. Include it in one file
-// of a program.
+// Replaces read(), so that reads of one file return the bytes that the test writes into a pipe, when it writes them: this
+// simulates a very slow disk. To be included in one file of a program.
 #pragma once
 #include <sys/unique_fd.hpp>
 
@@ -17,10 +17,11 @@
 
 namespace support {
 
-/// One at a time. Who reads it hangs until there is something in the pipe, or this is gone: then it is at its end.
+/// Only one may exist at a time. A read hangs until the pipe contains bytes. When this object is destroyed, reads return the end
+/// of the file.
 class HangingFile {
 public:
-    /// `path` is there, and a file.
+    /// `path` must be an existing file.
     explicit HangingFile(const std::string& path) {
         std::array<int, 2> ends{-1, -1};
         struct stat is {};
@@ -38,11 +39,11 @@ public:
     HangingFile(const HangingFile&) = delete;
     HangingFile& operator=(const HangingFile&) = delete;
 
-    /// At most 4096 bytes, which the pipe takes at once.
+    /// At most 4096 bytes, which the pipe accepts at once.
     bool give(std::string_view bytes) const {
         return ::write(to_.get(), bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
     }
-    /// Calls that wait for bytes.
+    /// Number of calls that wait for bytes.
     static int readers() { return readers_; }
 
     static ssize_t read(int fd, void* to, std::size_t size) {

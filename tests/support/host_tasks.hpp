@@ -1,4 +1,4 @@
-// The tasks of a host, for tests that hold for all of them.
+// The tasks of a host, for tests of all of them.
 #pragma once
 #include <host/commands.hpp>
 #include <host/firmware.hpp>
@@ -15,7 +15,7 @@ namespace support {
 
 inline constexpr unsigned task_kinds = 7;
 
-/// One of each kind, begun.
+/// A started task of the given kind.
 inline std::unique_ptr<ano::host::Task> task_of(unsigned kind, ano::host::Device& device, ano::TimePoint now) {
     using namespace ano::host;
     switch (kind % task_kinds) {

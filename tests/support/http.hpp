@@ -1,17 +1,17 @@
-// A client of a control socket that waits for what it asked.
+// A blocking client of a control socket.
 #pragma once
 #include <cstdint>
 #include <string>
 
 namespace support {
 
-/// A blocking connection to a Unix socket; -1 when nobody answers. A read ends after some seconds.
+/// A blocking connection to a Unix socket; -1 if nothing listens. A read ends after some seconds.
 int connect_unix(const std::string& path);
 /// The same to a port of 127.0.0.1, from another address of this machine, "127.9.0.1".
 int connect_tcp(std::uint16_t port, const std::string& from = "127.0.0.1");
 std::string read_to_end(int fd);
 
-/// One request on a connection of its own: the whole answer, empty when there is none.
+/// Sends one request over its own connection. Returns the whole response; empty: there is none.
 std::string http(const std::string& socket, const std::string& request);
 std::string http(std::uint16_t port, const std::string& request, const std::string& from = "127.0.0.1");
 std::string body_of(const std::string& answer);

@@ -1,4 +1,4 @@
-// What a link needs of a gateway, and no gateway: channels, and what came by them.
+// Hosts a link without a gateway: provides its context, and stores its channels and the frames received on them.
 #pragma once
 #include "bytes.hpp"
 #include "wait.hpp"
@@ -57,10 +57,10 @@ public:
 
     anogate::LinkContext context() { return {io, alarms_, *this, batch_, sender_, names_}; }
     const std::vector<std::unique_ptr<anogate::Channel>>& channels() const { return channels_; }
-    /// All frames that came by channels called so.
+    /// All frames received on channels of this peer.
     const Bytes& heard(const std::string& peer) { return heard_[peer]; }
 
-    /// Runs the loop until `holds` does.
+    /// Runs the loop until `holds` returns true.
     bool until(const std::function<bool()>& holds) {
         return wait_until(holds, patience, [this] {
             io.restart();
@@ -72,7 +72,7 @@ public:
     std::function<anogate::ClockReading()> clocks = anogate::read_clocks;
     std::optional<anogate::StoredLink> stored;    // for the link that opens next
     int ups = 0;
-    std::string why = "nobody said anything";    // it is down; empty: it is up
+    std::string why = "nobody said anything";    // the reason why the link is down; empty: it is up
 
 private:
     anogate::AlarmClock alarms_{io};
@@ -81,7 +81,7 @@ private:
     anogate::Resolver names_;
     anogate::LoopWatch loop_;
     std::vector<std::unique_ptr<anogate::Channel>> channels_;
-    std::size_t opened_ = 0;    // in all: no number is used twice, of 64
+    std::size_t opened_ = 0;    // in total, at most 64: no number is used twice
     std::map<std::string, Bytes> heard_;
 };
 

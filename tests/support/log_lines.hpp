@@ -1,4 +1,4 @@
-// What is logged meanwhile, line by line.
+// Collects log lines.
 #pragma once
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
@@ -11,7 +11,7 @@
 
 namespace support {
 
-/// Stands in the place of the log as long as it lives.
+/// Replaces the log as long as this object exists.
 class LogLines {
 public:
     LogLines() {
@@ -24,7 +24,7 @@ public:
     LogLines(const LogLines&) = delete;
     LogLines& operator=(const LogLines&) = delete;
 
-    /// Since the last call.
+    /// The lines since the last call.
     std::vector<std::string> take() {
         std::istringstream said{std::exchange(text_, std::ostringstream{}).str()};
         std::vector<std::string> lines;

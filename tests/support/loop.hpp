@@ -1,4 +1,4 @@
-// The loop that a test turns for its gateways.
+// The loop that a test runs for its gateways.
 #pragma once
 #include "wait.hpp"
 
@@ -8,14 +8,14 @@ namespace support {
 
 class Loop {
 public:
-    /// Runs until `holds` does; false when it does not within `limit`. It is asked every 2 ms, however much happens meanwhile.
+    /// Runs until `holds` returns true; false: it did not within `limit`. It is called every 2 ms, however many events there are.
     bool until(const std::function<bool()>& holds, std::chrono::steady_clock::duration limit = patience) {
         return wait_until(holds, limit, [this] {
             io.restart();
             io.run_for(std::chrono::milliseconds{2});
         });
     }
-    /// Handles what is there now.
+    /// Handles the events that are ready now.
     void turn() {
         io.restart();
         io.poll();

@@ -1,5 +1,5 @@
-// The tests of the whole gateway: its log says nothing unless a test wants to read it, and what anoctl keeps for later runs is not kept for
-// those of the user.
+// The main function of the tests of the whole gateway. The log is off unless a test reads it. anoctl uses a temporary cache
+// folder, so that the user's is not changed.
 #include "temp_dir.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Network namespaces, joined by veth, that stand for machines: made with iproute2, and gone with the test, however it ends.
+// Network namespaces that simulate machines, connected by veth. They are made with iproute2 and disappear when the test ends in
+// any way.
 #pragma once
 #include <fcntl.h>
 #include <sched.h>
@@ -14,7 +15,7 @@ namespace support {
 /// False: the command failed.
 inline bool run_ip(const std::string& arguments) { return std::system(("ip " + arguments + " >/dev/null 2>&1").c_str()) == 0; }
 
-/// While this object lives, the thread is in the namespace of `fd`; the sockets and processes it makes stay there.
+/// While this object exists, the thread is in the namespace of `fd`; sockets and processes that it creates stay there.
 class Inside {
 public:
     explicit Inside(int fd) : home_{::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC)} {
@@ -35,7 +36,7 @@ private:
     int home_;
 };
 
-/// A namespace without a name: only our descriptor keeps it, so it never outlives the test.
+/// A namespace without a name: only our descriptor holds it, so it never outlives the test.
 class Namespace {
 public:
     Namespace() : fd_{make()} { ip("link set lo up"); }
@@ -48,7 +49,7 @@ public:
         const Inside inside{*this};
         return run_ip(arguments);
     }
-    /// Joins `name` here with `name` there; an address for each, as 10.0.0.1/24.
+    /// Connects the two namespaces by interfaces called `link`; `here`, `there`: the address of each, like 10.0.0.1/24.
     void join(const Namespace& other, const std::string& link, const std::string& here, const std::string& there) const {
         const std::string its_file = "/proc/" + std::to_string(::getpid()) + "/fd/" + std::to_string(other.fd());
         ip("link add " + link + " type veth peer name " + link + " netns " + its_file);
@@ -83,12 +84,12 @@ private:
     Descriptor fd_;
 };
 
-/// A network of the test's own: its thread is inside until this ends.
+/// A private network of the test: its thread is inside as long as this object exists.
 class NetworkNamespace : public Namespace {
     Inside inside_{*this};
 };
 
-/// Why namespaces are not possible here; empty: they are.
+/// The reason why namespaces are not possible here; empty: they are possible.
 inline std::string no_namespaces() {
     if (::getuid() != 0) return "network namespaces need root";
     if (!run_ip("-V")) return "network namespaces need the command ip (Debian package iproute2)";

@@ -1,5 +1,5 @@
-// Simulates a serial line that is full of telemetry and has false headers, and measures how late good frames come out of
-// the parser. Time is simulated, the seed is fixed.
+// Simulates a serial line that is full of telemetry and has false headers, and measures the delay of valid frames in the parser.
+// Time is simulated, the seed is fixed.
 #pragma once
 #include <ano/parser.hpp>
 #include <support/bytes.hpp>
@@ -14,7 +14,7 @@
 namespace support {
 
 enum class Noise {
-    random_headers,         // HEAD and five random bytes: mostly LEN is above max_data
+    random_headers,         // HEAD and five random bytes: LEN is mostly above max_data
     headers_to_max_data,    // the same, but LEN is 0 to max_data
     flipped_len,            // one bit of LEN of a telemetry frame flipped
 };
@@ -22,14 +22,14 @@ enum class Noise {
 struct NoisyLine {
     std::uint32_t baud = 115200;
     Noise noise = Noise::random_headers;
-    unsigned noise_one_in = 20;    // frames
-    std::size_t at_once = 62;      // bytes that the driver hands over together: those of an FTDI's USB packet
+    unsigned noise_one_in = 20;    // noise follows one frame in this many on average
+    std::size_t at_once = 62;      // bytes that the driver passes together: those of an FTDI's USB packet
     std::size_t frames = 20'000;
     std::size_t max_data = 4096;
     std::uint64_t seed = 1;
 };
 
-/// How long the good frames took from their last byte on the wire until the parser gave them.
+/// The delays of valid frames from their last byte on the wire until the parser returned them.
 struct Delays {
     std::size_t sent = 0;
     std::size_t in_time = 0;    // within 20 ms + the time of two frames of its size
@@ -43,7 +43,7 @@ namespace noisy_line {
 
 struct Sent {
     Bytes bytes;
-    std::size_t end;    // place in the stream
+    std::size_t end;    // offset of its end in the stream
 };
 
 struct Stream {
@@ -51,7 +51,7 @@ struct Stream {
     std::vector<Sent> good;
 };
 
-// What a flight controller and an optical flow sensor send; each frame holds its number.
+// Frames of a flight controller and an optical flow sensor; each contains its number.
 inline Bytes telemetry(std::size_t number) {
     struct Kind {
         std::uint8_t source, id;
@@ -80,7 +80,7 @@ inline void put_noise(Bytes& stream, const NoisyLine& line, Random& random, std:
                                  static_cast<std::uint8_t>(length >> 8)});
 }
 
-// The first hundred frames come undisturbed.
+// There is no noise before the first hundred frames.
 inline Stream stream_of(const NoisyLine& line) {
     Random random{line.seed};
     Stream stream;
@@ -109,7 +109,7 @@ inline Delays delays_on(const NoisyLine& line) {
             const auto is_it = [&](const noisy_line::Sent& s) { return std::ranges::equal(frame->bytes(), s.bytes); };
             const auto from = stream.good.begin() + static_cast<std::ptrdiff_t>(next);
             const auto found = std::find_if(from, stream.good.end(), is_it);
-            if (found == stream.good.end()) continue;    // noise that happens to be a frame
+            if (found == stream.good.end()) continue;    // noise that is a valid frame by chance
             const Seconds delay = now.time_since_epoch() - time_of(found->end);
             delays.lost += static_cast<std::size_t>(found - from);
             delays.in_time += delay <= Seconds{0.020} + 2 * time_of(found->bytes.size());

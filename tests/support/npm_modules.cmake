@@ -1,5 +1,5 @@
-# fetch_modules(SOURCE MODULES): has npm fetch what SOURCE/package-lock.json names into MODULES, when that has changed; SOURCE stays as it
-# is. `fault` says in the caller why it can't be done; empty: it is there. Needs NPM and NODE.
+# fetch_modules(SOURCE MODULES): fetches the packages of SOURCE/package-lock.json into MODULES with npm if the file has changed; SOURCE is
+# not modified. Sets `fault` in the caller to the reason of a failure; empty: the packages are there. Needs NPM and NODE.
 function(fetch_modules source modules)
   set(fault "" PARENT_SCOPE)
   if(NOT NPM OR NOT NODE)

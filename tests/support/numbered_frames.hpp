@@ -1,4 +1,4 @@
-// Streams of frames that are known by their numbers: none may be missing, doubled or out of order.
+// Streams of numbered frames: none may be missing, duplicated or out of order.
 #pragma once
 #include "bytes.hpp"
 
@@ -16,8 +16,8 @@ inline Bytes numbered(std::uint8_t from, std::uint8_t to, int number) {
     return frame(from, to, 0xF1, data);
 }
 
-/// Keeps this process, and those it starts, on the processor it runs on. A datagram for the loopback may wait on the processor that
-/// sent it while one sent behind it, from another, has already come: a busy machine puts some out of order.
+/// Pins this process and its children to the processor it runs on. A datagram over the loopback may wait on the processor that
+/// sent it while a later one, sent from another processor, arrives first: on a busy machine some arrive out of order.
 inline void stay_on_one_processor() {
     cpu_set_t one;
     CPU_ZERO(&one);
@@ -25,7 +25,7 @@ inline void stay_on_one_processor() {
     ASSERT_EQ(::sched_setaffinity(0, sizeof one, &one), 0);
 }
 
-/// Of each numbered frame of a stream, whether it came, once and in its order.
+/// Checks that each numbered frame of a stream is received once and in order.
 class Stream {
 public:
     Stream(std::uint8_t from, std::uint8_t to) : from_{from}, to_{to} {}
@@ -38,7 +38,7 @@ public:
     }
     int sent() const { return sent_; }
     int came() const { return came_; }
-    /// Another may be sent: of `frames`, and few enough are under way.
+    /// True if fewer than `frames` were sent and fewer than 100 are in transit.
     bool may_go_on(int frames) const { return sent_ < frames && sent_ - came_ < 100; }
 
 private:
@@ -46,7 +46,7 @@ private:
     int sent_ = 0, came_ = 0;
 };
 
-/// The whole frames of a device or terminal that gives what it has; `rest` is kept from call to call.
+/// The whole frames that a device or terminal has sent since the last call; `rest` is kept from call to call.
 template <class Device>
 std::vector<Bytes> frames_of(Device& device, Bytes& rest) {
     Split got = split(rest + device.read());

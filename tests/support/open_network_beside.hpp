@@ -12,7 +12,7 @@
 
 namespace support {
 
-/// wg0 leads from the vehicle to the ground, wifi0 to the stranger; the kernel does not filter by source address.
+/// wg0 connects the vehicle to the ground, wifi0 to the stranger; the kernel does not filter by source address.
 struct OpenNetworkBeside {
     Namespace vehicle, ground, stranger;
 
@@ -26,7 +26,7 @@ struct OpenNetworkBeside {
             std::ofstream{std::string{"/proc/sys/net/ipv4/conf/"} + one + "/rp_filter"} << 0;
     }
     void join_ground() { vehicle.join(ground, "wg0", "10.77.0.1/24", "10.77.0.2/24"); }
-    /// The vehicle's namespace; the gateway is to run in it.
+    /// A gateway in the namespace of the vehicle. The test must run it there.
     std::unique_ptr<RunningGateway> gateway(const std::vector<anogate::LinkSettings>& links) {
         const Inside inside{vehicle};
         return std::make_unique<RunningGateway>(settings_of(links));
@@ -36,8 +36,8 @@ struct OpenNetworkBeside {
         const Inside inside{space};
         return std::make_unique<UdpPeer>(local);
     }
-    /// The stranger speaks three times, then the ground station once, to `port` of the link "ground". It hears what comes by wg0
-    /// alone where it is `bound` to that, else all.
+    /// The stranger sends three frames, then the ground station one, to `port` of the link "ground". The link must receive only
+    /// the frame over wg0 if it is `bound` to that, otherwise all.
     static void expect_heard(RunningGateway& daemon, UdpPeer& ground, UdpPeer& stranger, const std::string& port, bool bound) {
         const auto to = endpoint(port);
         ASSERT_TRUE(daemon.until_up("ground"));
@@ -48,7 +48,7 @@ struct OpenNetworkBeside {
             << (bound ? "bound: " : "not bound: ") << daemon.link("ground").dump();
         EXPECT_EQ(daemon.count("ground", "frames_in"), heard) << "the stranger's datagrams were there first";
     }
-    /// Removes wg0 and makes it anew; the link "ground", which is bound to it, goes down and up.
+    /// Removes wg0 and creates it again; the link "ground", which is bound to it, must go down and up.
     void expect_ground_to_follow(RunningGateway& daemon) {
         ASSERT_TRUE(daemon.until_up("ground"));
         vehicle.ip("link delete wg0");

@@ -1,4 +1,4 @@
-// A file of host names that only this process sees.
+// A hosts file that only this process uses.
 #pragma once
 #include "temp_dir.hpp"
 
@@ -11,7 +11,7 @@
 
 namespace support {
 
-/// While it lives, the thread and those that it starts resolve names by this file, instead of /etc/hosts and a name server.
+/// While it exists, this thread and those that it starts resolve names with this file instead of /etc/hosts and a name server.
 class OwnHosts {
 public:
     explicit OwnHosts(const std::string& text) {

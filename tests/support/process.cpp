@@ -21,7 +21,7 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
     for (std::string& a : arguments) argv.push_back(a.data());
     argv.push_back(nullptr);
     pid_ = ::fork();
-    if (pid_ < 0) std::abort();    // a signal to -1 would reach everybody
+    if (pid_ < 0) std::abort();    // a signal to -1 would reach all processes
     if (pid_ == 0) {
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
         ::dup2(pipe[1], STDERR_FILENO);
@@ -57,7 +57,7 @@ int Process::wait(std::chrono::steady_clock::duration limit) {
                 again = now;
                 ::kill(pid_, SIGTERM);
             }
-            output();    // it may wait until somebody reads
+            output();    // it may be blocked until its output is read
             return !is_running();
         },
         limit);
@@ -99,7 +99,7 @@ void Process::reap(int options) {
 Shell::Shell(const std::string& command) : Process{"/bin/sh", {"-c", command}, {}, [] { ::setpgid(0, 0); }} {}
 void Shell::end() {
     if (!is_running()) return;
-    if (::kill(-pid(), SIGKILL) != 0) signal(SIGKILL);    // it has no group yet
+    if (::kill(-pid(), SIGKILL) != 0) signal(SIGKILL);    // it has no process group yet
     wait();
 }
 
@@ -117,7 +117,7 @@ std::vector<std::string> with_control(const std::string& socket, std::vector<std
     return arguments;
 }
 
-// What it keeps must not meet what others have kept.
+// A separate state folder, so that it does not read the state of other tests.
 std::vector<std::string> with_state(const std::string& socket, std::vector<std::string> environment) {
     environment.insert(environment.begin(), "STATE_DIRECTORY=" + socket + ".state");
     return environment;
@@ -134,7 +134,7 @@ nlohmann::json Daemon::status() const {
 }
 nlohmann::json Daemon::link(const std::string& name) const {
     const auto now = status();
-    if (now.contains("links"))    // else the door is full, or nobody is there
+    if (now.contains("links"))    // otherwise the server is full, or the gateway does not run
         for (const auto& link : now.at("links"))
             if (link.at("name") == name) return link;
     return {{"state", "no answer"}};

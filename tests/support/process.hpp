@@ -1,4 +1,4 @@
-// The real program as a process, killed when its handle is destroyed, and the socket it answers on.
+// The real program as a process, killed when its handle is destroyed, and its control socket.
 #pragma once
 #include "http.hpp"
 #include "wait.hpp"
@@ -18,7 +18,7 @@ namespace support {
 
 class Process {
 public:
-    /// `program` is looked for as a shell does. `in_child` runs in the new process before it becomes the program.
+    /// `program` is searched in PATH. `in_child` runs in the new process before the program.
     Process(
         const std::string& program, std::vector<std::string> arguments, const std::vector<std::string>& environment = {},
         const std::function<void()>& in_child = [] {});
@@ -29,14 +29,14 @@ public:
     pid_t pid() const { return pid_; }
     void signal(int number) const { ::kill(pid_, last_signal_ = number); }
     bool is_running();
-    /// Its exit status, 128 + the signal that ended it, or -1 when it still runs after `limit`.
+    /// Its exit status, 128 + the signal that ended it, or -1 if it still runs after `limit`.
     int wait(std::chrono::steady_clock::duration limit = patience);
-    /// What it has written so far, standard output and error.
+    /// Its output so far: standard output and error.
     const std::string& output();
-    /// What it has written since the last call of this.
+    /// Its output since the last call of this function.
     std::string new_output();
     bool until_says(const std::string& words, std::chrono::steady_clock::duration limit = patience);
-    /// Waits until it has said where its page is on this computer; 0: it does not.
+    /// Waits until it has printed the local address of its page, and returns the port; 0: it does not print it.
     std::uint16_t http_port();
     /// The number in a field of /proc/PID/status.
     long proc_status(const std::string& field) const;
@@ -48,11 +48,11 @@ private:
     int output_fd_ = -1;
     mutable int last_signal_ = 0;
     std::string output_;
-    std::size_t told_ = 0;    // of output_
+    std::size_t told_ = 0;    // bytes of output_ that new_output() has returned
     std::optional<int> status_;
 };
 
-/// A command line of the shell; it ends with all that it started.
+/// A command line of the shell; its end also ends all processes that it started.
 class Shell : public Process {
 public:
     explicit Shell(const std::string& command);
@@ -60,17 +60,17 @@ public:
     void end();
 };
 
-/// Runs a command line of the shell to its end; its exit status. What it wrote is shown when it fails.
+/// Runs a command line of the shell to its end. Returns its exit status; if it fails, its output is shown.
 int run(const std::string& command);
 
-/// An anogated with a control socket of its own.
+/// An anogated with its own control socket.
 class Daemon : public Process {
 public:
     Daemon(
         const std::string& program, const std::string& socket, std::vector<std::string> arguments,
         const std::vector<std::string>& environment = {}, const std::function<void()>& in_child = [] {});
 
-    /// Null while it does not answer.
+    /// Its status; a discarded value while it does not answer.
     nlohmann::json status() const;
     nlohmann::json link(const std::string& name) const;
     bool until(const std::function<bool(const nlohmann::json&)>& holds);

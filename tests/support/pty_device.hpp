@@ -1,4 +1,4 @@
-// A serial device that can be plugged and unplugged: a pseudo-terminal whose master side is the device.
+// A serial device that can be plugged in and unplugged: a pseudo-terminal whose master side is the device.
 #pragma once
 #include "bytes.hpp"
 
@@ -16,7 +16,7 @@
 
 namespace support {
 
-/// `path` is a link to the terminal while the device is plugged.
+/// `path` is a link to the terminal while the device is plugged in.
 class PtyDevice {
 public:
     explicit PtyDevice(std::string path) : path_{std::move(path)} { plug(); }
@@ -43,19 +43,19 @@ public:
     const std::string& terminal() const { return terminal_; }    // /dev/pts/N
     int fd() const { return fd_; }
 
-    /// Returns how many bytes it took.
+    /// Returns the number of accepted bytes.
     std::size_t write(std::span<const std::uint8_t> bytes) {
         const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
         return n > 0 ? static_cast<std::size_t>(n) : 0;
     }
-    /// What has come since the last call, `most` bytes at the most.
+    /// The bytes received since the last call, at most `most`.
     Bytes read(std::size_t most = 65536) {
         Bytes bytes(most);
         const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
         bytes.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
         return bytes;
     }
-    /// Reads on, and gives all that ever came.
+    /// Reads again, and returns all bytes received so far.
     const Bytes& heard() {
         for (Bytes more = read(); !more.empty(); more = read()) heard_ = std::move(heard_) + more;
         return heard_;

@@ -1,4 +1,4 @@
-// Random choices that a seed repeats.
+// Random choices that are reproducible by their seed.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace support {
 
-/// How many trials a test makes that usually makes `usual`: where a machine is emulated, ANOGATE_TRIALS says which percentage of them,
-/// of which at least one is made.
+/// The number of trials of a test that usually makes `usual`. On emulated machines, ANOGATE_TRIALS is set to a percentage of
+/// them; at least one is made.
 inline std::uint64_t trials(std::uint64_t usual) {
     const char* const text = std::getenv("ANOGATE_TRIALS");
     const std::uint64_t percent = text ? std::strtoull(text, nullptr, 10) : 100;

@@ -1,4 +1,4 @@
-// What a recording holds, with memory of its own, to be compared.
+// The content of a recording, with its own memory, for comparisons.
 #pragma once
 #include "bytes.hpp"
 
@@ -14,7 +14,7 @@
 
 namespace support {
 
-/// A frame, or a loss: then it has no bytes.
+/// A frame, or a loss, which has no bytes.
 struct KeptItem {
     std::uint64_t time_ns = 0, boottime_ns = 0;
     std::string link, description;
@@ -67,7 +67,7 @@ struct ReadRecording {
     std::size_t unfinished = 0;
 };
 
-/// Of any format, given `step` bytes at a time.
+/// Reads a recording of any format, `step` bytes at a time.
 inline ReadRecording read_recording(std::string_view file, std::size_t step = 4096) {
     const auto reader = anogate::make_recording_reader(file);
     ReadRecording read;
@@ -86,7 +86,7 @@ inline ReadRecording read_recording(std::string_view file, std::size_t step = 40
 }
 inline ReadRecording read_pcapng(std::string_view file, std::size_t step = 4096) { return read_recording(file, step); }
 
-/// `often`: it is flushed behind so many items; 0: never.
+/// `often`: flushes after this many items; 0: never.
 inline std::string write_recording(anogate::RecordingFormat format, const std::vector<KeptItem>& items,
                                    const anogate::RecordingHead& head, bool end = true, std::size_t often = 0) {
     std::string file;
@@ -104,8 +104,8 @@ inline std::string write_pcapng(const std::vector<KeptItem>& items, const anogat
     return write_recording(anogate::RecordingFormat::pcapng, items, head, end);
 }
 
-/// Of any bytes: what is read does not depend on how they were cut into pieces; and what was read, recorded, is read as the same, and
-/// recorded again is the same bytes.
+/// True if these rules hold for `file`, which may be any bytes: the result of reading does not depend on the sizes of the pieces.
+/// If the items read are recorded and read again, recording them again gives the same bytes.
 inline bool holds_the_laws_of_recordings(std::string_view file) {
     const ReadRecording read = read_recording(file), in_pieces = read_recording(file, 13);
     if (read.items != in_pieces.items || read.fault != in_pieces.fault || read.position != in_pieces.position) return false;

@@ -13,7 +13,7 @@
 
 namespace support {
 
-/// Of a frame that numbered() made.
+/// The number of a frame that numbered() made.
 inline int number_of(const Bytes& frame) {
     const auto data = ano::FrameView{frame}.data();
     int number = 0;
@@ -22,10 +22,10 @@ inline int number_of(const Bytes& frame) {
 }
 
 struct RecordedFiles {
-    std::vector<ReadRecording> files;    // NAME.pcapng, NAME-2.pcapng and so on; a number that is missing ends them
-    std::vector<int> numbers;            // of the frames in all of them, one file behind the other
-    std::uint64_t lost = 0;              // told in them
-    std::string names;                   // of those
+    std::vector<ReadRecording> files;    // NAME.pcapng, NAME-2.pcapng and so on, up to the first missing number
+    std::vector<int> numbers;            // of the frames in all files, in order
+    std::uint64_t lost = 0;              // sum of the losses in them
+    std::string names;                   // names of the losses
 
     bool are_whole() const {
         for (const ReadRecording& file : files)

@@ -1,4 +1,4 @@
-// A few frames and losses, as recordings have them.
+// A few frames and losses, as in recordings.
 #pragma once
 #include "bytes.hpp"
 #include "recorded.hpp"

@@ -1,4 +1,4 @@
-// A real gateway that one UDP peer speaks to, and its folder of recordings.
+// A real gateway with one UDP peer, and its folder of recordings.
 #pragma once
 #include "asked.hpp"
 #include "bytes.hpp"
@@ -29,7 +29,7 @@ protected:
     using json = nlohmann::json;
     static inline const Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 
-    /// `record`: the section, with its comma in front; empty: none.
+    /// `record`: the section with its leading comma; empty: none.
     void start(const std::string& record = {}, const std::string& more = {}) {
         write_config(record, more);
         gateway = std::make_unique<Daemon>(ANOGATED, socket, std::vector<std::string>{"--config", dir / "anogate.json"});
@@ -59,7 +59,8 @@ protected:
         EXPECT_NE(answer.body.find(words), std::string::npos) << answer.body;
     }
     void send(const Bytes& bytes = euler) { a.send(gateway->port("a"), bytes); }
-    /// Sends numbered frames, each in a datagram, until the gateway has taken them: a few at a time, since its socket holds some hundred.
+    /// Sends numbered frames, each in a datagram, and waits until the gateway has received them: at most 100 at a time, since its
+    /// socket holds only some hundred.
     void send_numbered(int count) {
         const auto port = gateway->port("a");
         std::uint64_t taken = gateway->count("a", "frames_in");
@@ -74,7 +75,7 @@ protected:
     bool until(const std::function<bool(const json&)>& holds) const {
         return wait_until([&] { return holds(get()); });
     }
-    /// The file in the folder of recordings.
+    /// The content of a file in the folder of recordings.
     std::string content(const std::string& name) const { return text_of(folder + "/" + name); }
     std::vector<std::string> names() const {
         std::vector<std::string> all;

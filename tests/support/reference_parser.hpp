@@ -1,5 +1,5 @@
-// Finds the frames exactly by the protocol text and the rules of resynchronisation, simply written and slow.
-// FrameParser must find the same.
+// Finds the frames exactly by the protocol text and the rules of resynchronisation; simple and slow. FrameParser must find the
+// same frames.
 #pragma once
 #include <ano/image_length.hpp>
 #include <ano/parser.hpp>
@@ -19,9 +19,9 @@ public:
 
     explicit ReferenceParser(ano::FrameParser::Options options) : options_{options} {}
 
-    std::vector<Bytes> frames;    // every good frame so far
+    std::vector<Bytes> frames;    // all valid frames so far
     std::uint64_t skipped = 0;
-    std::uint64_t refused = 0;    // candidates, for whatever reason
+    std::uint64_t refused = 0;    // candidates refused for any reason
 
     std::uint64_t bytes_in() const { return bytes_.size(); }
     std::size_t waiting() const { return bytes_.size() - at_; }
@@ -47,7 +47,7 @@ public:
             if (const std::size_t behind = quiet ? good_frame_behind() : 0) {
                 give_up_before(behind);
             } else if (now >= overdue_at(at_, since_)) {
-                // When this candidate came is not known: with the last byte at the latest.
+                // The arrival time of this candidate is unknown: at the latest that of the last byte.
                 std::size_t next = at_ + 1;
                 while (quiet && next < bytes_.size() && (bytes_[next] != 0xAB || now >= overdue_at(next, last_arrival_))) ++next;
                 give_up_before(next);
@@ -62,7 +62,7 @@ private:
 
     bool pauses() const { return options_.frame_gap > ano::Duration{}; }
 
-    // Of an image above max_data: the rows of pixels behind its 17 bytes of flag, color, width, height and val.
+    // For an image above max_data: the rows of pixels after its 17 bytes of flag, color, width, height and val.
     static bool are_rows(const Bytes& bytes, std::size_t at) {
         const std::size_t width = bytes[at + 9] + 256u * bytes[at + 10], height = bytes[at + 11] + 256u * bytes[at + 12];
         const std::size_t pixels = length_of(bytes, at) - 17;
@@ -99,7 +99,7 @@ private:
     static std::size_t length_of(const Bytes& bytes, std::size_t at) { return bytes[at + 4] + 256u * bytes[at + 5]; }
     std::size_t length_at(std::size_t at) const { return length_of(bytes_, at); }
 
-    // Protocol text, section 4: these have a length of their own.
+    // Protocol text, section 4: these have a fixed length.
     static bool has_fixed_length(unsigned id, unsigned first) {
         if (id == 0x34) return first != 100;
         static const std::set<unsigned> fixed{0x20, 0x21, 0x30, 0x31, 0x32, 0x33, 0x35, 0x40, 0x41, 0x51, 0x60, 0x61, 0xC1, 0xE0};
@@ -113,11 +113,11 @@ private:
         return !has_fixed_length(id, bytes_[at_ + 6]) || length_at(at_) <= max_size_[id];
     }
 
-    // A look costs the credit of 32 bytes of good frames; the credit is at most 65536.
+    // A look takes 32 bytes of credit, which valid frames add; the credit is at most 65536.
     bool can_look() const { return credit_ >= 32; }
 
-    // The first look at a header decides whether its frame counts: its source has been heard, and it and another
-    // frame end before the frame that waits.
+    // The first look at a header decides whether its frame counts: it does if its source is known, and it and another frame end
+    // before the frame that waits.
     bool two_good_frames_behind() {
         const std::size_t max_length = std::min(length_at(at_), options_.max_data);
         const std::size_t end = std::min(bytes_.size(), at_ + 8 + options_.max_data);
@@ -144,7 +144,7 @@ private:
         return 0;
     }
 
-    // Candidates that begin before `place` no longer wait.
+    // Candidates that begin before `place` stop waiting.
     void give_up_before(std::size_t place) {
         given_up_ = place;
         look();
@@ -177,7 +177,7 @@ private:
                     drop();
                     break;
                 }
-                // Giving way costs a look as well.
+                // Giving up the candidate takes a look as well.
                 if (waiting() > 8 && !sources_.empty() && !credible() && can_look() && two_good_frames_behind() && can_look()) {
                     credit_ -= 32;
                     drop();
@@ -202,16 +202,16 @@ private:
     }
 
     ano::FrameParser::Options options_;
-    Bytes bytes_;                 // all that ever came
-    std::size_t at_ = 0;          // the bytes before are skipped or part of a good frame
+    Bytes bytes_;                 // all received bytes
+    std::size_t at_ = 0;          // the bytes before are skipped or part of a valid frame
     std::size_t given_up_ = 0;    // candidates that begin before this do not wait for their rest
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};
-    std::set<unsigned> sources_;                 // of good frames
-    std::array<std::size_t, 256> max_size_{};    // LEN of good frames, by id
+    std::set<unsigned> sources_;                 // of valid frames
+    std::array<std::size_t, 256> max_size_{};    // largest LEN of valid frames, by id
     std::size_t credit_ = 65536;
-    std::map<std::size_t, bool> counts_;    // by the place of a header that was looked at
+    std::map<std::size_t, bool> counts_;    // by the position of a header that was looked at
 };
 
 }    // namespace support

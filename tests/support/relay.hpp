@@ -1,4 +1,4 @@
-// A connection between two programs with a delay, which may differ by direction, that may fail without notice.
+// A connection between two programs. Its delay may differ by direction, and it can fail without notice.
 #pragma once
 #include "udp_peer.hpp"
 
@@ -7,19 +7,19 @@
 
 namespace support {
 
-/// Two UDP sockets. What comes in by one leaves by the other, `delay` later, to whoever last sent something there. The test
-/// drives it by pump().
+/// Two UDP sockets. Datagrams received on one are sent from the other, `delay` later, to the address that last sent to it. The
+/// test drives it by pump().
 class Relay {
 public:
     using Clock = std::chrono::steady_clock;
 
     Relay(Clock::duration from_a, Clock::duration from_b) : sides_{Side{from_a}, Side{from_b}} {}
 
-    /// Where each of the two is to send.
+    /// The addresses to which the two programs must send.
     std::string a() const { return sides_[0].socket.local().text(); }
     std::string b() const { return sides_[1].socket.local().text(); }
 
-    /// From now on nothing passes, and what is on its way is lost. Nobody is told.
+    /// From now on nothing passes, and datagrams in transit are lost, without any error.
     void fail() {
         failing_ = true;
         for (Side& side : sides_) side.on_the_way.clear();
@@ -38,7 +38,7 @@ public:
         }
     }
     bool idle() const { return sides_[0].on_the_way.empty() && sides_[1].on_the_way.empty(); }
-    /// Frames that came to it from both sides.
+    /// Frames received from both sides.
     std::size_t carried() const { return carried_; }
 
 private:

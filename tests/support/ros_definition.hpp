@@ -1,4 +1,4 @@
-// A definition as `ros2msg` has it, read as strictly as ROS 2 reads it, and data decoded by it alone.
+// Reads a definition in the format `ros2msg` as strictly as ROS 2 does, and decodes data only by it.
 #pragma once
 #include <ano_json/frame_json.hpp>
 #include <ano_json/text.hpp>
@@ -25,7 +25,7 @@ struct RosDefinition {
         std::string type;    // "float64", "geometry_msgs/Vector3"
         std::string name;
         bool is_array = false;
-        std::size_t count = 0;    // of an array; 0: a sequence
+        std::size_t count = 0;    // elements of an array; 0: a sequence
     };
     std::map<std::string, std::vector<Field>> types;    // "" is the message itself
     std::map<std::string, std::int64_t> constants;      // of the message itself
@@ -69,7 +69,7 @@ struct RosDefinition {
         check();
     }
 
-    /// `reader` has number<T>(), text(), and length(), which is of a sequence.
+    /// `reader` has number<T>(), text(), and length() for the length of a sequence.
     template <class Reader>
     ano::Json decode(Reader& reader, const std::string& type = "") const {
         ano::Json json = ano::Json::object();
@@ -86,7 +86,7 @@ struct RosDefinition {
     }
 
 private:
-    // Every message that is named is there, and every other one is named; none has itself in it.
+    // Checks that every named message is defined, every other defined one is named, and none contains itself.
     void check() const {
         std::set<std::string> named{""};
         std::vector<std::string> todo{""};
@@ -125,7 +125,7 @@ private:
     }
 };
 
-/// Plain CDR, little-endian, behind its head; throws where it ends too early.
+/// Reads plain CDR, little-endian, after its head; throws if the data end too early.
 class CdrReader {
 public:
     explicit CdrReader(std::string_view data) : data_{data} {
@@ -156,7 +156,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// Throws when anything is left.
+/// Throws if bytes are left.
 inline ano::Json decoded_cdr(const std::string& definition, std::string_view data) {
     CdrReader reader{data};
     ano::Json json = RosDefinition{definition}.decode(reader);

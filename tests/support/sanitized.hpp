@@ -1,4 +1,4 @@
-// Whether the program is built with a sanitizer, which needs memory of its own and makes everything slower.
+// Whether the program is built with a sanitizer, which needs additional memory and makes everything slower.
 #pragma once
 
 namespace support {
@@ -15,7 +15,7 @@ inline constexpr bool sanitized = false;
 inline constexpr bool sanitized = false;
 #endif
 
-/// ThreadSanitizer alone.
+/// Whether the program is built with ThreadSanitizer.
 #if defined(__SANITIZE_THREAD__)
 inline constexpr bool thread_sanitized = true;
 #elif defined(__has_feature)

@@ -1,4 +1,4 @@
-// What systemd is to a service: hears what it tells, keeps its descriptors, and passes them to its next start.
+// Does systemd's part for a service: receives its notifications, stores its descriptors, and passes them to its next start.
 #pragma once
 #include "process.hpp"
 
@@ -30,7 +30,7 @@ public:
         if (::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) std::abort();
     }
 
-    /// The service, with what is stored. Its environment has `environment` as well.
+    /// Starts the service with the stored descriptors; `environment` is added to its environment.
     std::unique_ptr<Daemon> start(const std::string& program, const std::string& control, std::vector<std::string> arguments,
                                   std::vector<std::string> environment = {}) {
         hear();
@@ -40,7 +40,7 @@ public:
                                                "LISTEN_FDNAMES=" + names, "LISTEN_PID=0"});
         return std::make_unique<Daemon>(program, control, std::move(arguments), environment, [this] { pass(); });
     }
-    /// As `systemctl restart` ends it; what it left is here then. Its exit status.
+    /// Stops the service like `systemctl restart`, and receives the descriptors that it leaves. Returns its exit status.
     int stop(Daemon& service) {
         service.signal(SIGTERM);
         const bool ended = wait_until([&] {
@@ -50,7 +50,7 @@ public:
         hear();
         return ended ? service.wait() : -1;
     }
-    /// By name.
+    /// The stored descriptors by name.
     std::multimap<std::string, anogate::UniqueFd>& stored() {
         hear();
         return stored_;
@@ -58,7 +58,7 @@ public:
     void forget() { stored_.clear(); }
 
 private:
-    // In the new process: from 3 on, in the order of the names.
+    // Runs in the new process: places the descriptors from 3 on, in the order of the names.
     void pass() const {
         std::vector<int> high;
         for (const auto& [name, fd] : stored_) high.push_back(::fcntl(fd.get(), F_DUPFD, 200));
@@ -91,7 +91,7 @@ private:
             take(std::string{text.data(), static_cast<std::size_t>(n)}, std::move(descriptors));
         }
     }
-    // BARRIER=1 is answered by closing what came with it.
+    // BARRIER=1 is answered by closing the descriptors received with it.
     void take(const std::string& message, std::vector<anogate::UniqueFd> descriptors) {
         const std::string field = "FDNAME=";
         const std::size_t at = message.find(field);

@@ -1,4 +1,5 @@
-// A program xdg-open, which does as a browser with the page: it reads the file that leads to the page, and signs in by the code there.
+// A program xdg-open that simulates a browser with the page: it reads the file that redirects to the page, and signs in with its
+// code.
 #pragma once
 #include <support/temp_dir.hpp>
 
@@ -8,7 +9,8 @@
 
 namespace support {
 
-/// In `dir`; it prints the URL that it is given, the file's mode, where that leads to, and the answer of the gateway at `port`.
+/// Writes it to `dir`. It prints its URL argument, the mode of that file, the address to which the file redirects, and the
+/// response of the gateway at `port`.
 inline void write_signing_browser(const TempDir& dir, std::uint16_t port) {
     const std::string program = dir.write("xdg-open", R"sh(#!/bin/sh
 echo "opens $1"

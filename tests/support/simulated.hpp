@@ -1,4 +1,4 @@
-// A simulated device, whose time is a number, and what it said.
+// A simulated device in simulated time, and the frames that it sent.
 #pragma once
 #include "bytes.hpp"
 
@@ -25,7 +25,7 @@ struct Simulated {
             device.run(now, hear);
         }
     }
-    /// Until it holds, asked every 100 ms; false: not within `limit`.
+    /// Runs until `holds` returns true, checked every 100 ms; false: it did not within `limit`.
     bool run_until(const std::function<bool()>& holds, ano::Duration limit = std::chrono::seconds{60}) {
         for (const ano::TimePoint end = now + limit; now < end && !holds();) run_for(std::chrono::milliseconds{100});
         return holds();
@@ -36,7 +36,7 @@ struct Simulated {
         device.take(ano::FrameView{question}, now, hear);
         return said;
     }
-    /// Whether it acknowledged that.
+    /// Sends it this frame. Returns whether it acknowledged it.
     bool does(std::uint8_t id, const Bytes& data) {
         const Bytes question = frame(0xFE, device.device().info().id, id, data);
         const Bytes yes = frame(device.device().info().id, 0xFE, 0x00, {id, question[question.size() - 2], question.back()});
@@ -63,13 +63,13 @@ struct Simulated {
         ano::store(data.data() + 2, value);
         return does(0xE1, data);
     }
-    /// How many of that id it said since `said` was cleared.
+    /// Number of frames with this id that it sent since `said` was cleared.
     std::size_t count(std::uint8_t id) const {
         std::size_t n = 0;
         for (const Bytes& f : said) n += f[3] == id;
         return n;
     }
-    /// The last frame of that message that it says in the next 1.1 s.
+    /// The last frame of this message that it sends within the next 1.1 s.
     template <ano::Name M, ano::Name Label = "">
     std::optional<ano::View<M, Label>> next() {
         said.clear();

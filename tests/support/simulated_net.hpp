@@ -1,4 +1,4 @@
-// Devices of a test and the host engine for them, in simulated time.
+// The devices of a test and the host engine for them, in simulated time.
 #pragma once
 #include <devices/device_routes.hpp>
 #include <devices/device_service.hpp>
@@ -20,7 +20,7 @@
 
 namespace support {
 
-/// What is sent arrives `delay` later at every fake device, and so do their answers at the service.
+/// Frames arrive at every fake device after the delay of the line, and so do the answers at the service.
 class SimulatedNet final : public anogate::DeviceNet {
 public:
     SimulatedNet() { anogate::add_device_routes(routes, service); }
@@ -28,26 +28,26 @@ public:
     std::vector<std::unique_ptr<FakeDevice>> fakes;
     LineFaults line{.delay = std::chrono::milliseconds{10}};
     TimePoint time = TimePoint{} + 1h;
-    std::map<std::uint8_t, std::string> refuses;    // frames of this id never leave, and why
+    std::map<std::uint8_t, std::string> refuses;    // ids of frames that are never sent, and the reason
     std::map<std::uint8_t, ano::host::Whereabouts> where;
-    std::set<std::pair<std::uint8_t, std::uint8_t>> same;    // a port, and who is behind it
-    std::set<std::pair<std::uint8_t, std::uint8_t>> ways;    // a port, and whose frames come by its link
-    bool learns = false;                                     // who is heard is known
+    std::set<std::pair<std::uint8_t, std::uint8_t>> same;    // a port, and the device at it
+    std::set<std::pair<std::uint8_t, std::uint8_t>> ways;    // a port, and a device whose frames arrive on its link
+    bool learns = false;                                     // the source of each received frame becomes known
     bool listens = false;
     bool stood_still = false;
     bool is_down = false;        // the link to all devices
-    TimePoint queued_until{};    // what is sent before leaves then
-    std::string stopped;         // why nothing leaves
+    TimePoint queued_until{};    // frames queued before this time are sent at this time
+    std::string stopped;         // the reason why nothing is sent
     std::vector<Bytes> flushed_before;
     std::map<std::string, std::string> kept, cache_folder;
     anogate::UnitPlace unit{"/run/test.sock", "fc", "serial:/dev/fake"};
     std::vector<std::string> reports;
     std::vector<Bytes> sent;
     std::optional<std::string> keep_fault;
-    bool is_disk_slow = false;                                        // what is to be kept is never known to be on it
-    anogate::http::Access access = anogate::http::Access::control;    // of whoever asks
-    std::string peer;                                                 // the address from which he asks
-    bool is_foreign = false;                                          // a page of another site asks
+    bool is_disk_slow = false;                                        // keep() never reports its result
+    anogate::http::Access access = anogate::http::Access::control;    // the access of requests
+    std::string peer;                                                 // the address from which requests are sent
+    bool is_foreign = false;                                          // requests are of a page of another site
     anogate::DeviceManners link_manners;
 
     FakeDevice& add(std::uint8_t address = 0xDC) {
@@ -97,12 +97,12 @@ public:
         if (!is_disk_slow) done(keep_fault.value_or(""));
     }
 
-    /// A frame of somebody passes.
+    /// Simulates that any frame passes the gateway.
     void passes(const Bytes& bytes) {
         if (listens) service.hear(ano::FrameView{bytes}, time);
     }
 
-    /// Until `holds`, or nothing more will happen, or the time is over.
+    /// Runs until `holds` returns true; false: no event is left within `limit`.
     bool until(const std::function<bool()>& holds, Duration limit = 1h) {
         const TimePoint end = time + limit;
         while (!holds()) {
@@ -128,7 +128,7 @@ public:
         unsigned status = 0;
         nlohmann::ordered_json json;
     };
-    /// What is answered now or later.
+    /// The response, which may be sent now or later.
     Answer ask(const std::string& method, const std::string& target, const std::string& body = {}) {
         auto answer = asked(method, target, body);
         EXPECT_TRUE(until([&] { return answer->has_value(); })) << method << ' ' << target << " is never answered";
@@ -147,14 +147,14 @@ public:
         if (!answer->has_value()) needed_[answer.get()] = std::move(response.needed);
         return answer;
     }
-    /// One who takes lines.
+    /// The stream of lines for a request.
     std::unique_ptr<anogate::http::Producer> lines(const std::string& method, const std::string& target,
                                                    const std::string& body = {}) {
         auto asks = own_request(method, target, body);
         asks.headers.push_back({"Accept", "application/x-ndjson"});
         return std::move(routes.answer(asks).producer);
     }
-    /// All who waited leave.
+    /// All waiting clients disconnect.
     void leave() { needed_.clear(); }
 
     static anogate::http::Request request(const std::string& method, const std::string& target, const std::string& body = {}) {
@@ -207,7 +207,7 @@ private:
     Random random_{7};
     std::optional<TimePoint> wake_;
     std::multimap<TimePoint, Event> events_;
-    std::map<const void*, std::shared_ptr<void>> needed_;    // by the answer that is waited for
+    std::map<const void*, std::shared_ptr<void>> needed_;    // by the awaited response
 };
 
 }    // namespace support

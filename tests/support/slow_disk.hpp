@@ -1,5 +1,5 @@
-// A disk that really is slow, in the place of a folder: a file system by FUSE, whose writes take as long as the test says. It is
-// mounted in a mount namespace of the test's own, so that it is gone with the test, however that ends.
+// A slow disk at the path of a folder: a FUSE file system whose writes take a time that the test sets. It is mounted in a private
+// mount namespace of the test, so that it disappears when the test ends in any way.
 #pragma once
 #include "process.hpp"
 #include "temp_dir.hpp"
@@ -25,8 +25,8 @@ namespace support {
 
 class SlowDisk {
 public:
-    /// `program`: tests/slow_disk; empty: it was not built. In the place of `folder`, which is made. Processes that are started from
-    /// now on see it.
+    /// `program`: tests/slow_disk; empty: it was not built. Mounts the disk at `folder`, which is created. Only processes that
+    /// are started later see it.
     SlowDisk(const std::string& program, std::string folder) : folder_{std::move(folder)} {
         if (program.empty()) {
             why_not_ = "built without FUSE's library (libfuse3-dev)";
@@ -45,7 +45,7 @@ public:
     SlowDisk(const SlowDisk&) = delete;
     SlowDisk& operator=(const SlowDisk&) = delete;
 
-    /// Empty: it is there.
+    /// The reason why the disk is not mounted; empty: it is mounted.
     const std::string& why_not() const { return why_not_; }
     void take_a_write_in(std::chrono::nanoseconds time) { speed_.ns_a_write = time.count(); }
     void take_a_second(std::int64_t bytes) { speed_.ns_a_byte = 1'000'000'000 / bytes; }
@@ -53,7 +53,7 @@ public:
     bool until_it_is_slow() const {
         return wait_until([&] { return speed_.waiting > 0; });
     }
-    /// When the first slow write came.
+    /// The time of the first slow write.
     std::chrono::system_clock::time_point slow_since() const {
         return std::chrono::system_clock::time_point{
             std::chrono::duration_cast<std::chrono::system_clock::duration>(std::chrono::nanoseconds{speed_.slow_since})};
@@ -74,7 +74,7 @@ private:
     std::string folder_;
     std::string why_not_;
     DiskSpeed& speed_ = shared_disk_speed(dir_ / "speed");
-    std::unique_ptr<Process> process_;    // ends before what is below it is removed
+    std::unique_ptr<Process> process_;    // ends before its folders are removed
 };
 
 }    // namespace support

@@ -1,4 +1,4 @@
-// A disk of the test's own: a tmpfs in a mount namespace that nobody else sees, gone with the process.
+// A private disk of the test: a tmpfs in its own mount namespace, which ends with the process.
 #pragma once
 #include <sched.h>
 #include <sys/mount.h>
@@ -12,7 +12,7 @@ namespace support {
 
 class SmallDisk {
 public:
-    /// In the place of `folder`, which exists. Threads that are started from now on see it.
+    /// Mounted at `folder`, which must exist. Threads that are started later see it.
     SmallDisk(std::string folder, const std::string& size) : folder_{std::move(folder)} {
         if (::unshare(CLONE_NEWNS) != 0 || ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
             ::mount("tmpfs", folder_.c_str(), "tmpfs", 0, ("size=" + size).c_str()) != 0)
@@ -24,9 +24,9 @@ public:
     SmallDisk(const SmallDisk&) = delete;
     SmallDisk& operator=(const SmallDisk&) = delete;
 
-    /// Empty: it is there.
+    /// The reason why the disk is not mounted; empty: it is mounted.
     const std::string& why_not() const { return why_not_; }
-    /// False: it is as it was, for one because a file is written.
+    /// Makes the disk read-only, or writable again. False: nothing changed, for example because a file is open for writing.
     bool read_only(bool yes) const { return ::mount("", folder_.c_str(), "", MS_REMOUNT | (yes ? MS_RDONLY : 0), "") == 0; }
 
 private:

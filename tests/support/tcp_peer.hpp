@@ -1,4 +1,4 @@
-// The other end of a TCP link: a socket that listens, or one that connects.
+// The remote end of a TCP link: a socket that listens, or one that connects.
 #pragma once
 #include "bytes.hpp"
 #include "settings.hpp"
@@ -19,7 +19,7 @@ class TcpPeer {
 public:
     TcpPeer() = default;
     explicit TcpPeer(anogate::UniqueFd fd) : fd_{std::move(fd)} {}
-    /// Connects; without waiting for the other end.
+    /// Starts to connect, without waiting for the other end.
     explicit TcpPeer(const std::string& to) {
         auto begun = anogate::begin_connect(endpoint(to), std::chrono::hours{1});
         if (!begun) throw std::runtime_error{begun.error().text};
@@ -32,14 +32,14 @@ public:
     bool send(std::span<const std::uint8_t> bytes) {
         return ::send(fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
     }
-    /// Reads on, and gives all that ever came.
+    /// Reads again, and returns all bytes received so far.
     const Bytes& heard() {
         Bytes more(65536);
         for (ssize_t n; (n = ::read(fd(), more.data(), more.size())) > 0;)
             heard_.insert(heard_.end(), more.begin(), more.begin() + n);
         return heard_;
     }
-    /// The other end has closed the connection.
+    /// True if the other end has closed the connection.
     bool is_closed() {
         std::uint8_t byte;
         const ssize_t n = ::recv(fd(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
@@ -65,7 +65,7 @@ public:
     std::string address() const { return local_.text(); }
     /// A LINK text for a gateway that is to connect.
     std::string link(const std::string& name) const { return "tcp:" + local_.text() + ",name=" + name; }
-    /// The next connection; false when none waits.
+    /// Accepts the next connection; false: none waits.
     bool accept(TcpPeer& into) {
         anogate::Accepted next = anogate::accept_tcp(fd_.get());
         if (!next.fd) return false;

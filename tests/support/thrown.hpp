@@ -1,10 +1,10 @@
-// What a call says that fails.
+// The message of a call that fails.
 #pragma once
 #include <string>
 
 namespace support {
 
-/// The words of the Error that `f` throws; "nothing was thrown" where it throws none.
+/// The message of the Error that `f` throws; "nothing was thrown" if it throws none.
 template <class Error, class F>
 std::string thrown(F&& f) {
     try {

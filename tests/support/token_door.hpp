@@ -28,7 +28,7 @@ protected:
         ASSERT_NE(port, 0) << daemon.output();
     }
 
-    /// Behind a proxy, so that a token is needed whoever runs the test.
+    /// A request that seems to be forwarded by a proxy, so that a token is needed, whichever user runs the test.
     static std::string request(const std::string& line, const std::string& headers = {}, const std::string& body = {}) {
         return line + " HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\nConnection: close\r\nContent-Length: " +
                std::to_string(body.size()) + "\r\n" + (body.empty() ? "" : "Content-Type: application/json\r\n") + headers +

@@ -1,5 +1,5 @@
-// A kind of link of a test's own: toy:WORD[,times=N] says one frame with WORD as its DATA, N times, as soon as it is up. All
-// that there is of it stands here, as a kind of the program has one file; a table of kinds needs one row more.
+// A kind of link that a test defines: toy:WORD[,times=N] sends one frame with WORD as its DATA, N times, as soon as it is up. All
+// of it is in this file, as each kind of the program is in one; the table of kinds needs one more row.
 #pragma once
 #include <ano/frame.hpp>
 #include <config/key_rows.hpp>

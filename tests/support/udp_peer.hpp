@@ -1,4 +1,4 @@
-// A UDP socket as a ground station would have one; the kernel chooses its port.
+// A UDP socket like that of a ground station; the kernel chooses its port.
 #pragma once
 #include "bytes.hpp"
 #include "settings.hpp"
@@ -25,14 +25,14 @@ public:
         socket_ = std::move(*opened);
         local_ = anogate::local_endpoint(socket_.get());
         if (!std::getenv("ANOGATE_IN_VM")) return;
-        const int room = 4 << 20;    // an emulated machine reads late
+        const int room = 4 << 20;    // on an emulated machine, the program reads late
         ::setsockopt(fd(), SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof room);
     }
-    /// Its own socket for tests that need an option set first.
+    /// Its socket, for tests that set an option first.
     int fd() const { return socket_.get(); }
     const anogate::Endpoint& local() const { return local_; }
     std::uint16_t port() const { return local_.port; }
-    /// A LINK text for a gateway that is to talk to this peer.
+    /// A LINK text for a gateway that communicates with this peer.
     std::string link(const std::string& name) const { return "udp:" + local_.text() + ",bind=127.0.0.1:0,name=" + name; }
 
     bool send(const anogate::Endpoint& to, std::span<const std::uint8_t> datagram) {
@@ -57,7 +57,7 @@ public:
         return send(to, datagram);
     }
 
-    /// Every datagram that has come since the last call.
+    /// All datagrams received since the last call.
     std::vector<Bytes> datagrams() {
         std::vector<Bytes> result;
         sockaddr_storage from{};
@@ -70,7 +70,7 @@ public:
         }
         return result;
     }
-    /// The frames of the datagrams that have come since the last call.
+    /// The frames of the datagrams received since the last call.
     std::vector<Bytes> frames() {
         std::vector<Bytes> all;
         for (const Bytes& datagram : datagrams())
@@ -78,7 +78,7 @@ public:
         return all;
     }
     const anogate::Endpoint& last_sender() const { return last_sender_; }
-    /// Reads on, and gives all that ever came, one datagram behind the other.
+    /// Reads again, and returns the bytes of all datagrams received so far.
     const Bytes& heard() {
         for (const Bytes& datagram : datagrams()) heard_.insert(heard_.end(), datagram.begin(), datagram.end());
         return heard_;

@@ -20,7 +20,7 @@ struct Vector {
     ano::Json json;
 };
 
-/// Fields in quotation marks may hold commas; a quotation mark in them stands twice.
+/// Fields in quotation marks may contain commas; a quotation mark in them is doubled.
 inline std::vector<std::string> split_csv_line(const std::string& line) {
     std::vector<std::string> fields(1);
     bool quoted = false;

@@ -1,4 +1,4 @@
-// A device at a pseudo-terminal that has the vendor's parser: a damaged LEN makes it deaf.
+// A device at a pseudo-terminal with the vendor's parser: after a damaged LEN it receives no frames.
 #pragma once
 #include "bytes.hpp"
 #include "fake_device.hpp"
@@ -18,7 +18,7 @@
 
 namespace support {
 
-/// Driven by a thread of its own, which begins with start().
+/// Driven by its own thread, which start() starts.
 class VendorDevice {
 public:
     explicit VendorDevice(const std::string& path) : port_{path} {
@@ -35,14 +35,14 @@ public:
     void start() {
         thread_ = std::thread{[this] { run(); }};
     }
-    /// Its parser gets a header with a damaged LEN, and waits for 190 bytes.
+    /// Passes its parser a header with a damaged LEN, so that it waits for 190 bytes.
     void disturb() {
         disturbed_ = true;
         while (disturbed_) std::this_thread::sleep_for(std::chrono::milliseconds{1});
     }
     unsigned calls() const { return calls_; }
     unsigned frames() const { return frames_; }
-    /// The most that came in a row.
+    /// The largest number of zero bytes received in a row.
     std::size_t zeros() const { return zeros_; }
 
 private:
@@ -51,7 +51,7 @@ private:
         while (!stops_) {
             pollfd port{port_.fd(), POLLIN, 0};
             ::poll(&port, 1, 10);
-            if (port.revents & POLLHUP) std::this_thread::sleep_for(std::chrono::milliseconds{10});    // nobody has it open
+            if (port.revents & POLLHUP) std::this_thread::sleep_for(std::chrono::milliseconds{10});    // no program has it open
             if (disturbed_) {
                 parser_.feed(Bytes{0xAB, 0xFE, 0xDC, 0xE0, 190, 0, 1, 0, 0, 0x6E, 0x60}, [](ano::FrameView) {});
                 disturbed_ = false;

@@ -1,4 +1,4 @@
-// Waits until a condition holds, never for a fixed time.
+// Waits for a condition, never for a fixed time.
 #pragma once
 #include <chrono>
 #include <functional>
@@ -6,7 +6,7 @@
 
 namespace support {
 
-/// Ends what hangs. No test needs it on any machine, however busy or emulated.
+/// The limit that ends a hanging test. Tests that work never reach it, even on a busy or emulated machine.
 inline constexpr std::chrono::seconds patience{60};
 
 /// Calls `holds` until it returns true or `limit` is over; returns its last result. `pause` runs between two calls.
