@@ -5,7 +5,7 @@
 namespace anogate::http::accept_tests {
 namespace {
 
-// As Prometheus 2.42 asks.
+// The header that Prometheus 2.42 sends.
 constexpr char prometheus[] =
     "application/openmetrics-text;version=1.0.0,application/openmetrics-text;version=0.0.1;q=0.75,"
     "text/plain;version=0.0.4;q=0.5,*/*;q=0.1";

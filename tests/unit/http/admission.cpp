@@ -34,7 +34,7 @@ Admission admission_with(AdmissionRules more = {}) {
     return admission;
 }
 
-/// What it may, or the status of the refusal as a negative number.
+/// The access of the request as a number, or the status of the refusal as a negative number.
 int judged(Admission& admission, Request request, ano::TimePoint now = {}) {
     const auto allowed = admission.judge(request, now);
     return allowed ? static_cast<int>(*allowed) : -static_cast<int>(allowed.error().status);

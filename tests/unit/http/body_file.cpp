@@ -1,4 +1,4 @@
-// Large bodies in files: whole, gone with who has them, and in words where there is no room.
+// Large bodies in files: they are complete, disappear with their owner, and report a full disk in words.
 #include <http/body_file.hpp>
 #include <support/temp_dir.hpp>
 #include <support/wait.hpp>

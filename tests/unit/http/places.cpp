@@ -60,7 +60,7 @@ TEST(Places, of_two_sorts_the_crowd_gives_way) {
     EXPECT_EQ(gives_way(fill({half(2, 1), idle(1, 3), idle(1, 2)}, views(1))), 2u) << "others' are not counted";
 }
 
-// The head of a request came, and its body has not; a crowd of the same address connects and is silent.
+// The head of a request was received but not its body, while many silent connections of the same address are opened.
 TEST(Places, half_a_request_keeps_its_place_in_a_crowd_that_was_not_heard) {
     EXPECT_EQ(gives_way(fill({half(1, 1), idle(1, 1)}, unheard(1, 3))), 2u);
 }
@@ -84,7 +84,7 @@ TEST(Places, who_asks_nothing_gives_way_and_first_those_of_a_crowd) {
     EXPECT_EQ(gives_way(visitors), 6u) << "who may control is the last of them";
 }
 
-// The law: as long as somebody without control rights holds a place, whoever comes finds one.
+// The rule: as long as a client without control rights holds a place, every new client gets one.
 TEST(Places, a_whole_request_gives_way_unless_it_may_control) {
     std::vector<Visitor> visitors;
     for (std::uint64_t client = 0; client < places; ++client) visitors.push_back(views(client, 100 - static_cast<int>(client)));

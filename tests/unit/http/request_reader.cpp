@@ -5,7 +5,7 @@
 namespace anogate::http::request_reader_tests {
 namespace {
 
-/// All of `bytes`, `step` of them at a time, and what was not taken.
+/// Passes all of `bytes`, `step` of them at a time, together with those that were not consumed; returns the rest.
 std::string put(RequestReader& reader, std::string bytes, std::size_t step = 1 << 20) {
     std::string came;
     while (!bytes.empty() && !reader.is_done() && !reader.fault()) {

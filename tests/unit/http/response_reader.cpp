@@ -5,7 +5,7 @@
 namespace anogate::http::response_reader_tests {
 namespace {
 
-/// All of `bytes`, `step` of them at a time, until it is done or has a fault.
+/// Passes all of `bytes`, `step` of them at a time, until the reader is done or has a fault; returns the body.
 std::string body_of(ResponseReader& reader, std::string bytes, std::size_t step = 1 << 20) {
     std::string came, body;
     while (!bytes.empty() && !reader.is_done() && reader.fault().empty()) {
@@ -91,7 +91,7 @@ TEST(ResponseReader, holds_no_more_than_its_limits_and_what_came) {
     body_of(long_line, ok + "Transfer-Encoding: chunked\r\n\r\n5;" + std::string(5000, 'x'), 100);
     EXPECT_NE(long_line.fault(), "");
 
-    ResponseReader promised;    // a length is a promise, for which nothing is reserved
+    ResponseReader promised;    // no memory is reserved for an announced length
     EXPECT_EQ(body_of(promised, ok + "Content-Length: 9223372036854775807\r\n\r\nab"), "ab");
     EXPECT_EQ(promised.fault(), "");
 }

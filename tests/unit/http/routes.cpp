@@ -5,7 +5,7 @@
 namespace anogate::http::routes_tests {
 namespace {
 
-/// Rows whose functions say which they are, and what they were given.
+/// Rows whose functions return the name of the row and the parameters that they received.
 class Table : public testing::Test {
 protected:
     void add(const std::string& method, const std::string& pattern) {
