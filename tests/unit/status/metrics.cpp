@@ -105,7 +105,7 @@ TEST(Metrics, has_no_series_twice_whatever_things_are_called) {
     }
 }
 
-// 64 links and 64 channels are the most that a gateway has.
+// A gateway has at most 64 links and 64 channels.
 TEST(Metrics, has_a_bounded_number_of_series) {
     MetricsSnapshot snapshot;
     for (int i = 0; i < 64; ++i)
