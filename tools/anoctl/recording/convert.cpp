@@ -228,7 +228,8 @@ private:
     /// `recorded`, with the layouts `given` instead of its own.
     static DecodingPtr with(const std::optional<std::vector<ano::FlexibleSpec>>& given, const DecodingPtr& recorded) {
         if (recorded && !given) return recorded;
-        const anogate::Decoding of_file = recorded ? *recorded : anogate::Decoding{};
+        static const anogate::Decoding usual;
+        const anogate::Decoding& of_file = recorded ? *recorded : usual;
         return std::make_shared<const anogate::Decoding>(given.value_or(std::vector<ano::FlexibleSpec>{}), of_file.lx(),
                                                          of_file.texts());
     }
