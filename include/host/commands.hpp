@@ -94,8 +94,8 @@ private:
     int again_ = 0;
 };
 
-/// The commands of `device` as last read, even if it was away since; each must be confirmed unless Device::is_certain_since() its
-/// doubts. nullptr: they are not known, or the device has since reported different data. Valid as stated at CommandCache::find().
+/// The commands of `device` as last read, even if it was away since; each must be confirmed unless Device::has_no_sign_since() its
+/// signs. nullptr: they are not known, or the device has since reported different data. Valid as stated at CommandCache::find().
 const std::vector<CommandInfo>* commands_read_last(CommandCache& cache, const Device& device);
 
 /// Asks the device whether a command that it described earlier is still the same, and at the same time for its device info. Both

@@ -57,7 +57,7 @@ public:
     struct Entry {
         DescriptionKey key;
         std::vector<Description> descriptions;
-        std::uint32_t doubts;    // Device::doubts() when the descriptions were read
+        std::uint32_t signs;    // Device::signs() when the descriptions were read
     };
     /// The last entry stored for `address`, even if the device has changed since; nullptr: none. Valid as stated at find().
     Entry* last_of(std::uint8_t address) noexcept {
@@ -66,11 +66,11 @@ public:
         return found == entries_.end() ? nullptr : &*found;
     }
 
-    /// Replaces the entry of the same address. `doubts`: Device::doubts() when the reading began.
-    void store(DescriptionKey key, std::vector<Description> descriptions, std::uint32_t doubts = 0) {
+    /// Replaces the entry of the same address. `signs`: Device::signs() when the reading began.
+    void store(DescriptionKey key, std::vector<Description> descriptions, std::uint32_t signs = 0) {
         forget(key.address);
         if (earlier_.keep) earlier_.keep(key, descriptions);
-        entries_.push_front({std::move(key), std::move(descriptions), doubts});
+        entries_.push_front({std::move(key), std::move(descriptions), signs});
         if (entries_.size() > max_devices) entries_.pop_back();
     }
     void forget(std::uint8_t address) {

@@ -176,7 +176,10 @@ public:
     /// When it last sent its device info.
     TimePoint identified_at() const noexcept { return identified_at_; }
     /// Sets its device info, as received before this object was made.
-    void know_as(DeviceInfo info) { known_as_ = std::move(info); }
+    void know_as(DeviceInfo info) {
+        if (const Hardware hardware{info.dev_id, info.hw_ver}; hardware != Hardware{}) hardware_ = hardware;
+        known_as_ = std::move(info);
+    }
     /// Sets the pace of its telemetry, as observed before this object was made.
     void know_pace(const TelemetryPace& pace) noexcept { pace_ = pace; }
     /// There is a sign that another device may have the address.
@@ -230,6 +233,8 @@ private:
         bool answered;
         TimePoint late_until;    // for a request that may be sent only once
     };
+
+    using Hardware = std::pair<std::uint8_t, std::uint16_t>;    // dev_id and hw_ver
 
     /// Asks for the device info while other requests wait for it. hear() evaluates the answer, even if another host asked for it.
     struct Identification final : Asker {
@@ -289,6 +294,7 @@ private:
     Identification identification_{*this};
     bool identifies_ = false, identifies_for_command_ = false;
     std::optional<DeviceInfo> known_as_;    // the last device info, also while it is away
+    std::optional<Hardware> hardware_;      // as last reported: a loader may report zeros
     Identity identity_;
     TimePoint identified_at_{};
     std::uint32_t missed_ = 0;    // those of doubts_ that are acknowledgements of writes

@@ -121,7 +121,7 @@ private:
     Values values_wanted_ = Values::all;
     std::optional<std::uint16_t> count_;
     std::uint32_t presence_ = 0;
-    std::uint32_t doubts_ = 0;
+    std::uint32_t doubts_ = 0, signs_ = 0;
     Asks asks_ = Asks::both;
     std::uint32_t checks_ = 0;    // number of leading questions that check whether the device is the same: 2, or 0
     std::vector<std::string> names_;

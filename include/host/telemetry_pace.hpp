@@ -7,7 +7,7 @@
 
 namespace ano::host {
 
-/// A pause is longer than max_pause and three usual intervals; at a slow pace, longer than one and a half intervals and max_late.
+/// A pause is longer than max_pause and three usual intervals; at a slow pace, longer than two and a half intervals and max_late.
 /// Frames within `together` count as one, since many devices send several at a time. While the pace is not known, nothing counts
 /// as a pause: it is judged again when a second interval shows the pace.
 class TelemetryPace {

@@ -104,11 +104,13 @@ void Device::hear(FrameView frame, TimePoint now) {
 }
 
 void Device::recognise(const DeviceInfo& info, TimePoint now) {
-    if (known_as_ && *known_as_ != info) {
-        ++identity_.device;
-        if (known_as_->dev_id != info.dev_id || known_as_->hw_ver != info.hw_ver) ++identity_.hardware;
-    }
+    if (known_as_ && *known_as_ != info) ++identity_.device;
     known_as_ = info;
+    const Hardware hardware{info.dev_id, info.hw_ver};
+    if (hardware != Hardware{}) {
+        if (hardware_ && *hardware_ != hardware) ++identity_.hardware;
+        hardware_ = hardware;
+    }
     identified_at_ = now;
     identified_doubts_ = doubts_;
     identified_signs_ = signs();
@@ -295,6 +297,7 @@ std::optional<FrameView> Device::next_frame(TimePoint now) {
     while (const Exchange* next = next_to_send(now)) {
         Exchanges& from = next->was_sent() ? sent_ : waiting_;
         const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == next; });
+        if (which->means_whoever()) which->mean(identity_);
         if (!may_be_asked(next->frame())) end(from, which, Outcome::not_there, {}, now);
         else if (is_another(*which)) end(from, which, Outcome::another, {}, now);
         else if (may_reach_another(*which)) end(from, which, Outcome::timeout, {}, now);

@@ -39,6 +39,7 @@ void Parameters::start_known(const std::vector<ParameterInfo>& known, TimePoint 
     from_cache_ = true;
     compares_ = compares_anyway_ || !is_certain(now);
     doubts_ = device().doubts();
+    signs_ = device().signs();
     descriptions_ = known;
     values_.assign(*count_, {});
     ask_named(now);
@@ -47,7 +48,7 @@ void Parameters::start_known(const std::vector<ParameterInfo>& known, TimePoint 
 // Whether the cached data certainly belongs to this device.
 bool Parameters::is_certain(TimePoint now) const {
     const auto* const entry = cache_->last_of(device().address());
-    return entry != nullptr && device().is_certain_since(entry->doubts, now);
+    return entry != nullptr && device().has_no_sign_since(entry->signs, now);
 }
 
 void Parameters::step_ended(const Ended& ended, TimePoint now) {
@@ -74,6 +75,7 @@ void Parameters::counted(TimePoint now) {
     count_ = device().parameter_count();
     presence_ = device().presence();
     doubts_ = device().doubts();
+    signs_ = device().signs();
     descriptions_.clear();
     const auto* known = cache_ == nullptr ? nullptr
                                           : cache_->find({device().address(), device().presence(), *device().info(), *count_});
@@ -197,7 +199,7 @@ void Parameters::counted_again(TimePoint now) {
     if (lacking)
         return finish({Ending::incomplete, "parameter " + std::to_string(*lacking) + " was not received completely", {}}, now);
     if (cache_ != nullptr && !from_cache_)
-        cache_->store({device().address(), presence_, *device().info(), *count_}, descriptions_, doubts_);
+        cache_->store({device().address(), presence_, *device().info(), *count_}, descriptions_, signs_);
     finish({}, now);
 }
 

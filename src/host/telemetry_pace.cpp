@@ -6,9 +6,9 @@ namespace ano::host {
 
 Duration TelemetryPace::longest_pause() const noexcept { return longest_pause_at(usual_); }
 
-// At a slow pace, one missed frame counts as a pause.
+// At a slow pace, two missed frames count as a pause: one is often lost, and a command would wait for a question.
 Duration TelemetryPace::longest_pause_at(Duration usual) noexcept {
-    return std::max(max_pause, std::min(usual_intervals * usual, usual + usual / 2 + max_late));
+    return std::max(max_pause, std::min(usual_intervals * usual, 2 * usual + usual / 2 + max_late));
 }
 
 bool TelemetryPace::came(TimePoint now, std::optional<TimePoint> heard_at) noexcept {

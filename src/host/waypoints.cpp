@@ -125,6 +125,7 @@ void WaypointsPut::ended(const Ended& ended, TimePoint now) {
 
 void WaypointsPut::written(const Ended& ended, TimePoint now) {
     is_acknowledged_ = ended.outcome == Outcome::answered;
+    if (is_acknowledged_ && at_ == 0) renew_identity();
     if (!is_acknowledged_) {
         const unsigned before = silence_.sent;
         silence_ = ended.evidence;

@@ -126,8 +126,12 @@ protected:
         }
         if (given_type_7_) remember_change();
         if (given_type_7_) keep_type_7(place(), *given_type_7_);
-        next(std::make_unique<ano::host::CommandCall>(place().device, command, std::move(values), repeat)).start(now);
+        auto task = std::make_unique<ano::host::CommandCall>(place().device, command, std::move(values), repeat);
+        if (means_whoever_) task->mean_whoever();
+        next(std::move(task)).start(now);
     }
+    /// The command is not of the device's list.
+    void mean_whoever() noexcept { means_whoever_ = true; }
     void tell(const ano::host::End& ended, const Json& result) {
         WorkEnd end = end_of(ended, texts());
         Json whole = result;
@@ -156,6 +160,7 @@ private:
     const CommandCheck* check_ = nullptr;
     std::optional<ano::ValueType7> given_type_7_;
     std::string note_;    // of the call, for the user
+    bool means_whoever_ = false;
 };
 
 class ReadCommands final : public CommandWork {
@@ -300,6 +305,7 @@ public:
         if (!values.empty() && command_.types.empty() && known_as != all.end()) command_ = *known_as;
         else if (command_.types.size() != values.size())
             return finish(work_fault(422, R"(each value needs a type, as in {"u16": 150}: the command is unknown)"));
+        mean_whoever();
         call(command_, values, order_.repeat, now);
     }
     std::string message() const override { return "calling " + command_.name; }

@@ -401,7 +401,11 @@ class Act final : public TaskWork {
 public:
     Act(const WorkPlace& place, ano::host::Action action, std::string name)
         : TaskWork{place}, action_{action}, name_{std::move(name)} {}
-    void start(TimePoint now) override { next(std::make_unique<ano::host::ParameterAction>(place().device, action_)).start(now); }
+    void start(TimePoint now) override {
+        auto task = std::make_unique<ano::host::ParameterAction>(place().device, action_);
+        task->mean_whoever();
+        next(std::move(task)).start(now);
+    }
     std::string message() const override { return name_; }
 
 private:

@@ -16,6 +16,11 @@ namespace {
 constexpr auto before_next_look = std::chrono::milliseconds{2};    // pause when all places are in use
 constexpr int let_in_per_turn = 4;                                 // admitting takes longer than accepting, and must not delay it
 
+bool has_sent(Socket& socket) noexcept {
+    char byte;
+    return ::recv(socket.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
 }    // namespace
 
 bool is_gone(Socket& socket, bool is_encrypted) noexcept {
@@ -67,7 +72,11 @@ struct Lobby::State : std::enable_shared_from_this<State> {
     }
 
     bool give_way(bool for_first) {
-        const auto leaves = anogate::gives_way(facts(), for_first);
+        auto leaves = anogate::gives_way(facts(), for_first);
+        while (leaves && is_silent(all[*leaves]) && has_sent(all[*leaves]->socket)) {    // the loop has not noticed yet
+            all[*leaves]->facts.stage = WaitingConnection::Stage::its_turn;
+            leaves = anogate::gives_way(facts(), for_first);
+        }
         if (!leaves) return false;
         all.erase(all.begin() + static_cast<std::ptrdiff_t>(*leaves));
         count_one();

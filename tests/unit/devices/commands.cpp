@@ -264,7 +264,7 @@ TEST_F(KnownCommands, of_a_device_that_paused_are_confirmed) {
 // The question for its description is sent before all other requests.
 // The pace of its telemetry was observed before the first question to it.
 TEST_F(CommandRoutes, of_a_device_that_paused_soon_after_the_first_list_are_confirmed) {
-    for (const auto& [interval, silence] : {std::pair<Duration, Duration>{100ms, 2s}, {200ms, 1500ms}, {1s, 4s}, {2s, 5s}}) {
+    for (const auto& [interval, silence] : {std::pair<Duration, Duration>{100ms, 2s}, {200ms, 1500ms}, {1s, 4s}, {2s, 6s}}) {
         SimulatedNet own;
         FakeDevice& device = own.add();
         device.commands = fake.commands;
@@ -281,6 +281,20 @@ TEST_F(CommandRoutes, of_a_device_that_paused_soon_after_the_first_list_are_conf
         EXPECT_EQ(own.sent.front()[3], 0xE0) << interval / 1ms;
         for (const Bytes& one : own.sent) EXPECT_NE(one[3], 0xC0) << interval / 1ms;
     }
+}
+
+// Replaced or upgraded before the order, so no earlier data is used.
+TEST_F(KnownCommands, given_by_their_bytes_are_for_the_device_that_is_there) {
+    stream(2s);
+    net.service.link_was_down(0xDC);
+    swap_for_a_car();
+    stream(300ms);
+    const auto said = net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})");
+    EXPECT_EQ(said.status, 200u) << said.json;
+    EXPECT_EQ(calls(), 1u);
+    net.service.link_was_down(0xDC);
+    fake.version = 8;
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/save").status, 200u);
 }
 
 TEST_F(KnownCommands, pass_a_long_job) {
