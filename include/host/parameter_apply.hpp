@@ -112,9 +112,10 @@ private:
     std::unique_ptr<ParameterWrite> last_;    // the previous task, which may not be destroyed in its own on_end() call
     std::size_t at_ = 0;
     std::uint32_t presence_ = 0, announcements_ = 0;    // of the device when the first value was written
-    std::uint32_t compared_ = 0;                        // Device::doubts() when a description was last read or compared
-    std::vector<std::size_t> touched_;                  // rows whose old value is to be restored if one fails
-    std::vector<bool> repeated_;                        // of rows_: written once more, since the value was lost
+    std::uint32_t compared_ = 0;    // Device::doubts() when a description was last read or compared, if there was no other sign
+    std::uint32_t signs_ = 0;       // Device::signs() when the first value was written
+    std::vector<std::size_t> touched_;    // rows whose old value is to be restored if one fails
+    std::vector<bool> repeated_;          // of rows_: written once more, since the value was lost
     std::size_t lost_ = 0;
     bool undoing_ = false;
     std::vector<bool> undone_again_;    // of rows_

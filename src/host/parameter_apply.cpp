@@ -56,6 +56,7 @@ void ParameterApply::described(TimePoint now) {
     presence_ = device().presence();
     announcements_ = device().announcements();
     compared_ = parameters_.doubts();
+    signs_ = device().signs();
     next(now);
 }
 
@@ -175,7 +176,7 @@ void ParameterApply::row_ended(TimePoint now) {
         return next(now);
     }
     row.state = write_->is_clamped() ? State::clamped : State::written;
-    if (!is_restarted()) compared_ = write_->known().value_or(compared_);
+    if (!is_restarted() && device().signs() == signs_) compared_ = write_->known().value_or(compared_);
     ++at_;
     next(now);
 }

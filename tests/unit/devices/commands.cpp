@@ -294,7 +294,7 @@ TEST_F(KnownCommands, given_by_their_bytes_are_for_the_device_that_is_there) {
     EXPECT_EQ(calls(), 1u);
     net.service.link_was_down(0xDC);
     fake.version = 8;
-    EXPECT_EQ(net.ask("POST", "/devices/0xDC/save").status, 200u);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", R"({"action": "save"})").status, 200u);
 }
 
 TEST_F(KnownCommands, pass_a_long_job) {
