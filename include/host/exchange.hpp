@@ -48,6 +48,7 @@ struct Request {
     bool urgent = false;                   // a command waits for its answer: it goes before all requests except commands
     bool of_same = false;                  // only the intended device may answer: treated like a request that acts
     std::optional<Identity> identity{};    // of the intended device; std::nullopt: the one that is there when it is asked
+    bool needs_info = false;               // if it acts: the device info is requested first if it was never received
     bool whoever = false;                  // the intended device is the one that is there when the request is first sent
 };
 
@@ -90,6 +91,7 @@ public:
     /// It may only be sent to the intended device.
     bool is_of_same() const noexcept { return acts_ || of_same_; }
     Identity identity() const noexcept { return identity_; }
+    bool needs_info() const noexcept { return needs_info_; }
     /// No device is intended yet.
     bool means_whoever() const noexcept { return whoever_ && !was_sent(); }
     void mean(Identity identity) noexcept { identity_ = identity; }
@@ -175,7 +177,7 @@ private:
     Asker* asker_;
     std::uint32_t tag_;
     bool urgent_;
-    bool of_same_, whoever_;
+    bool of_same_, needs_info_, whoever_;
     bool acts_ = false;
     bool held_ = false, passes_ = false;
     Identity identity_;

@@ -134,7 +134,7 @@ bool Device::is_another(const Exchange& exchange) const noexcept {
 // In its loader a device sends no telemetry and need not answer, and frames are lost while it writes flash.
 bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept {
     const bool is_of_loader = exchange.frame().id() == id_of<"firmware">;
-    if (!known_as_) return !is_of_loader && !is_command(exchange) && !unanswered_doubts_;
+    if (!known_as_) return exchange.needs_info() && !is_of_loader && !is_command(exchange) && !unanswered_doubts_;
     const bool is_first_command = is_command(exchange) && !exchange.was_sent();
     const bool was_asked = unanswered_doubts_ == doubts_ && (is_of_loader || now - unanswered_at_ <= longest_wait_before_command);
     if ((is_of_loader || is_first_command) && was_asked) return false;

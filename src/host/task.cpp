@@ -23,6 +23,7 @@ void Task::ask(const Request& request, TimePoint now) {
     if (gives_up(now)) return;
     Request meant = request;
     meant.identity = identity_;
+    meant.needs_info = true;
     meant.whoever = std::exchange(means_whoever_, false);
     if (!device_.ask(meant, *this)) finish({Ending::invalid, hex_of(device_.address()) + " has no such parameter", {}}, now);
 }

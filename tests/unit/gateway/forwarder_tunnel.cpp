@@ -72,7 +72,8 @@ TEST_F(Tunnelled, a_firmware_frame_pauses_hellos_unless_it_is_refused) {
         inner.now = now;
         own.set_tunnel(to, LinkSet{from}, inner);
         Channel& device_channel = *own.open_channel(from, "", now);
-        own.open_channel(to, "", now);
+        ASSERT_TRUE(own.open_channel(to, "", now));
+        own.link_up(to, now);
         const auto due = own.hello_due();
         ASSERT_TRUE(due);
         own.receive(device_channel, ano::FrameView{around(fc, 0xE6, firmware)}, now);

@@ -36,10 +36,7 @@ struct Host {
     Device device{0xDC};
     Listener listener;
 
-    Host() {
-        device.know_as({});
-        take(0xE0, {1, 0, 1}, start);    // it has 256 parameters
-    }
+    Host() { take(0xE0, {1, 0, 1}, start); }    // it has 256 parameters
     Taken take(std::uint8_t id, const Bytes& data, TimePoint now, std::uint8_t from = 0xDC, std::uint8_t to = 0xFE) {
         const Bytes frame = support::frame(from, to, id, data);
         return device.take(FrameView{frame}, now);

@@ -25,6 +25,8 @@ struct Writes : testing::Test {
                            {8, "F32", "", {0, 0, 0, 0x3F}},
                            {10, "TEXT", "", {'a', 'b', 'c', 'd', 0, 0}},
                            {3, "I16", "", {1, 0}}};
+        const auto info = fake.usual(FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})});
+        device.take(FrameView{info.at(0)}, simulation.now);
     }
     ParameterInfo info(std::uint16_t id) const {
         return {id, parameter_type(fake.parameters[id].type), fake.parameters[id].name, "", {}};
@@ -305,17 +307,23 @@ TEST_F(Writes, an_action_ends_with_its_acknowledgement) {
     fake.deaf = true;
     ParameterAction restore{device, Action::restore_defaults};
     restore.start(simulation.now);
-    EXPECT_EQ(simulation.run(restore), std::chrono::seconds{25});
-    EXPECT_EQ(restore.end()->what, "0xDC does not answer: restore defaults, sent 5 times");
+    EXPECT_LE(simulation.run(restore), std::chrono::seconds{12});
+    EXPECT_EQ(restore.end()->what, "0xDC does not answer: restore defaults, sent 1 time") << "it may be another one";
 }
 
 TEST_F(Writes, a_save_is_sent_once_more_at_most) {
     fake.deaf = true;
     ParameterAction save{device, Action::save};
     save.start(simulation.now);
-    EXPECT_EQ(simulation.run(save), std::chrono::seconds{10});
-    EXPECT_EQ(save.end()->what, "0xDC does not answer: save, sent 2 times");
-    EXPECT_EQ(fake.heard.size(), 2u);
+    EXPECT_LE(simulation.run(save), std::chrono::seconds{12});
+    EXPECT_EQ(save.end()->what, "0xDC does not answer: save, sent 1 time") << "it may be another one";
+    fake.deaf = false;
+    fake.instead = [&](FrameView f) { return f.data()[0] == 0x10 ? nothing() : std::nullopt; };
+    fake.heard.clear();
+    ParameterAction unacknowledged{device, Action::save};
+    unacknowledged.start(simulation.now);
+    EXPECT_LE(simulation.run(unacknowledged), std::chrono::seconds{11});
+    EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[6] == 0x10; }), 2);
 }
 
 TEST_F(Writes, wrong_check_bytes_end_an_action_at_once) {
