@@ -27,6 +27,8 @@ struct Patience {
     unsigned sends = 5;
     std::optional<Duration> wait{};    // std::nullopt: from the device's round trips
     Duration at_least{};               // minimum of a wait computed from round trips
+    /// How late the acknowledgement may be while the device answers nothing, not even which device it is.
+    Duration late{};
     /// A shorter wait than `wait`, used if other frames of the device arrive in the second half of it.
     std::optional<Duration> if_heard{};
 };
@@ -104,6 +106,7 @@ public:
         passes_ = passes;
     }
     bool passes() const noexcept { return passes_; }
+    Duration late() const noexcept { return patience_.late; }    // Patience::late
     /// The longest time of its repetitions, if each send has a fixed wait.
     Duration longest() const noexcept { return patience_.sends * patience_.wait.value_or(Duration{}); }
 

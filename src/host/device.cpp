@@ -194,6 +194,7 @@ void Device::go_unidentified(Exchange& exchange, const Ended& unanswered, TimePo
         if (now - exchange.first_sent() < exchange.longest()) return;    // asked again
     }
     if (exchange.frame().id() == id_of<"firmware">) return exchange.release(true);
+    if (exchange.was_sent() && now - exchange.first_sent() < exchange.late()) return;    // it is asked again
     if (exchange.was_sent()) return end_as(exchange, Outcome::timeout, std::nullopt, now);
     end_as(exchange, Outcome::unidentified, unanswered.evidence, now);
 }

@@ -91,6 +91,7 @@ void WaypointsPut::start(TimePoint now) {
                 {Ending::invalid, "waypoint " + std::to_string(waypoint.num) + " is not a valid position, or has no number", {}},
                 now);
         request->patience.sends = 3;    // then it is read back
+        request->patience.late = std::chrono::milliseconds{3500};
         writes_.push_back(std::move(*request));
     }
     presence_ = device().presence();

@@ -73,10 +73,12 @@ TEST_F(Tunnelled, a_firmware_frame_pauses_hellos_unless_it_is_refused) {
         own.set_tunnel(to, LinkSet{from}, inner);
         Channel& device_channel = *own.open_channel(from, "", now);
         ASSERT_TRUE(own.open_channel(to, "", now));
+        own.link_up(from, now);
         own.link_up(to, now);
         const auto due = own.hello_due();
         ASSERT_TRUE(due);
         own.receive(device_channel, ano::FrameView{around(fc, 0xE6, firmware)}, now);
+        EXPECT_EQ(inner.carried, 1);
         EXPECT_EQ(inner.left.size(), refuses ? 0u : 1u);
         own.say_hellos(*due);
         const auto next = own.hello_due();
