@@ -97,8 +97,9 @@ enum class Taken : std::uint8_t {
 /// previous one, all such requests end as Outcome::another. Without an answer they are not sent, except:
 /// - a command that was not sent yet, or if only its acknowledgement is missing: it may be LAND;
 /// - frames of an upgrade: a loader need not answer.
-/// A missing acknowledgement does not cause the question before the first frame of a command. A device that never reported its
-/// device info is not asked.
+/// A missing acknowledgement does not cause the question before the first frame of a command. A device whose info was never
+/// received is asked once before the first acting request of a task (Request::needs_info); its commands are not delayed, and not
+/// repeated after a sign.
 ///
 /// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on
 /// it.
