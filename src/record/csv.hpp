@@ -26,6 +26,9 @@ public:
     /// Layouts of the frames that follow. The columns stay: a line whose layout has a field without a column has all of DATA.
     void use(const ano::FlexibleLayouts& flexible);
 
+    /// The encoding of the texts in the lines that follow.
+    void read_as(ano::Encoding encoding) noexcept { options_.encoding = encoding; }
+
     /// Appends the names of the columns.
     void write_heading(std::string& out) const;
     /// Appends a line; `frame` must be of this message.

@@ -105,10 +105,13 @@ void know_count(Deaf& deaf) {
         deaf.simulation.run(count);
     }
     ASSERT_TRUE(deaf.device.parameter_count());
+    const auto info = deaf.fake.usual(ano::FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})});
+    deaf.device.take(ano::FrameView{info.at(0)}, deaf.simulation.now);
+    ASSERT_TRUE(deaf.device.info());
 }
 
 // A write or a command is not repeated before the device has answered who it is.
-constexpr ano::Duration who_it_is = 100ms;
+constexpr ano::Duration who_it_is = 60ms;
 
 bool is_command(const Operation& operation) { return operation.name == "call"; }
 

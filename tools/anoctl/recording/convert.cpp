@@ -13,6 +13,7 @@
 #include <ano_json/text.hpp>
 #include <record/csv.hpp>
 #include <record/recording_writer.hpp>
+#include <record/sender_encodings.hpp>
 
 #include <algorithm>
 #include <bitset>
@@ -63,6 +64,8 @@ public:
     virtual ~Target() = default;
     /// The following items are decoded with `decoding`; called before the first one.
     virtual void use(const DecodingPtr& decoding) = 0;
+    /// The encoding of the texts in the next item.
+    virtual void read_as(ano::Encoding /*encoding*/) {}
     virtual void take(const Recorded& item, const RecordingHead& head) = 0;
     virtual void end() = 0;
     /// The written files; valid after end().
@@ -89,10 +92,12 @@ public:
         options_.flexible = &decoding->layouts();
         for (const auto& [id, file] : files_) file->csv.use(decoding->layouts());
     }
+    void read_as(ano::Encoding encoding) override { options_.encoding = encoding; }
     void take(const Recorded& item, const RecordingHead&) override {
         const auto* frame = std::get_if<RecordedFrame>(&item);
         if (frame == nullptr) return;
         File& file = file_of(frame->frame.id());
+        file.csv.read_as(options_.encoding);
         file.csv.write(*frame, file.to.bytes);
         file.to.write_if(batch);
     }
@@ -141,6 +146,7 @@ public:
         decoding_ = decoding;
         options_.flexible = &decoding_->layouts();
     }
+    void read_as(ano::Encoding encoding) override { options_.encoding = encoding; }
     void take(const Recorded& item, const RecordingHead&) override {
         to_.bytes += anogate::recorded_json(item, options_) + '\n';
         to_.write_if(batch);
@@ -208,14 +214,17 @@ struct Convert {
         const std::unique_ptr<Target> target = make_target(options, wanted.count() == 1, streams);
         std::uint64_t taken = 0;
         DecodingPtr recorded, used;    // from the recording; the one in use
+        anogate::SenderEncodings encodings;
         const RecordingFacts facts = read_recording(file, streams, [&](const Recorded& item, const RecordingHead& head) {
             const auto* frame = std::get_if<RecordedFrame>(&item);
-            if (frame != nullptr && !wanted[frame->frame.id()]) return;
-            taken += frame != nullptr;
             if (!used || recorded != head.decoding) {
                 recorded = head.decoding;
                 target->use(used = with(given, recorded));
             }
+            if (frame != nullptr && !frames.encoding)
+                target->read_as(encodings.of(frame->frame, frame->link, frame->direction == anogate::Direction::in, used.get()));
+            if (frame != nullptr && !wanted[frame->frame.id()]) return;
+            taken += frame != nullptr;
             target->take(item, head);
         });
         target->end();
