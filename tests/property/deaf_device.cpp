@@ -111,7 +111,7 @@ void know_count(Deaf& deaf) {
 }
 
 // A write or a command is not repeated before the device has answered who it is.
-constexpr ano::Duration who_it_is = 60ms;
+constexpr ano::Duration who_it_is = 100ms;
 
 bool is_command(const Operation& operation) { return operation.name == "call"; }
 
