@@ -374,7 +374,7 @@ test("a host that sent a single frame is shown as listening", async () => {
   try {
     await new Promise((done) => host.send(frame(0xfe, 0xff, 0xe0, [0, 0, 0, 0, 0]), ground, "127.0.0.1", done));
     const peer = `127.0.0.1:${host.address().port}`;
-    await until("it is listening", () => page.$$eval(".peers li", (all, peer) => all.some((one) => one.textContent.includes(peer) && /listening since \d+ s ago/.test(one.textContent)), peer));
+    await until("it is listening", () => page.$$eval(".peers li", (all, peer) => all.some((one) => one.textContent.includes(peer) && /listening for \d+ s/.test(one.textContent)), peer));
     await shot(page, "listening-since");
   } finally {
     host.close();
