@@ -1,6 +1,7 @@
 #!/bin/bash
-# Wording of texts for people: string literals of src and tools, READMEs, the changelog and manual pages. Each row of the table below is a
-# habit that made texts hard to read: a regular expression (Python), the reason, and a better way. Prints FILE:LINE, the text and both.
+# Wording of texts for people: string literals and comments of the sources, READMEs, the changelog and manual pages. Each row of the
+# table below is a habit that made texts hard to read: a regular expression (Python), the reason, and a better way. Prints FILE:LINE, the
+# text and both.
 #   tools/check-words.sh [FILE...]    (default: all)
 # A new row must have no false positives: run it over everything first.
 set -euo pipefail
@@ -90,6 +91,8 @@ def texts_of(path):
                 yield found.start(), found['raw']
             elif found['text'] is not None:
                 yield found.start(), ''.join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', found['text']))
+            elif found[0].startswith('/'):
+                yield found.start(), found[0]
     elif path.endswith(('.ts', '.tsx')):
         for found in script.finditer(text):
             if not found[0].startswith('/'):
@@ -103,7 +106,7 @@ def texts_of(path):
 
 files = sys.argv[1:] or subprocess.run(
     ['git', 'ls-files', '*README*.md', 'tools/packaging/CHANGELOG.md', 'tools/man/*', 'tools/run', 'tools/test', 'tools/package',
-     'tools/setup.sh', 'src/*.cpp', 'src/*.hpp', 'tools/*.cpp', 'tools/*.hpp', 'src/web/src/*.ts', 'src/web/src/*.tsx'],
+     'tools/setup.sh', 'include/*.hpp', 'src/*.cpp', 'src/*.hpp', 'tools/*.cpp', 'tools/*.hpp', 'src/web/src/*.ts', 'src/web/src/*.tsx'],
     capture_output=True, text=True, check=True).stdout.split()
 found_any = False
 for path in sorted(set(files)):

@@ -30,7 +30,7 @@ struct ParameterInfo {
     };
 
     std::uint16_t id = 0;
-    std::optional<Type> type{};    // std::nullopt: the type is unknown, and it can't be written
+    std::optional<Type> type{};    // std::nullopt: the type is unknown, so the parameter is read-only
     std::string name{};            // as received, in the encoding of the device, like info
     std::string info{};
     std::optional<Limits> limits{};    // of an older device, in the unit of the value; ParameterWrite observes them

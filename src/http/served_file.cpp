@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t piece_size = 256 * 1024;     // bytes of a read
 constexpr std::size_t size_of_part = 64 * 1024;    // bytes of one part of the response, made in one turn of the loop
 
-// Returns fewer bytes at the end of the file, or when it can't be read.
+// Returns fewer bytes at the end of the file, or when it is not readable.
 std::string read_piece(int fd, std::uint64_t at, std::size_t size) {
     std::string piece(size, '\0');
     std::size_t have = 0;

@@ -56,7 +56,7 @@ public:
     void take();
 
     State state() const;
-    /// The reason for `absent`; in other states a fault in the part that was read ("damaged behind byte 4711: …"), or why no
+    /// The reason for `absent`; in other states a fault in the part that was read ("damaged after byte 4711: …"), or why no
     /// frame is replayed.
     LinkError error() const;
     ReplayPlan::KeptBack kept_back() const;

@@ -91,7 +91,7 @@ struct SavedFrames {
     std::string name;
     std::uint64_t bytes = 0;
 };
-/// Saves as NAME.FORMAT, which must not exist yet, if `free` bytes of the disk stay free. After an error there is no file.
+/// Saves as NAME.FORMAT, which must not exist yet, if `free` bytes of the disk stay free. After an error no file is left.
 /// `is_saved` is called with the name of the complete file, while it is still locked.
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
                                                std::uint64_t free, KeptFrames frames, RecordingOptions options = {},

@@ -32,7 +32,7 @@ std::optional<KeptConfig> parse_kept_config(std::string_view bytes);
 
 /// Returns empty, or the reason for the failure. After a success the file is synced to the disk and survives a loss of power.
 std::string keep_config(const std::string& path, const KeptConfig& config);
-/// std::nullopt: there is no file, or it can't be read; then `fault` is the reason.
+/// std::nullopt: the file does not exist or is not readable; then `fault` is the reason.
 std::optional<KeptConfig> kept_config(const std::string& path, std::string& fault);
 /// Removes the file. Returns empty, or the reason for the failure.
 std::string forget_config(const std::string& path);

@@ -9,7 +9,7 @@
 
 namespace anoctl {
 
-/// Reads and parses a file; "-" is standard input. Throws UsageError if it can't be read or is not JSON.
+/// Reads and parses a file; "-" is standard input. Throws UsageError if it is not readable or is not JSON.
 nlohmann::json json_in_file(const std::string& path, Streams& streams);
 
 /// `where`: the beginning of the error text, as the name of the file. Throws UsageError if the text is not JSON, contains a key

@@ -7,7 +7,7 @@ namespace anoctl {
 
 struct Streams;
 
-/// Reads a file; "-" is standard input. Throws UsageError if it can't be read or is larger than `max_bytes`.
+/// Reads a file; "-" is standard input. Throws UsageError if it is not readable or is larger than `max_bytes`.
 std::string text_of_file(const std::string& path, std::size_t max_bytes = 64 * 1024 * 1024);
 
 /// The same; if standard input is a terminal, first prints that it waits for `what`.

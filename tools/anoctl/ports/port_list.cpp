@@ -28,7 +28,7 @@ using HoldersByDevice = std::map<std::string, std::vector<Holder>>;
 /// The absolute `path` in the tree below `root`.
 fs::path below(const fs::path& root, const std::string& path) { return root / path.substr(1); }
 
-/// The first line of a small file; empty if it can't be read.
+/// The first line of a small file; empty if it is not readable.
 std::string line_of(const fs::path& file) {
     std::string line;
     std::getline(std::ifstream{file} >> std::ws, line);
