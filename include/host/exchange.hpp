@@ -51,7 +51,7 @@ struct Request {
     bool of_same = false;                  // only the intended device may answer: treated like a request that acts
     std::optional<Identity> identity{};    // of the intended device; std::nullopt: the one that is there when it is asked
     bool needs_info = false;               // if it acts: the device info is requested first if it was never received
-    bool whoever = false;                  // the intended device is the one that is there when the request is first sent
+    bool present_device = false;           // the intended device is the one that is present when the request is first sent
 };
 
 /// The request to send `draft` (typed.hpp).
@@ -95,7 +95,7 @@ public:
     Identity identity() const noexcept { return identity_; }
     bool needs_info() const noexcept { return needs_info_; }
     /// No device is intended yet.
-    bool means_whoever() const noexcept { return whoever_ && !was_sent(); }
+    bool means_present_device() const noexcept { return present_device_ && !was_sent(); }
     void mean(Identity identity) noexcept { identity_ = identity; }
     /// It waits until the device is identified.
     bool is_held() const noexcept { return held_; }
@@ -180,7 +180,7 @@ private:
     Asker* asker_;
     std::uint32_t tag_;
     bool urgent_;
-    bool of_same_, needs_info_, whoever_;
+    bool of_same_, needs_info_, present_device_;
     bool acts_ = false;
     bool held_ = false, passes_ = false;
     Identity identity_;

@@ -65,8 +65,8 @@ public:
         identity_ = identity;
         is_meant_ = true;
     }
-    /// The intended device is the one that is there when the first request is sent: for an order that needs no earlier data.
-    void mean_whoever() noexcept { means_whoever_ = true; }
+    /// The intended device is the one that is present when the first request is sent: for an order that needs no earlier data.
+    void mean_present_device() noexcept { means_present_device_ = true; }
     /// It failed because another device has the address: no frame that acts was sent to that device.
     bool is_of_another() const noexcept { return is_of_another_; }
     void not_meant(const Ended& ended, TimePoint now) override;
@@ -116,7 +116,7 @@ private:
 
     Device& device_;
     Identity identity_;
-    bool is_meant_ = false, is_of_another_ = false, means_whoever_ = false;
+    bool is_meant_ = false, is_of_another_ = false, means_present_device_ = false;
     std::optional<TimePoint> begun_at_;
     std::optional<End> end_;
     std::function<void(TimePoint)> told_;

@@ -298,7 +298,7 @@ std::optional<FrameView> Device::next_frame(TimePoint now) {
     while (const Exchange* next = next_to_send(now)) {
         Exchanges& from = next->was_sent() ? sent_ : waiting_;
         const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == next; });
-        if (which->means_whoever()) which->mean(identity_);
+        if (which->means_present_device()) which->mean(identity_);
         if (!may_be_asked(next->frame())) end(from, which, Outcome::not_there, {}, now);
         else if (is_another(*which)) end(from, which, Outcome::another, {}, now);
         else if (may_reach_another(*which)) end(from, which, Outcome::timeout, {}, now);

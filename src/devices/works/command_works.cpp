@@ -127,11 +127,11 @@ protected:
         if (given_type_7_) remember_change();
         if (given_type_7_) keep_type_7(place(), *given_type_7_);
         auto task = std::make_unique<ano::host::CommandCall>(place().device, command, std::move(values), repeat);
-        if (means_whoever_) task->mean_whoever();
+        if (means_present_device_) task->mean_present_device();
         next(std::move(task)).start(now);
     }
     /// The command is not of the device's list.
-    void mean_whoever() noexcept { means_whoever_ = true; }
+    void mean_present_device() noexcept { means_present_device_ = true; }
     void tell(const ano::host::End& ended, const Json& result) {
         WorkEnd end = end_of(ended, texts());
         Json whole = result;
@@ -160,7 +160,7 @@ private:
     const CommandCheck* check_ = nullptr;
     std::optional<ano::ValueType7> given_type_7_;
     std::string note_;    // of the call, for the user
-    bool means_whoever_ = false;
+    bool means_present_device_ = false;
 };
 
 class ReadCommands final : public CommandWork {
@@ -305,7 +305,7 @@ public:
         if (!values.empty() && command_.types.empty() && known_as != all.end()) command_ = *known_as;
         else if (command_.types.size() != values.size())
             return finish(work_fault(422, R"(each value needs a type, as in {"u16": 150}: the command is unknown)"));
-        mean_whoever();
+        mean_present_device();
         call(command_, values, order_.repeat, now);
     }
     std::string message() const override { return "calling " + command_.name; }

@@ -403,7 +403,7 @@ public:
         : TaskWork{place}, action_{action}, name_{std::move(name)} {}
     void start(TimePoint now) override {
         auto task = std::make_unique<ano::host::ParameterAction>(place().device, action_);
-        task->mean_whoever();
+        task->mean_present_device();
         next(std::move(task)).start(now);
     }
     std::string message() const override { return name_; }

@@ -40,7 +40,7 @@ public:
         : TaskWork{place}, waypoints_{std::move(waypoints)} {}
     void start(TimePoint now) override {
         auto task = std::make_unique<ano::host::WaypointsPut>(place().device, std::move(waypoints_));
-        task->mean_whoever();
+        task->mean_present_device();
         put_ = task.get();
         next(std::move(task)).start(now);
     }
