@@ -136,10 +136,11 @@ public:
     /// When next_frame() last returned a frame.
     TimePoint last_sent() const noexcept { return last_sent_; }
     /// `flush` is called before a frame is sent that the device may not receive, because its parser waits inside a damaged frame:
-    /// before a request is repeated, unless the device has answered a later one; and before the first try of a request with a
-    /// long time-out. If it may flush only later, a first try and a command are sent at once; a second try waits for the flush,
-    /// unless the wait for its answer is shorter. A request that did not wait and may be repeated is sent once more when the
-    /// flush is allowed, except the next request of an asker whose last one was just answered.
+    /// before a request is repeated, unless the device has answered a later one; before the first try of a request with a long
+    /// time-out; and before the question for its device info, if the last request was lost. If it may flush only later, a first
+    /// try and a command are sent at once; a second try waits for the flush, unless the wait for its answer is shorter. A request
+    /// that did not wait and may be repeated is sent once more when the flush is allowed, except the next request of an asker
+    /// whose last one was just answered.
     void on_maybe_deaf(std::function<Flush(FrameView next)> flush) { flush_ = std::move(flush); }
     /// When next_frame() must be called again; TimePoint::min(): now; std::nullopt: no request is open.
     std::optional<TimePoint> due() const noexcept;
@@ -225,7 +226,7 @@ public:
     static constexpr Duration max_wait_of_commands = std::chrono::milliseconds{100};
 
 private:
-    TimePoint command_may_start_at() const noexcept;
+    TimePoint may_go_first_at(const Exchange& exchange) const noexcept;
     const Exchange* first_of_all() const noexcept;
     using Exchanges = std::list<Exchange>;    // in the order in which they were first sent, or queued
     struct Past {
@@ -273,6 +274,8 @@ private:
     bool keeps_back_those_that_yield() const noexcept;
     const Exchange* next_to_send(TimePoint now) const noexcept;
     bool may_be_deaf_to(const Exchange& exchange) const noexcept;
+    TimePoint waits_until(const Exchange& exchange) const noexcept;
+    TimePoint line_is_free_at() const noexcept;
     bool waits_for_flush(Exchange& next, TimePoint now);
     Exchange::Send this_send(const Exchange& next) const noexcept;
     FrameView send(Exchanges& from, Exchanges::iterator which, TimePoint now);
@@ -313,9 +316,10 @@ private:
     Window window_;
     std::uint64_t sends_ = 0;               // of all requests
     std::uint64_t heard_send_ = 0;          // the latest of them that the device has answered
+    std::uint64_t lost_send_ = 0;           // the latest of them that has timed out
     const Asker* heard_asker_ = nullptr;    // the asker of the request that it answered last
     TimePoint last_sent_{};
-    TimePoint line_is_busy_until_ = TimePoint::min();    // with the bytes of flush_, or reserved for them
+    TimePoint line_is_busy_until_ = TimePoint::min();    // with the bytes of flush_
     std::function<Flush(FrameView)> flush_;
     Exchanges sent_;
     Exchanges waiting_;

@@ -314,6 +314,7 @@ void Device::expire(TimePoint now) {
     for (auto over = std::find_if(sent_.begin(), sent_.end(), is_over); over != sent_.end();
          over = std::find_if(sent_.begin(), sent_.end(), is_over)) {
         if (over->is_lost_by_measure()) window_.lost(over->last().alone, round_trip_.grows());
+        lost_send_ = std::max(lost_send_, over->last().number);
         if (over->acts()) not_acknowledged(*over);
         if (!over->time_out(now)) end(sent_, over, Outcome::timeout, {}, now);
     }
@@ -354,23 +355,24 @@ bool Device::keeps_back_those_that_yield() const noexcept {
 
 // A device that accepts one frame at a time loses a command that arrives while it answers: questions in flight end first, and no
 // other question starts.
-TimePoint Device::command_may_start_at() const noexcept {
-    TimePoint at = TimePoint::min();
+TimePoint Device::may_go_first_at(const Exchange& exchange) const noexcept {
+    const TimePoint line_is_free_at = this->line_is_free_at();
+    TimePoint at = waits_until(exchange);
     for (const Exchange& e : sent_)    // sends before the zero bytes on the line don't count
-        if (e.is_on_its_way() && !goes_first(e) && e.last_sent() > line_is_busy_until_)
+        if (e.is_on_its_way() && !goes_first(e) && e.last_sent() > line_is_free_at)
             at = std::max(at, std::min(e.due(), e.last_sent() + max_wait_of_commands));
     return at;
 }
 
 // Commands are sent first, then lost requests. Requests that yield are sent last.
 const Exchange* Device::next_to_send(TimePoint now) const noexcept {
-    if (const Exchange* const first = first_of_all()) return command_may_start_at() <= now ? first : nullptr;
+    if (const Exchange* const first = first_of_all()) return may_go_first_at(*first) <= now ? first : nullptr;
     if (on_their_way() >= window_.size()) return nullptr;
     const auto may_start = [&](const Exchange& e) {
         const auto at = may_start_at(e);
         return at && *at <= now;
     };
-    if (now < line_is_busy_until_) return nullptr;    // a frame would end the zero bytes of flush_
+    if (now < line_is_free_at()) return nullptr;    // a frame would end the zero bytes of flush_
     const Exchange* const again = lost();
     if (again && !again->asker()->yields()) return again;
     const auto first = std::find_if(waiting_.begin(), waiting_.end(),
@@ -405,10 +407,23 @@ std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const no
     return at;
 }
 
-// An answer shows that the device receives: its parser was ready when a later request was sent.
+// An answer shows that the device receives: its parser was ready when a later request was sent. The identification is for a
+// request that may just have been lost.
 bool Device::may_be_deaf_to(const Exchange& exchange) const noexcept {
     if (exchange.was_sent()) return heard_send_ < exchange.last().number;
-    return exchange.waits_long();
+    return exchange.waits_long() || (exchange.asker() == &identification_ && heard_send_ < lost_send_);
+}
+
+// It waits for a flush, unless an answer has shown meanwhile that none is needed.
+TimePoint Device::waits_until(const Exchange& exchange) const noexcept {
+    const bool waits = !exchange.is_on_its_way() && may_be_deaf_to(exchange);
+    return waits ? exchange.kept_until() : TimePoint::min();
+}
+
+TimePoint Device::line_is_free_at() const noexcept {
+    TimePoint at = line_is_busy_until_;
+    for (const Exchange& exchange : sent_) at = std::max(at, waits_until(exchange));
+    return at;
 }
 
 // Flushes before `next` if that is needed and allowed now. Only a second try waits until it is allowed; a command never does. A
@@ -420,10 +435,7 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     if (flush.busy > Duration::zero() || flush.later <= Duration::zero()) return false;
     const bool may_wait = next.was_sent() && !is_command(next) &&
                           flush.later <= next.wait_for_answer(round_trip_, this_send(next));
-    if (may_wait && next.keep(now, flush.later)) {
-        line_is_busy_until_ = std::max(line_is_busy_until_, next.kept_until());
-        return true;
-    }
+    if (may_wait && next.keep(now, flush.later)) return true;
     const bool goes_on = !next.was_sent() && next.asker() == heard_asker_ && heard_send_ == sends_;
     if (!next.is_once() && !goes_on)
         next.flush_at(now + std::max(flush.later, RoundTrip::first));    // its answer may arrive before
@@ -459,14 +471,15 @@ void Device::wait_to_leave(TimePoint now) noexcept {
 std::optional<TimePoint> Device::due() const noexcept {
     std::optional<TimePoint> first;
     if (first_of_all() != nullptr) {
-        first = command_may_start_at();
+        first = may_go_first_at(*first_of_all());
     } else if (on_their_way() < window_.size()) {
-        if (lost() != nullptr) first = std::min(first.value_or(TimePoint::max()), line_is_busy_until_);
+        const TimePoint line_is_free_at = this->line_is_free_at();
+        if (lost() != nullptr) first = line_is_free_at;
         const bool keeps_back = keeps_back_those_that_yield();
         for (const Exchange& exchange : waiting_) {
             const auto at = may_start_at(exchange);
             if (at && !(keeps_back && exchange.asker()->yields()))
-                first = std::min(first.value_or(TimePoint::max()), std::max(*at, line_is_busy_until_));
+                first = std::min(first.value_or(TimePoint::max()), std::max(*at, line_is_free_at));
         }
     }
     for (const Exchange& exchange : sent_)

@@ -217,6 +217,8 @@ public:
             return {.busy = free_there_ - now};
         });
     }
+    /// The zero bytes were sent now, for another device of this line: the next ones may be sent in a second.
+    void flush_for_another() { flush_again_at_ = now + 1s; }
     /// Passes `bytes` to the device now.
     void disturb(const Bytes& bytes) { events_.emplace(now, Event{true, bytes}); }
 
