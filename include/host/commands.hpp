@@ -141,7 +141,9 @@ public:
     void ended(const Ended& ended, TimePoint now) override;
 
 private:
-    std::string order() const override { return "command " + command_.name; }
+    std::string order() const override;
+    /// Its name; without one, order().
+    std::string called() const { return command_.name.empty() ? order() : command_.name; }
     /// Appends the values to `out`. Returns the reason why they do not fit, as a clause; std::nullopt: they fit.
     std::optional<std::string> pack(std::vector<std::uint8_t>& out) const;
 

@@ -69,11 +69,11 @@ bool acts_by(const Job& job, std::uint8_t id) {
     return job.is_writing() && (job.order.kind == JobKind::command) == (id == ano::id_of<"command">);
 }
 
-// During an upgrade a device answers nothing else. A command does not wait for other jobs, except for a
-// calibration, which would measure its effects.
-bool may_run_beside(const JobOrder& order, JobKind other) {
-    if (other == JobKind::firmware) return false;
-    return order.deed == Deed::read || (order.kind == JobKind::command && other != JobKind::calibration);
+// During an upgrade a device answers nothing else. A command does not wait for other jobs, except for those that are only allowed on
+// the ground: a calibration would measure its effects, and restore_defaults changes the parameters that it uses.
+bool may_run_beside(const JobOrder& order, const JobOrder& other) {
+    if (other.kind == JobKind::firmware) return false;
+    return order.deed == Deed::read || (order.kind == JobKind::command && other.deed != Deed::ground);
 }
 
 }    // namespace
@@ -343,7 +343,7 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
     const bool is_unheard = refused && refused->status == not_heard;
     if (refused && !is_unheard) return *std::move(refused);
     if (order.address)
-        if (auto has_it = holder(*order.address); has_it && !may_run_beside(order, has_it->order.kind))
+        if (auto has_it = holder(*order.address); has_it && !may_run_beside(order, has_it->order))
             return NotBegun{409, ano::hex_byte(*order.address) + " is used by " + words_of(*has_it), "busy", has_it};
     if (auto same = shared(order)) return same;
     if (order.kind == JobKind::firmware && upgrades() >= max_upgrades)

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <cstddef>
+#include <iterator>
 
 namespace anogate {
 namespace {
@@ -17,6 +19,8 @@ struct KindRow {
     std::string_view name, unit;
     std::uint8_t asks_by;    // the id of its questions
 };
+
+constexpr std::size_t number_of_kinds = static_cast<std::size_t>(JobKind::scan) + 1;
 
 constexpr std::uint8_t questions = ano::id_of<"parameter_command">, command_query = ano::id_of<"command_query">,
                        waypoint_read = ano::id_of<"waypoint_read">;
@@ -35,7 +39,9 @@ constexpr KindRow kinds[] = {
     {"calibration", "steps", questions},
     {"scan", "devices", questions},
 };
+static_assert(std::size(kinds) == number_of_kinds);
 constexpr std::string_view states[] = {"running", "waiting", "done", "failed", "cancelled"};
+static_assert(std::size(states) == static_cast<std::size_t>(JobState::cancelled) + 1);
 
 Json evidence_json(const ano::host::Evidence& of) {
     Json evidence{{"sent", of.sent}};
@@ -72,6 +78,7 @@ constexpr std::string_view actions[] = {
     "calibration",
     "scan",
 };
+static_assert(std::size(actions) == number_of_kinds);
 
 std::string_view action_of(JobKind kind) noexcept { return actions[static_cast<std::size_t>(kind)]; }
 

@@ -28,7 +28,7 @@ enum class JobKind : std::uint8_t {
     put_waypoints,
     firmware,
     calibration,
-    scan,
+    scan,    // the last one
 };
 
 enum class JobState : std::uint8_t { running, waiting, done, failed, cancelled };

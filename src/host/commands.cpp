@@ -210,30 +210,35 @@ void Commands::complete(std::optional<ValueType7> shown, TimePoint now) {
 CommandCall::CommandCall(Device& device, CommandInfo command, std::vector<AnyValue> values, bool repeat)
     : Task{device}, command_{std::move(command)}, values_{std::move(values)}, repeat_{repeat} {}
 
+std::string CommandCall::order() const {
+    std::string order = "command";
+    if (!command_.name.empty()) return order + ' ' + command_.name;
+    for (const std::uint8_t byte : command_.cid) order += ' ' + hex_of(byte);
+    return order;
+}
+
 std::optional<std::string> CommandCall::pack(std::vector<std::uint8_t>& out) const {
     const std::size_t n = command_.types.size();
     if (values_.size() != n)
-        return command_.name + " needs " + std::to_string(n) + (n == 1 ? " value" : " values") + ", not " +
+        return called() + " needs " + std::to_string(n) + (n == 1 ? " value" : " values") + ", not " +
                std::to_string(values_.size());
     for (std::size_t i = 0; i < n; ++i) {
         const Misfit misfit = append(out, values_[i], command_.types[i]);
         if (misfit.empty()) continue;
-        return command_.name + ": value " + std::to_string(i + 1) + ", " + words_of(values_[i]) + ", " + std::string{misfit} +
+        return called() + ": value " + std::to_string(i + 1) + ", " + words_of(values_[i]) + ", " + std::string{misfit} +
                " for " + std::string{ano::name_of(command_.types[i])};
     }
     return std::nullopt;
 }
 
 void CommandCall::start(TimePoint now) {
-    if (command_.has_unknown_type)
-        return finish({Ending::unsupported, command_.name + " has a value of an unknown type", {}}, now);
+    if (command_.has_unknown_type) return finish({Ending::unsupported, called() + " has a value of an unknown type", {}}, now);
     if (command_.has_open_type)
-        return finish(
-            {Ending::invalid,
-             command_.name + " has a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
-                             "descriptions do not show which: state it once (type7)",
-             {}},
-            now);
+        return finish({Ending::invalid,
+                       called() + " has a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
+                                  "descriptions do not show which: state it once (type7)",
+                       {}},
+                      now);
     std::vector<std::uint8_t> values;
     if (auto wrong = pack(values)) return finish({Ending::invalid, std::move(*wrong), {}}, now);
     Draft<"command"> draft;
@@ -248,24 +253,24 @@ void CommandCall::ended(const Ended& ended, TimePoint now) {
     if (ended.outcome == Outcome::answered) {
         std::string what = words_of_port(ended.evidence);
         if (ended.evidence.may_be_of_equal)
-            what += (what.empty() ? "" : "; ") + command_.name +
+            what += (what.empty() ? "" : "; ") + called() +
                     " was sent more than once: the acknowledgement does not show which of them was carried out";
         return finish({Ending::done, std::move(what), ended.evidence}, now);
     }
     if (!ended.evidence.unfit.empty())
         return finish({Ending::unknown,
-                       hex_of(device().address()) + " acknowledged " + command_.name + " with wrong check bytes (" +
+                       hex_of(device().address()) + " acknowledged " + called() + " with wrong check bytes (" +
                            spaced_hex(ended.evidence.unfit) + "): it has probably been carried out",
                        ended.evidence},
                       now);
-    if (repeat_) return finish_unacknowledged("command " + command_.name, ended.evidence, now, "it probably can't do that now");
+    if (repeat_) return finish_unacknowledged(order(), ended.evidence, now, "it probably can't do that now");
     finish({Ending::unknown,
-            "no answer to " + command_.name + ": it may have been carried out" +
+            "no answer to " + called() + ": it may have been carried out" +
                 (ended.evidence.is_heard ? ", or it can't be done now" : ""),
             ended.evidence},
            now);
 }
 
-void CommandCall::cancel(TimePoint now) { finish({Ending::cancelled, command_.name + " may have been carried out", {}}, now); }
+void CommandCall::cancel(TimePoint now) { finish({Ending::cancelled, called() + " may have been carried out", {}}, now); }
 
 }    // namespace ano::host

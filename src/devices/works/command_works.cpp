@@ -282,8 +282,7 @@ public:
     CallByCid(const WorkPlace& place, const Cid& cid, CommandOrder order, const Json& values)
         : CommandWork{place}, json_{values.dump()}, order_{std::move(order)} {
         command_.cid = cid;
-        command_.name = "command";
-        for (const std::uint8_t byte : cid) command_.name += ' ' + ano::hex_byte(byte);
+        for (const std::uint8_t byte : cid) bytes_ += ' ' + ano::hex_byte(byte);
     }
     void start(TimePoint now) override {
         if (!state_type_7(order_.seven)) return;
@@ -308,13 +307,13 @@ public:
         mean_present_device();
         call(command_, values, order_.repeat, now);
     }
-    std::string message() const override { return "calling " + command_.name; }
+    std::string message() const override { return "calling " + (command_.name.empty() ? "command" + bytes_ : command_.name); }
 
 private:
     static WorkEnd misfit(std::size_t i, const char* why) { return work_fault(422, "value " + std::to_string(i + 1) + why); }
     void done(const Task& task, TimePoint) override { tell(*task.end(), {{"cid", command_.cid}, {"called", true}}); }
 
-    std::string json_;
+    std::string json_, bytes_;
     CommandOrder order_;
     CommandInfo command_;
 };

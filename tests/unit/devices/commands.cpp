@@ -475,6 +475,10 @@ TEST_F(CommandRoutes, are_called_by_their_three_bytes_without_any_question) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})").status, 200u);
     const auto unknown = net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [9, 0, 2]})");
     EXPECT_EQ(unknown.json.at("error"), "no answer to command 0x09 0x00 0x02: it may have been carried out") << unknown.json;
+    const auto repeated = net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [9, 0, 2], "repeat": true})");
+    EXPECT_EQ(repeated.json.at("error"), "0xDC does not answer: command 0x09 0x00 0x02, sent 5 times") << repeated.json;
+    const auto misfit = net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [9, 0, 2], "values": [{"u8": 300}]})");
+    EXPECT_EQ(misfit.json.at("error"), "command 0x09 0x00 0x02: value 1, 300, is out of range for u8") << misfit.json;
 }
 
 TEST_F(CommandRoutes, called_by_their_bytes_need_types_unless_they_were_read) {
@@ -703,6 +707,20 @@ TEST_F(CommandRoutes, actions_are_acknowledged) {
 }
 
 // The service first listens long enough to learn whether the device flies.
+TEST_F(CommandRoutes, wait_until_the_defaults_are_restored) {
+    net.ask("GET", "/devices/0xDC/commands");
+    const auto restore = net.asked("POST", "/devices/0xDC/actions", R"({"action": "restore_defaults"})");
+    net.sent.clear();
+    const auto refused = net.ask("POST", "/devices/0xDC/commands/LAND");
+    EXPECT_EQ(refused.status, 409u) << refused.json;
+    EXPECT_EQ(std::count_if(net.sent.begin(), net.sent.end(), [](const Bytes& one) { return one[3] == 0xC0; }), 0);
+    ASSERT_TRUE(net.until([&] { return restore->has_value(); }));
+    EXPECT_EQ((*restore)->status, 200u);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 200u);
+    const auto save = net.asked("POST", "/devices/0xDC/actions", R"({"action": "save"})");
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 200u) << "a command does not wait for other jobs";
+}
+
 TEST_F(CommandRoutes, defaults_are_not_restored_in_the_air) {
     const std::string restore = R"({"action": "restore_defaults"})";
     const auto asked = net.asked("POST", "/devices/0xDC/actions", restore);
