@@ -99,7 +99,7 @@ enum class Taken : std::uint8_t {
 /// - frames of an upgrade: a loader need not answer.
 /// A missing acknowledgement does not cause the question before the first frame of a command. A device whose info was never
 /// received is asked once before the first acting request of a task (Request::needs_info); its commands are not delayed, and not
-/// repeated after a sign.
+/// repeated after a sign. The latter also applies to a device with varying info (has_varying_info()).
 ///
 /// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on
 /// it.
@@ -167,14 +167,15 @@ public:
     bool has_no_sign_since(std::uint32_t signs, TimePoint now) const noexcept {
         return is_present(now) && signs == this->signs() && !pace_.pauses(now);
     }
-    /// Whether there was no such sign since `doubts`, and its telemetry does not pause now.
-    bool is_certain_since(std::uint32_t doubts, TimePoint now) const noexcept {
-        return is_present(now) && doubts == doubts_ && !pace_.pauses(now);
-    }
     /// The device's identity, as far as its device info shows.
     Identity identity() const noexcept { return identity_; }
     /// Whether it was identified since the last of its doubts().
     bool is_identified() const noexcept { return doubts_ == identified_doubts_; }
+    /// Its device info differs from answer to answer without any sign between, so it does not show which device it is: requests
+    /// are sent as to a device whose info was never received, without a question. info() stays the same meanwhile.
+    bool has_varying_info() const noexcept { return unlike_ >= varies_from; }
+    /// So many differences in a row, and one less for each info that equals the one before.
+    static constexpr int varies_from = 2, most_unlike = 4;
     /// When it last sent its device info.
     TimePoint identified_at() const noexcept { return identified_at_; }
     /// Sets its device info, as received before this object was made.
@@ -246,7 +247,9 @@ private:
     };
 
     void identify(bool for_command);
-    void recognise(const DeviceInfo& info, TimePoint now);
+    void hear_info(DeviceInfo info, bool is_announced, TimePoint now);
+    void forget_data() noexcept;
+    void recognise(const DeviceInfo& info, bool varies, TimePoint now);
     void not_identified(const Ended& ended, TimePoint now);
     void not_acknowledged(const Exchange& exchange) noexcept;
     bool is_another(const Exchange& exchange) const noexcept;
@@ -311,6 +314,8 @@ private:
     std::optional<TimePoint> info_asked_at_, info_answered_at_;
     static constexpr std::size_t max_info_questions = 64;
     std::vector<TimePoint> info_questions_;    // not answered yet, the oldest first
+    Duration info_takes_{};                    // from the question to the device info, at least
+    int unlike_ = 0;                           // device infos, for has_varying_info()
     std::uint32_t announcements_ = 0;
     RoundTrip round_trip_;
     Window window_;

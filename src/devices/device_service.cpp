@@ -121,6 +121,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
         const bool is_over = is_taken_by(known);
         learn_texts(*known, frame);
         confirm_info(*known, frame, now);
+        report_varying_info(*known, frame.source());
         for (std::uint32_t ports = asked_ports_; ports != 0 && !is_over; ports &= ports - 1)
             if (const auto port = static_cast<std::uint8_t>(std::countr_zero(ports)); answers_at_port(frame.source(), port))
                 is_taken_by(known_[port]);
@@ -388,6 +389,14 @@ void DeviceService::confirm_info(Known& known, ano::FrameView frame, TimePoint n
     if (known.in_doubt) return;
     ask_who_it_is(frame.source(), now, curious_);
     net_.wake(now);
+}
+
+void DeviceService::report_varying_info(Known& known, std::uint8_t address) {
+    if (!known.device || !known.device->has_varying_info() || std::exchange(known.told_varying, true)) return;
+    net_.report(ano::hex_byte(address) +
+                    ": its device info differs in each answer, so another device with this address would not "
+                    "be noticed; its firmware should send constant device info",
+                true);
 }
 
 void DeviceService::ask_who_it_is(std::uint8_t address, TimePoint now, Nobody& asker) {

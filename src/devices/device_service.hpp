@@ -191,6 +191,7 @@ private:
         ano::TimePoint asked_until{};    // to learn whether it is present
         DeviceTexts texts;
         bool told_encoding = false;    // logged that the texts contradict the key of the link
+        bool told_varying = false;     // logged that its device info varies
         std::uint32_t presence = 0;    // of the device that `texts` belongs to
         std::uint32_t signs = 0;       // of the device that `info` belongs to
         bool in_doubt = false;         // the link was down since `info`
@@ -241,6 +242,7 @@ private:
     void ask_whether_it_is_there(std::uint8_t address, ano::TimePoint now);
     void ask_who_it_is(std::uint8_t address, ano::TimePoint now, Nobody& asker);
     void confirm_info(Known& known, ano::FrameView frame, ano::TimePoint now);
+    void report_varying_info(Known& known, std::uint8_t address);
     bool is_heard(Job& job, ano::TimePoint now);
     void note_other_writer(Job& job, ano::TimePoint now);
     std::optional<std::uint8_t> only_one_waiting() const;

@@ -75,14 +75,10 @@ Taken Device::take(FrameView frame, TimePoint now) {
 
 // Device info and the counts are read from every frame, even if another host asked for it.
 void Device::hear(FrameView frame, TimePoint now) {
-    const auto forget_it = [&] {
-        info_.reset();
-        parameter_count_.reset();
-        command_count_.reset();
-        ++presence_;
-        ++doubts_;
-    };
-    if (heard_at_ && !is_present(now)) forget_it();
+    if (heard_at_ && !is_present(now)) {
+        forget_data();
+        unlike_ = 0;
+    }
     note_telemetry(frame, now);
     if (std::exchange(is_lost_, false)) unanswered_doubts_.reset();
     heard_at_ = now;
@@ -90,12 +86,8 @@ void Device::hear(FrameView frame, TimePoint now) {
         DeviceInfo info{said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
                         said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
         const bool is_for_us = frame.destination() == own_ || frame.destination() == address::broadcast;
-        // The device restarted, and may have other parameters and commands.
         const bool is_announced = is_for_us && !answers_for_info(info, now);
-        if (is_announced) ++announcements_;
-        if (is_announced || (info_ && *info_ != info)) forget_it();
-        recognise(info, now);
-        info_ = std::move(info);
+        hear_info(std::move(info), is_announced, now);
     }
     const auto count = as<"parameter_command">(frame);
     if (count && count->get<"cmd">() == 1) parameter_count_ = count->get<"val">();
@@ -103,12 +95,37 @@ void Device::hear(FrameView frame, TimePoint now) {
     if (commands && commands->get<"cmd">() == 0) command_count_ = commands->get<"val">();
 }
 
-void Device::recognise(const DeviceInfo& info, TimePoint now) {
-    if (known_as_ && *known_as_ != info) ++identity_.device;
+void Device::forget_data() noexcept {
+    info_.reset();
+    parameter_count_.reset();
+    command_count_.reset();
+    ++presence_;
+    ++doubts_;
+}
+
+// If it is announced or has changed, the device restarted, and may have other parameters and commands. If it has changed after a
+// sign, the answer to a second question shows whether it varies.
+void Device::hear_info(DeviceInfo info, bool is_announced, TimePoint now) {
+    const bool varied = has_varying_info();
+    const bool has_sign = is_announced || !is_identified() || is_unacknowledged_;
+    const bool differs = info_ && *known_as_ != info;
+    const bool asks_again = differs && has_sign && !varied && identifies_;
+    if (!differs) unlike_ = std::max(unlike_ - 1, 0);
+    else unlike_ = varied || !has_sign ? std::min(unlike_ + 1, most_unlike) : 0;
+    const bool varies = varied && has_varying_info();
+    if (is_announced) ++announcements_;
+    if (is_announced || (info_ && *info_ != info && !varies)) forget_data();
+    recognise(info, varies, now);
+    if (!varies || !info_) info_ = std::move(info);
+    if (asks_again) identify(false);
+}
+
+void Device::recognise(const DeviceInfo& info, bool varies, TimePoint now) {
+    if (known_as_ && *known_as_ != info && !varies) ++identity_.device;
     known_as_ = info;
     const Hardware hardware{info.dev_id, info.hw_ver};
     if (hardware != Hardware{}) {
-        if (hardware_ && *hardware_ != hardware) ++identity_.hardware;
+        if (hardware_ && *hardware_ != hardware && !varies) ++identity_.hardware;
         hardware_ = hardware;
     }
     identified_at_ = now;
@@ -135,6 +152,7 @@ bool Device::is_another(const Exchange& exchange) const noexcept {
 bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept {
     const bool is_of_loader = exchange.frame().id() == id_of<"firmware">;
     if (!known_as_) return exchange.needs_info() && !is_of_loader && !is_command(exchange) && !unanswered_doubts_;
+    if (has_varying_info()) return false;
     const bool is_first_command = is_command(exchange) && !exchange.was_sent();
     const bool was_asked = unanswered_doubts_ == doubts_ && (is_of_loader || now - unanswered_at_ <= longest_wait_before_command);
     if ((is_of_loader || is_first_command) && was_asked) return false;
@@ -147,7 +165,8 @@ bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept
 
 // A command that is repeated although nothing shows which device answered the first time.
 bool Device::may_reach_another(const Exchange& exchange) const noexcept {
-    return !known_as_ && is_command(exchange) && exchange.was_sent() && (exchange.last().doubts != doubts_ || is_lost_);
+    const bool is_unknown = !known_as_ || has_varying_info();
+    return is_unknown && is_command(exchange) && exchange.was_sent() && (exchange.last().doubts != doubts_ || is_lost_);
 }
 
 bool Device::waits_for_identity(Exchange& exchange, TimePoint now) {
@@ -168,6 +187,7 @@ void Device::identify(bool for_command) {
     forget(identification_);
     Request question = question::device_info(0);
     question.urgent = true;
+    question.patience.at_least = info_takes_;
     if (for_command) question.patience = patience_before_command();
     waiting_.emplace_front(question, own_, address_, &identification_);
     identifies_ = true;
@@ -175,7 +195,7 @@ void Device::identify(bool for_command) {
 }
 
 void Device::identify_for_command(TimePoint now) {
-    if (known_as_ && !has_no_sign_since(identified_signs_, now)) identify(true);
+    if (known_as_ && !has_varying_info() && !has_no_sign_since(identified_signs_, now)) identify(true);
 }
 
 void Device::not_identified(const Ended& ended, TimePoint now) {
@@ -211,12 +231,14 @@ void Device::expect_info(TimePoint now) {
     info_questions_.push_back(now);
 }
 
-// Each question has at most one answer.
+// Each question has at most one answer. The time since the last question is not too long, whichever of them is answered.
 bool Device::answers_for_info(const DeviceInfo& info, TimePoint now) {
     std::erase_if(info_questions_, [&](TimePoint asked_at) { return now - asked_at > info_may_come_for; });
     const bool is_doubled = info_answered_at_ && now - *info_answered_at_ <= info_doubled_within && info_ == info;
     if (info_questions_.empty()) return is_doubled;
     info_questions_.erase(info_questions_.begin());
+    const Duration takes = std::min(now - info_asked_at_.value_or(now), RoundTrip::ceiling);
+    info_takes_ = std::max(takes, (info_takes_ + takes) / 2);
     info_answered_at_ = now;
     return true;
 }
@@ -444,7 +466,7 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
 
 bool Device::may_be_repeated(const Exchange& exchange, TimePoint now) const noexcept {
     return !exchange.was_sent() || exchange.frame().id() != Draft<"parameter_value">::message().id ||
-           is_certain_since(exchange.last().doubts, now);
+           (exchange.last().doubts == doubts_ && has_no_sign_since(signs(), now));
 }
 
 Exchange::Send Device::this_send(const Exchange& next) const noexcept {

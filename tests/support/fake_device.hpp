@@ -219,6 +219,8 @@ public:
     }
     /// The zero bytes were sent now, for another device of this line: the next ones may be sent in a second.
     void flush_for_another() { flush_again_at_ = now + 1s; }
+    /// The device sends `bytes` in `time`, whatever else it does.
+    void answer_later(const Bytes& bytes, Duration time) { events_.emplace(now + time, Event{false, bytes}); }
     /// Passes `bytes` to the device now.
     void disturb(const Bytes& bytes) { events_.emplace(now, Event{true, bytes}); }
 

@@ -48,6 +48,16 @@ TEST_F(Jobs, those_that_read_share_the_device) {
     EXPECT_EQ((*third)->status, 200u);
 }
 
+TEST_F(Jobs, a_device_whose_info_differs_in_each_answer_is_reported_once) {
+    fake.instead = [this](ano::FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (ano::host::is_question_for_info(frame)) ++fake.version;
+        return std::nullopt;
+    };
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
+    ASSERT_EQ(net.reports.size(), 1u);
+    EXPECT_TRUE(net.reports[0].starts_with("0xDC: its device info differs in each answer")) << net.reports[0];
+}
+
 TEST_F(Jobs, frames_that_wait_in_our_own_queue_are_not_sent_again) {
     net.queued_until = net.time + 4s;
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);

@@ -341,6 +341,118 @@ TEST_F(Unasked, and_silent_about_its_device_info_is_served_all_the_same) {
     EXPECT_LE(simulation.now - again, 100ms) << "it is asked once";
 }
 
+// Its other answers take 20 ms.
+TEST(AnotherDevice, is_not_meant_by_device_info_that_arrives_late) {
+    for (const Duration late : {1200ms, 1800ms, 2500ms})
+        for (const bool is_measured : {false, true})
+            for (const bool is_known : {false, true}) {
+                SCOPED_TRACE(std::to_string(late / 1ms) + (is_measured ? " measured" : "") + (is_known ? " known" : ""));
+                FakeDevice fake;
+                fake.make_parameters(10);
+                Device device{0xDC};
+                Simulation simulation{device, fake, {.delay = 10ms}};
+                const auto run = [&](auto& task) {
+                    task.start(simulation.now);
+                    simulation.run(task);
+                    EXPECT_TRUE(task.end());
+                };
+                if (is_measured) {
+                    Commands commands{device};
+                    commands.read(simulation.now);
+                    simulation.run(commands);
+                }
+                std::size_t lost = 0, questions = 0;
+                fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+                    if (is_question_for_info(frame)) {
+                        ++questions;
+                        simulation.answer_later(fake.usual(frame).at(0), late);
+                        return std::vector<Bytes>{};
+                    }
+                    if (intent_of(frame) == Intent::acts && lost++ == 0) return std::vector<Bytes>{};
+                    return std::nullopt;
+                };
+                if (is_known) {
+                    ParameterAction first{device, Action::save};
+                    lost = 1;
+                    run(first);
+                    EXPECT_EQ(first.end()->ending, Ending::done) << first.end()->what;
+                    simulation.pass(5s);
+                    ASSERT_TRUE(device.info());
+                    lost = questions = 0;
+                }
+                ParameterAction save{device, Action::save};
+                run(save);
+                EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->what;
+                EXPECT_EQ(lost, 2u);
+                EXPECT_LE(questions, 8u);
+            }
+}
+
+// Its version is a counter.
+struct Varying : Swapped {
+    Varying() {
+        is_one = false;
+        before = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
+            if (is_question_for_info(frame) && varies) ++fake.version;
+            if (intent_of(frame) != Intent::acts || ++acts % 2 == 0) return std::nullopt;
+            if (other.link_was_down) device.link_was_down();
+            return std::vector<Bytes>{};    // each second one is lost
+        };
+        for (int i = 0; i < 3; ++i) identify();
+    }
+    bool varies = true;
+    std::size_t acts = 0;
+};
+
+TEST_F(Varying, device_info_shows_no_other_device) {
+    EXPECT_TRUE(device.has_varying_info());
+    for (const bool down : {false, true}) {
+        other.link_was_down = down;
+        ParameterApply import{device, nullptr, values(), {.also_the_same = true}};
+        run(import);
+        EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->what;
+        ParameterAction save{device, Action::save};
+        run(save);
+        EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->what;
+    }
+    acts = 0;
+    CommandCall call{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, true};
+    run(call);
+    EXPECT_NE(call.end()->ending, Ending::done) << "the link was down, and nothing shows who answers";
+    EXPECT_EQ(acts, 1u);
+}
+
+TEST_F(Varying, device_info_that_becomes_constant_shows_another_device_again) {
+    varies = false;
+    for (int i = 0; i < 3; ++i) identify();
+    EXPECT_FALSE(device.has_varying_info());
+    acts = 0;
+    ParameterAction save{device, Action::save};
+    fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (intent_of(frame) != Intent::acts) return std::nullopt;
+        ++acts;
+        fake.name = "OTHER";
+        return std::vector<Bytes>{};
+    };
+    run(save);
+    EXPECT_TRUE(save.is_of_another()) << save.end()->what;
+    EXPECT_EQ(acts, 1u);
+}
+
+TEST(AnotherDevice, is_meant_by_one_device_info_that_differs) {
+    FakeDevice fake;
+    fake.make_parameters(3);
+    Device device{0xDC};
+    Simulation simulation{device, fake, {.delay = 10ms}};
+    for (const std::uint16_t version : std::initializer_list<std::uint16_t>{1, 1, 2, 2}) {
+        fake.version = version;
+        Parameters parameters{device};
+        parameters.read(Parameters::Values::none, simulation.now);
+        simulation.run(parameters);
+        EXPECT_FALSE(device.has_varying_info());
+    }
+}
+
 TEST_F(Unasked, gets_its_first_command_as_the_first_frame_and_no_repeat_after_its_link_was_down) {
     CommandCall call{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, true};
     fake.instead = [&](FrameView) -> std::optional<std::vector<Bytes>> {
