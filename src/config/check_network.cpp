@@ -1,4 +1,5 @@
 #include <config/check_network.hpp>
+#include <config/hosts_file.hpp>
 #include <config/link_kind.hpp>
 #include <gateway/tunnel/tunnel_policy.hpp>
 
@@ -29,7 +30,67 @@ void check_way(Draft& draft, const Network* listed) {
                                                            "frames; remove one of them, or set \"relay\": true to allow it"});
 }
 
+struct OwnPort {
+    BoundPort port;
+    std::string use;    // "'g' (LINK …) listens there"
+};
+
+std::vector<OwnPort> own_ports(const Draft& draft) {
+    std::vector<OwnPort> ports;
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i)
+        if (const auto bound = bound_port_of(draft.settings.links[i]))
+            ports.push_back({*bound, in_quotes(draft.settings.links[i].name) + " (" + draft.links[i].where + ") listens there"});
+    if (const auto& http = draft.settings.control.http) ports.push_back({{*http, {}, {}, true}, "its page is served there"});
+    return ports;
+}
+
+std::vector<IpAddress> addresses_of(const HostSpec& peer, const HostAddresses& names) {
+    if (peer.host.empty()) return {peer.address};
+    const std::string name = in_lower_case(peer.host);
+    if (name == "localhost") return {IpAddress::v4(127, 0, 0, 1), *IpAddress::parse("::1")};
+    const auto found = names.find(name);
+    return found == names.end() ? std::vector<IpAddress>{} : found->second;
+}
+
+bool is_address_of(const std::vector<Network>& own, const IpAddress& address) {
+    return std::any_of(own.begin(), own.end(), [&](const Network& network) { return network.address == address; });
+}
+
+bool leads_to(const PeerPort& to, const BoundPort& bound, const HostAddresses& names, const std::vector<Network>& own) {
+    const IpAddress& local = bound.local.address;
+    if (to.is_tcp != bound.is_tcp || to.peer.port == 0 || to.peer.port != bound.local.port) return false;
+    const bool takes_all = local.is_any() && bound.interface.empty();
+    const std::vector<IpAddress> all = addresses_of(to.peer, names);
+    return std::any_of(all.begin(), all.end(), [&](const IpAddress& peer) {
+        if (peer.is_multicast()) return false;    // other hosts receive it too
+        return peer == local || (takes_all && (peer.is_loopback() || is_address_of(own, peer)));
+    });
+}
+
+/// `leads(to, port)`: whether this is an error.
+template <typename Leads>
+void add_own_peers(Draft& draft, Leads leads) {
+    const std::vector<OwnPort> ports = own_ports(draft);
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i)
+        if (const auto to = peer_port_of(draft.settings.links[i]))
+            for (const OwnPort& one : ports)
+                if (leads(*to, one.port))
+                    draft.errors.push_back(
+                        {draft.links[i].key(to->key), in_quotes(to->peer.text()) + " is this gateway itself: " + one.use});
+}
+
 }    // namespace
+
+void check_peers(Draft& draft) {
+    add_own_peers(draft, [](const PeerPort& to, const BoundPort& bound) { return leads_to(to, bound, {}, {}); });
+}
+
+// The errors that need neither `names` nor `own` were added before.
+void check_peers(Draft& draft, const HostAddresses& names, const std::vector<Network>& own) {
+    add_own_peers(draft, [&](const PeerPort& to, const BoundPort& bound) {
+        return leads_to(to, bound, names, own) && !leads_to(to, bound, {}, {});
+    });
+}
 
 void check_relay(Draft& draft) {
     if (draft.settings.tunnel) check_way(draft, listed_loopback(draft.settings.tunnel->allow));

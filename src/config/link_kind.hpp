@@ -50,10 +50,11 @@ struct BoundPort {
     bool is_tcp = false;         // otherwise UDP
 };
 
-/// The TCP port that a link connects to.
+/// The port that a link connects or sends to.
 struct PeerPort {
     HostSpec peer{};
     std::string_view key{};
+    bool is_tcp = false;    // otherwise UDP
 };
 
 /// A path in the file system, from the ADDRESS of a link.

@@ -57,13 +57,6 @@ bool collide(const BoundPort& one, const BoundPort& other) {
     return a == b || a.address.is_any() || b.address.is_any();
 }
 
-/// A connection to `peer` ends at `bound`, a port of this gateway.
-bool leads_to(const HostSpec& peer, const BoundPort& bound) {
-    const IpAddress& local = bound.local.address;
-    if (!bound.is_tcp || peer.port == 0 || peer.port != bound.local.port) return false;
-    return peer.is_here() ? local.is_any() || local.is_loopback() : peer.host.empty() && peer.address == local;
-}
-
 /// Adds errors and warnings of one link to the draft.
 class Faults final : public LinkFaults {
 public:
@@ -183,15 +176,6 @@ private:
         if (bound_a && bound_b && collide(*bound_a, *bound_b))
             error(origin, bound_b->key,
                   "local port " + std::to_string(bound_b->local.port) + " is already used by " + who(first));
-        if (bound_b) must_not_lead_to(*bound_b, first, who(second) + " listens there");
-        if (bound_a) must_not_lead_to(*bound_a, second, who(first) + " listens there");
-    }
-
-    // Otherwise frames of the link would loop, or arrive at a port of ours for another purpose.
-    void must_not_lead_to(const BoundPort& ours, std::size_t link, const std::string& what) {
-        const auto peer = peer_port_of(links_[link]);
-        if (peer && leads_to(peer->peer, ours))
-            error(draft_.links[link], peer->key, "'" + peer->peer.text() + "' is this gateway itself: " + what);
     }
 
     void groups() {
@@ -316,7 +300,6 @@ private:
                       in_quotes(page) + " must begin with http:// or https://, as sent by a browser, or be file://");
         for (std::size_t i = 0; control.http && i < links_.size(); ++i) {
             const BoundPort page{*control.http, {}, {}, true};
-            must_not_lead_to(page, i, "its page is served there");
             if (const auto bound = bound_port_of(links_[i]); bound && collide(*bound, page))
                 error(origin, "http", "local port " + std::to_string(control.http->port) + " is already used by " + who(i));
         }
@@ -449,6 +432,7 @@ void validate(Draft& draft) {
     for (LinkSettings& link : links)
         if (link.queue == 0) link.queue = default_queue(link.effective_max_data_out());
     Validation{draft}.all();
+    check_peers(draft);
     check_relay(draft);
 }
 

@@ -2,6 +2,7 @@
 #include <config/check_network.hpp>
 #include <config/config.hpp>
 #include <config/help.hpp>
+#include <config/hosts_file.hpp>
 #include <config/keys.hpp>
 #include <daemon/check_door.hpp>
 #include <daemon/check_paths.hpp>
@@ -227,7 +228,9 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     if (arguments.check) {
         warn_of_paths(draft);
         warn_of_door(draft, for_service);
-        check_relay(draft, own_networks());
+        const std::vector<Network> own = own_networks();
+        check_peers(draft, read_hosts_file("/etc/hosts"), own);
+        check_relay(draft, own);
         note_open_ports(draft);
     }
     if (!draft.errors.empty()) return failure(draft.errors);

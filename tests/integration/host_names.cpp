@@ -1,4 +1,5 @@
 // Peers configured by name: found, moved, unknown, slow to resolve; in the tunnel too.
+#include <daemon/command_line.hpp>
 #include <link/udp/udp_link.hpp>
 #include <support/link_host.hpp>
 #include <support/namespaces.hpp>
@@ -49,6 +50,20 @@ TEST_F(HostNames, a_name_that_is_none_yet_is_said_and_asked_for_again) {
     EXPECT_EQ(daemon.link("fc").at("error").get<std::string>().rfind("later.test: ", 0), 0u) << daemon.link("fc");
     hosts->set("127.0.0.2 later.test\n");
     EXPECT_TRUE(daemon.until_up("fc"));
+}
+
+TEST_F(HostNames, a_check_knows_a_name_of_this_gateway) {
+    hosts->set("127.0.0.1 localhost\n127.0.1.1 vehicle\n10.9.8.7 far\n");
+    const auto fault_of = [](const char* port, const char* link) {
+        const char* const arguments[] = {"anogated", "--check", port, link};
+        const auto parsed = anogate::parse_command_line(4, arguments, "/proc/nonexistent/anogate.json");
+        const auto* const exit = std::get_if<anogate::Exit>(&parsed);
+        return exit != nullptr ? exit->text : std::string{};
+    };
+    EXPECT_NE(fault_of("udp-listen:0.0.0.0:5", "udp:vehicle:5").find("'vehicle:5' is this gateway itself"), std::string::npos);
+    EXPECT_NE(fault_of("udp-listen:127.0.0.1:5", "udp:localhost:5").find("is this gateway itself"), std::string::npos);
+    EXPECT_NE(fault_of("tcp-listen:0.0.0.0:5", "tcp:vehicle:5").find("is this gateway itself"), std::string::npos);
+    EXPECT_EQ(fault_of("udp-listen:0.0.0.0:5", "udp:far:5"), "");
 }
 
 TEST_F(HostNames, a_udp_peer_that_gets_another_address_is_followed) {

@@ -130,7 +130,7 @@ void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
                                     "%eth0]:" + std::to_string(peer.port));
 }
 
-std::optional<PeerPort> port_of_peer(const LinkSettings& link) { return PeerPort{tcp_peer(link), "address"}; }
+std::optional<PeerPort> port_of_peer(const LinkSettings& link) { return PeerPort{tcp_peer(link), "address", true}; }
 
 Reach reach_of_peer(const LinkSettings& link) { return tcp_peer(link).is_here() ? Reach::here : Reach::network; }
 

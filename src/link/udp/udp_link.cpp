@@ -359,6 +359,10 @@ constinit const LinkKind udp_kind{
     .make = make_link_of<UdpLink>,
     .usual_name = [](const LinkSettings& link) { return "udp-" + std::to_string(link.as<Udp>().peer.port); },
     .bound_port = port_of_udp,
+    .connects_to =
+        [](const LinkSettings& link) {
+            return std::optional{PeerPort{link.as<Udp>().peer, "address"}};
+        },
     .reach = [](const LinkSettings& link) { return link.as<Udp>().peer.is_here() ? Reach::here : Reach::network; },
     .validate = validate_udp,
     .meant_by =

@@ -411,6 +411,27 @@ TEST(LinkText, a_tcp_port_is_no_udp_port_and_no_link_connects_to_its_own_gateway
     EXPECT_EQ(faults_of({"tcp-listen:0.0.0.0:5", "tcp:localhost:6", "udp:127.0.0.1:5"}), "");
 }
 
+TEST(LinkText, no_udp_link_sends_to_its_own_gateway) {
+    EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5,name=port", "udp:localhost:5,name=loop"}),
+              "LINK 'udp:localhost:5,name=loop': 'localhost:5' is this gateway itself: 'port' (LINK "
+              "'udp-listen:0.0.0.0:5,name=port') listens there\n");
+    EXPECT_NE(faults_of({"udp-listen:0.0.0.0:5", "udp:127.0.0.9:5"}), "");
+    EXPECT_EQ(faults_of({"udp-listen:127.0.0.1:5", "udp:127.0.0.9:5"}), "");
+    for (const char* itself : {"udp:127.0.0.1:5", "udp:LocalHost:5"})
+        for (const char* port : {"udp-listen:0.0.0.0:5", "udp-listen:127.0.0.1:5", "udp:10.0.0.1:6,bind=0.0.0.0:5"})
+            EXPECT_NE(faults_of({itself, port}), "") << itself << ' ' << port;
+    EXPECT_NE(faults_of({"udp-listen:10.0.0.1:5", "udp:10.0.0.1:5"}), "");
+    EXPECT_EQ(faults_of({"udp:127.0.0.1:5,bind=127.0.0.1:5,name=a"}),
+              "LINK 'udp:127.0.0.1:5,bind=127.0.0.1:5,name=a': '127.0.0.1:5' is this gateway itself: 'a' (LINK "
+              "'udp:127.0.0.1:5,bind=127.0.0.1:5,name=a') listens there\n");
+    EXPECT_EQ(faults_of({"udp-listen:10.0.0.1:5", "udp:localhost:5"}), "");
+    EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5", "udp:localhost:6", "tcp:localhost:5", "udp:10.0.0.1:5"}), "");
+    EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5,interface=eth0", "udp:localhost:5"}), "")
+        << "what comes from here is not received";
+    EXPECT_EQ(faults_of({"udp-listen:239.0.0.1:5", "udp:239.0.0.1:5"}), "") << "others receive it too";
+    EXPECT_EQ(faults_of({"udp:255.255.255.255:5,bind=0.0.0.0:5"}), "");
+}
+
 TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
     EXPECT_EQ(fault_of("udp:[fe80::1%no such]:5"), "'[fe80::1%no such]:5': 'no such' is not the name of a network interface");
     EXPECT_EQ(fault_of("udp:[fe80::1%]:5"), "'[fe80::1%]:5': '' is not the name of a network interface");
@@ -423,7 +444,7 @@ TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
 }
 
 TEST(LinkText, an_interface_is_of_udp_and_not_another_than_that_of_an_address) {
-    EXPECT_EQ(faults_of({"udp:1.2.3.4:5,interface=wg0", "udp-listen:1.2.3.4:5,interface=wg0"}), "");
+    EXPECT_EQ(faults_of({"udp:1.2.3.5:5,interface=wg0", "udp-listen:1.2.3.4:5,interface=wg0"}), "");
     EXPECT_EQ(fault_of("udp:1.2.3.4:5,interface="), "'interface' must be text of 1 to 15 bytes, not ''");
     EXPECT_EQ(fault_of("serial:/dev/x,interface=wg0"), "'interface' is not a key of serial, but of udp-listen, udp, can");
     EXPECT_EQ(
