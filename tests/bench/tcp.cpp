@@ -103,8 +103,8 @@ struct SlowWire {
 constexpr int rounds = 5;
 constexpr int urgent_a_round = 60;
 
-/// Milliseconds from sending an urgent frame to its arrival, one every 50 ms, behind frames of `size` bytes, one per millisecond:
-/// at least twice the capacity of the line.
+/// Milliseconds from sending an urgent frame to its arrival, one every 50 ms, behind frames of `size` bytes, with at least twice
+/// the capacity of the line.
 std::vector<double> ages_of_urgent(const Socket& host, support::TcpPeer& device, ano::FrameParser& parser, std::size_t size) {
     std::map<std::uint64_t, steady_clock::time_point> sent;
     std::vector<double> ages;
@@ -124,11 +124,12 @@ std::vector<double> ages_of_urgent(const Socket& host, support::TcpPeer& device,
         }
     };
     auto next = steady_clock::now();
+    constexpr std::size_t least_a_turn = 500;    // bytes per millisecond; the line has 250
+    const std::vector<std::uint8_t> bulk(size);
+    std::vector<std::uint8_t> flood(bulk.size() + ano::overhead);
+    ano::encode(flood, 0x30, target, 0xF1, bulk);
     for (std::uint64_t turn = 0; turn < 50 * urgent_a_round; ++turn) {
-        std::vector<std::uint8_t> bulk(size);
-        std::vector<std::uint8_t> flood(bulk.size() + ano::overhead);
-        ano::encode(flood, 0x30, target, 0xF1, bulk);
-        host.send(flood);
+        for (std::size_t bytes = 0; bytes < least_a_turn; bytes += size) host.send(flood);
         if (turn % 50 == 0) {
             sent[turn] = steady_clock::now();
             host.send(frame(0xFE, target, turn, 0xC0));
@@ -195,7 +196,7 @@ void measure_tcp(Run& run) {
 }
 
 void measure_tcp_urgent(Run& run) {
-    for (const std::size_t size : {500, 1000, 1900}) measure_urgent_behind(run, size);
+    for (const std::size_t size : {200, 500, 1000, 1900}) measure_urgent_behind(run, size);
 }
 
 // Half of them refuse connections, and half do not answer.
