@@ -196,7 +196,8 @@ void measure_tcp(Run& run) {
 }
 
 void measure_tcp_urgent(Run& run) {
-    for (const std::size_t size : {200, 500, 1000, 1900}) measure_urgent_behind(run, size);
+    constexpr std::size_t sizes[]{200, 500, 1000, 1900};
+    for (const std::size_t size : sizes) measure_urgent_behind(run, size);
 }
 
 // Half of them refuse connections, and half do not answer.
