@@ -187,12 +187,12 @@ private:
     Readable readable_;
 };
 
-/// Reads DATA of `id`. `flexible` contains the layouts of flexible messages, which depend on `source`.
-inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible = nullptr, std::uint8_t source = 0) noexcept {
+/// Reads DATA of `id` in one of `layouts` (all of one message, the base first; empty: the id is not listed).
+inline Reading read_in(std::span<const Message> layouts, std::uint8_t id, Bytes data, const FlexibleLayouts* flexible = nullptr,
+                       std::uint8_t source = 0) noexcept {
     const auto fitting = [&](const Message* row, std::span<const Field> fields, std::size_t size) {
         return Reading{data.size() < size ? Readable::too_short : Readable::yes, row, fields, size, data};
     };
-    const auto layouts = layouts_of(id);
     if (layouts.empty()) return {Readable::unknown_id, nullptr, {}, 0, data};
     if (is_flexible(id)) {
         const FlexibleLayout* layout = flexible == nullptr ? nullptr : flexible->find(id, source, data);
@@ -205,6 +205,11 @@ inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible
     // Without its selecting field it is malformed in any mode.
     const bool has_mode = data.size() > base.fields().front().offset;
     return {has_mode ? Readable::unknown_layout : Readable::too_short, &base, {}, base.fixed_size, data};
+}
+
+/// Reads DATA of `id`. `flexible` contains the layouts of flexible messages, which depend on `source`.
+inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible = nullptr, std::uint8_t source = 0) noexcept {
+    return read_in(layouts_of(id), id, data, flexible, source);
 }
 
 inline Reading read(FrameView frame, const FlexibleLayouts* flexible = nullptr) noexcept {

@@ -2,6 +2,7 @@
 #include "steps.hpp"
 
 #include <ano/parser.hpp>
+#include <ano/v7.hpp>
 #include <support/crafted.hpp>
 
 #include <gtest/gtest.h>
@@ -23,8 +24,8 @@ constexpr double steps_a_byte = 30;
 constexpr double steps_a_read = 70;
 
 // Of what is allowed, the share that was needed.
-double share(const Bytes& input, std::size_t max_data, std::size_t read_size) {
-    ano::FrameParser parser{{.max_data = max_data}};
+template <class Parser>
+double share_of(Parser& parser, const Bytes& input, std::size_t read_size) {
     ano::TimePoint now{};
     const std::uint64_t before = support::steps;
     for (std::size_t at = 0; at < input.size();) {
@@ -44,6 +45,11 @@ double share(const Bytes& input, std::size_t max_data, std::size_t read_size) {
     const auto bytes = static_cast<double>(input.size());
     const double allowed = steps_a_byte * bytes + steps_a_read * std::ceil(bytes / static_cast<double>(read_size));
     return static_cast<double>(support::steps - before) / allowed;
+}
+
+double share(const Bytes& input, std::size_t max_data, std::size_t read_size) {
+    ano::FrameParser parser{{.max_data = max_data}};
+    return share_of(parser, input, read_size);
 }
 
 class AnyRead : public testing::TestWithParam<std::size_t> {};    // bytes a read
@@ -78,6 +84,23 @@ TEST_P(AnyRead, of_what_two_frames_in_a_row_are_looked_for_in_costs_linear_time)
     for (const auto& crafted : support::crafted_for_pairs()) {
         const double needed = share(support::input_of(crafted.piece, input_size), crafted.max_data, GetParam());
         EXPECT_LT(needed, 1) << crafted.name;
+        most = std::max(most, needed);
+    }
+    RecordProperty("most", std::to_string(most));
+}
+
+TEST_P(AnyRead, of_v7_costs_linear_time) {
+    double most = 0;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        Random random{seed};
+        Bytes pattern(1 + seed / 4);
+        for (auto& byte : pattern)
+            byte = random.of<std::uint8_t>({ano::v7::head, ano::v7::head, ano::v7::head, 0, 255, random.byte()});
+        if (seed < 4) pattern = {ano::v7::head};
+        ano::v7::FrameParser parser{{}};
+        const double needed = share_of(parser, support::input_of(support::repeat(pattern), input_size), GetParam());
+        EXPECT_LT(needed, 1) << "seed " << seed;
+        EXPECT_GT(needed, 0.001) << "seed " << seed << ": nothing was counted";
         most = std::max(most, needed);
     }
     RecordProperty("most", std::to_string(most));

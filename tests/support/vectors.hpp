@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/hex.hpp>
 #include <ano_json/frame_json.hpp>
+#include <support/csv_line.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -19,19 +20,6 @@ struct Vector {
     std::vector<std::uint8_t> bytes;
     ano::Json json;
 };
-
-/// Fields in quotation marks may contain commas; a quotation mark in them is doubled.
-inline std::vector<std::string> split_csv_line(const std::string& line) {
-    std::vector<std::string> fields(1);
-    bool quoted = false;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') fields.back() += line[i++];
-        else if (line[i] == '"') quoted = !quoted;
-        else if (line[i] == ',' && !quoted) fields.emplace_back();
-        else fields.back() += line[i];
-    }
-    return fields;
-}
 
 inline std::vector<Vector> golden_vectors() {
     std::ifstream file{ANOGATE_SOURCE_DIR "/tests/vectors/frames.csv"};
