@@ -1,0 +1,308 @@
+#include <gateway/v7_translation.hpp>
+
+#include <ano/address.hpp>
+#include <ano/wire.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace anogate {
+
+namespace v7 = ano::v7;
+
+namespace {
+
+constexpr std::pair<std::uint8_t, std::uint8_t> v7_and_v8_addresses[]{
+    {v7::address::broadcast, ano::address::broadcast},
+    {v7::address::host, ano::address::host},
+    {v7::address::console, ano::address::host},
+    {v7::address::flight_controller, ano::address::flight_controller},
+    {v7::address::data_radio, ano::address::data_radio},
+    {v7::address::optical_flow, 0xDE},
+    {v7::address::imu, 0xDD},
+    {v7::address::mcu, 0xDB}};
+
+// 0: V8 has none.
+constexpr std::uint8_t v8_address_of(std::uint8_t v7_address) noexcept {
+    for (const auto& [in_v7, in_v8] : v7_and_v8_addresses)
+        if (in_v7 == v7_address) return in_v8;
+    return v7_address < 200 ? v7_address : std::uint8_t{0};
+}
+
+constexpr std::array<std::uint8_t, 256> v8_addresses = [] {
+    std::array<std::uint8_t, 256> all{};
+    for (std::size_t a = 0; a < all.size(); ++a) all[a] = v8_address_of(static_cast<std::uint8_t>(a));
+    return all;
+}();
+
+std::int16_t saturated(double value) noexcept {
+    return static_cast<std::int16_t>(std::lround(std::clamp(value, -32768.0, 32767.0)));
+}
+
+constexpr std::int32_t no_position = INT32_MIN;
+
+V7Acceleration usual_acceleration(std::uint8_t address) noexcept {
+    switch (address) {
+    case 0xDC: return v7_acc_cmss;
+    case 0xDD: return v7_acc_lx;
+    case 0xDE: return v7_acc_flow;
+    default: return {};
+    }
+}
+
+}    // namespace
+
+std::bitset<256> V7Settings::default_down() {
+    std::bitset<256> ids;
+    for (const unsigned id : {0x00u, 0x30u, 0x32u, 0x33u, 0x34u, 0x40u, 0x41u, 0x51u, 0x60u, 0x61u, 0xA0u, 0xC0u, 0xE0u, 0xE1u})
+        ids.set(id);
+    for (unsigned id = ano::first_flexible; id <= ano::last_flexible; ++id) ids.set(id);
+    return ids;
+}
+
+V7Translation::V7Translation(V7Settings settings)
+    : settings_{std::move(settings)},
+      acc_{settings_.acc.value_or(usual_acceleration(settings_.address))},
+      range_{settings_.range.value_or(settings_.address == 0xDE ? V7Range::flow : V7Range::lx)} {
+    settings_.max_data = std::min(settings_.max_data, v7::max_len);
+    settings_.repeats = std::max(settings_.repeats, 1u);
+    if (settings_.name.empty()) settings_.name = "V7 " + std::string{ano::address::who(settings_.address)};
+}
+
+void V7Translation::reset() noexcept {
+    alt_bar_ = alt_fu_ = {};
+    last_frame_.reset();
+    versions_ = {};
+    to_host_ = {};
+    to_device_ = {};
+    first_ = size_ = 0;
+    in_flight_ = false;
+    times_sent_ = 0;
+}
+
+std::uint8_t V7Translation::source_of(std::uint8_t v7_id) const noexcept {
+    for (const V7Source& source : settings_.sources)
+        if (v7_id >= source.first && v7_id <= source.last) return source.address;
+    return settings_.address;
+}
+
+bool V7Translation::is_own_id(std::uint8_t id) const noexcept {
+    return id == settings_.address ||
+           std::any_of(settings_.sources.begin(), settings_.sources.end(), [=](const V7Source& s) { return s.address == id; });
+}
+
+// --- From the device
+
+void V7Translation::up(v7::FrameView frame, ano::TimePoint now, V7Output& output) {
+    last_frame_ = now;
+    const Data data = frame.data();
+    switch (frame.id()) {
+    case 0x00: return check_up(frame, now, output);
+    case 0xE2: return parameter_up(frame, now, output);
+    case 0x60:
+    case 0x61:
+        if (waypoint_up(frame, now, output)) return;
+        break;
+    default: break;
+    }
+    if (v7::table::is_new_in_v8(frame.id()) || frame.id() == 0xFB) return drop(&V7Counters::up_no_counterpart);
+    if (data.empty()) return drop(&V7Counters::up_malformed);
+    const std::uint8_t destination = v8_addresses[frame.destination()];
+    if (destination == 0) return drop(&V7Counters::up_no_address);
+    const std::uint8_t source = source_of(frame.id());
+    if (frame.id() == 0xE0) {
+        if (data.size() < 3) return drop(&V7Counters::up_malformed);
+        send_up(source, destination, 0xC0, data, output);
+        to_device_.add({0xC0,
+                        ano::FrameView{{v8_.data(), ano::overhead + data.size()}}.checks(),
+                        {destination, source, 0xE0, frame.checks()},
+                        now,
+                        true});
+        return;
+    }
+    if (v7::is_same_in_v8(frame.id())) return send_up(source, destination, frame.id(), data, output);
+    if (const std::size_t size = rebuild_up(frame, now, v8_.data() + ano::header_size))
+        send_up(source, destination, frame.id() == 0xE1 ? std::uint8_t{0xE0} : frame.id(), {v8_.data() + ano::header_size, size},
+                output);
+}
+
+// `data` may be at its place in v8_ already.
+void V7Translation::send_up(std::uint8_t source, std::uint8_t destination, std::uint8_t id, Data data, V7Output& output) {
+    const auto frame = std::span{v8_}.first(ano::overhead + data.size());
+    ano::write_header(frame, source, destination, id, data.size());
+    if (data.data() != frame.data() + ano::header_size) std::copy(data.begin(), data.end(), frame.begin() + ano::header_size);
+    ano::seal(frame);
+    ++counters_.up;
+    output.from_device(ano::FrameView{frame});
+}
+
+// Writes the DATA in V8 and returns their size. 0: the frame was dropped and counted.
+std::size_t V7Translation::rebuild_up(v7::FrameView frame, ano::TimePoint now, std::uint8_t* data) noexcept {
+    const Data v7 = frame.data();
+    const ano::Message& row = v7::layouts_of(frame.id()).front();
+    if (row.is_open() ? v7.size() < row.fixed_size : v7.size() != row.fixed_size) {
+        drop(&V7Counters::up_malformed);
+        return 0;
+    }
+    const auto unchanged = [&] {
+        std::copy(v7.begin(), v7.end(), data);
+        return v7.size();
+    };
+    const bool keeps = settings_.layout == V7Layout::keep;
+    switch (frame.id()) {
+    case 0x01: return inertial_up(v7, data);
+    case 0x02: return keeps ? unchanged() : compass_up(v7, now, data);
+    case 0x05: return keeps ? unchanged() : altitude_up(v7, now, data);
+    case 0x08: return keeps ? unchanged() : position_up(v7, now, data);
+    case 0x34: return keeps ? unchanged() : ranging_up(v7, data);
+    case 0x32:
+        for (std::size_t at = 0; at < 12; at += 4) {
+            const auto cm = ano::load<std::int32_t>(v7.data() + at);
+            const std::int64_t mm = std::clamp<std::int64_t>(std::int64_t{cm} * 10, INT32_MIN + 1, INT32_MAX);
+            ano::store(data + at, cm == no_position ? no_position : static_cast<std::int32_t>(mm));
+        }
+        return 12;
+    case 0xA1:
+        unchanged();
+        ano::store(data, static_cast<float>(ano::load<std::int32_t>(v7.data())));
+        return v7.size();
+    case 0xE1:
+        data[0] = 2;
+        std::copy(v7.begin(), v7.end(), data + 1);
+        return 3;
+    default: drop(&V7Counters::up_no_counterpart); return 0;
+    }
+}
+
+std::size_t V7Translation::inertial_up(Data v7, std::uint8_t* data) const noexcept {
+    std::copy(v7.begin(), v7.end(), data);
+    const auto scale = [&](std::size_t first, double factor) {
+        for (std::size_t at = first; at < first + 6; at += 2)
+            ano::store(data + at, saturated(ano::load<std::int16_t>(v7.data() + at) * factor));
+    };
+    if (acc_.unit == V7Acceleration::Unit::per_g) scale(0, 980.665 / acc_.per_g);
+    if (acc_.unit == V7Acceleration::Unit::cmss) scale(6, 32768.0 / 2000);
+    return v7.size();
+}
+
+std::size_t V7Translation::compass_up(Data v7, ano::TimePoint now, std::uint8_t* data) noexcept {
+    alt_bar_ = {ano::load<std::int32_t>(v7.data() + 6), now};
+    std::copy_n(v7.begin(), 6, data);
+    const double tenths = ano::load<std::int16_t>(v7.data() + 10) * 10.0 / settings_.temp;
+    ano::store(data + 6, saturated(tenths));
+    data[8] = v7[13];
+    return 9;
+}
+
+std::size_t V7Translation::altitude_up(Data v7, ano::TimePoint now, std::uint8_t* data) noexcept {
+    alt_fu_ = {ano::load<std::int32_t>(v7.data()), now};
+    if (!alt_bar_.is_fresh(now)) {
+        std::copy(v7.begin(), v7.end(), data);
+        return v7.size();
+    }
+    ano::store(data, alt_bar_.value);
+    std::copy_n(v7.begin() + 4, 4, data + 4);
+    std::copy_n(v7.begin(), 4, data + 8);
+    data[12] = v7[8];
+    return 13;
+}
+
+std::size_t V7Translation::position_up(Data v7, ano::TimePoint now, std::uint8_t* data) const noexcept {
+    std::copy(v7.begin(), v7.end(), data);
+    if (!alt_fu_.is_fresh(now)) return v7.size();
+    ano::store(data + 8, alt_fu_.value);
+    return 12;
+}
+
+std::size_t V7Translation::ranging_up(Data v7, std::uint8_t* data) noexcept {
+    constexpr std::uint8_t none = 0xFF, scan = 100;
+    const std::uint8_t direction = v7[0];
+    const auto angle = ano::load<std::uint16_t>(v7.data() + 1);
+    const auto cm = ano::load<std::uint32_t>(v7.data() + 3);
+    const auto type = [&]() -> std::uint8_t {
+        if (range_ == V7Range::flow) {
+            constexpr std::uint8_t types[]{6, 5, 1, 2, 3, 4};
+            return direction < std::size(types) ? types[direction] : none;
+        }
+        if (direction == 1) return angle == 270 ? 6 : angle == 90 ? 5 : none;
+        if (direction != 0 || angle >= 360) return none;
+        if (angle == 270) return range_ == V7Range::lx ? 6 : 3;
+        return angle == 0 ? 1 : angle == 180 ? 2 : angle == 90 ? 4 : scan;
+    }();
+    if (type == none || cm > (type == scan ? UINT16_MAX : INT32_MAX / 10)) {
+        drop(&V7Counters::up_unrepresentable);
+        return 0;
+    }
+    data[0] = type;
+    if (type == scan) {
+        ano::store(data + 1, static_cast<std::uint16_t>(angle * 100));
+        ano::store(data + 3, static_cast<std::uint16_t>(cm));
+    } else {
+        ano::store(data + 1, static_cast<std::int32_t>(cm * 10));
+    }
+    return 5;
+}
+
+void V7Translation::check_up(v7::FrameView frame, ano::TimePoint now, V7Output& output) {
+    const Data data = frame.data();
+    if (data.size() != 3) return drop(&V7Counters::up_malformed);
+    const ano::Checks checks{data[1], data[2]};
+    const auto origin = to_host_.take(data[0], checks, now);
+    if (!origin) return drop(&V7Counters::up_unmatched);
+    const std::uint8_t acknowledged[]{origin->id, origin->checks.sum, origin->checks.add};
+    send_up(origin->asked, origin->host, 0x00, acknowledged, output);
+    if (in_flight_ && queue_[first_].id() == data[0] && v7::FrameView{queue_[first_].frame()}.checks() == checks)
+        end_request(now, output);
+}
+
+void V7Translation::parameter_up(v7::FrameView frame, ano::TimePoint now, V7Output& output) {
+    const Data data = frame.data();
+    if (data.size() != 6) return drop(&V7Counters::up_malformed);
+    const auto number = ano::load<std::uint16_t>(data.data());
+    const auto value = ano::load<std::int32_t>(data.data() + 2);
+    if (is_in_flight(0xE1, number)) {
+        const Request& request = queue_[first_];
+        if (!request.is_own) send_parameter(request.origin, request.index, value, output);
+        return end_request(now, output, value);
+    }
+    const std::uint8_t source = source_of(frame.id());
+    const auto index = index_of(number, source);
+    if (!index) return drop(&V7Counters::up_no_counterpart);
+    send_parameter({ano::address::host, source, 0, {}}, *index, value, output);
+    const std::size_t size = ano::overhead + 6;
+    to_device_.add(
+        {0xE1, ano::FrameView{{v8_.data(), size}}.checks(), {ano::address::host, source, 0xE2, frame.checks()}, now, true});
+}
+
+// Without a table the index is the number.
+std::optional<std::uint16_t> V7Translation::index_of(std::uint16_t number, std::uint8_t device) const noexcept {
+    const auto rows = parameters_of(device);
+    if (rows.empty()) return number;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (rows[i].number == number) return static_cast<std::uint16_t>(i);
+    return std::nullopt;
+}
+
+void V7Translation::send_parameter(const Origin& to, std::uint16_t index, std::int32_t value, V7Output& output) {
+    std::uint8_t data[6];
+    ano::store(data, index);
+    ano::store(data + 2, value);
+    const auto rows = parameters_of(to.asked);
+    if (index < rows.size() && rows[index].as_f32)
+        ano::store(data + 2, static_cast<float>(value / static_cast<double>(rows[index].scale)));
+    send_up(to.asked, to.host, 0xE1, data, output);
+}
+
+// True: it answers the request in flight.
+bool V7Translation::waypoint_up(v7::FrameView frame, ano::TimePoint now, V7Output& output) {
+    const Data data = frame.data();
+    if (data.empty() || !in_flight_ || queue_[first_].id() != 0x60) return false;
+    const Request& request = queue_[first_];
+    if (frame.id() == 0x61 && request.subject != data[0]) return false;
+    send_up(request.origin.asked, request.origin.host, frame.id(), data, output);
+    end_request(now, output);
+    return true;
+}
+
+}    // namespace anogate

@@ -1,0 +1,444 @@
+// V7Translation: from hosts to the device.
+#include "v7_tables.hpp"
+
+#include <gateway/v7_translation.hpp>
+
+#include <ano/address.hpp>
+#include <ano/wire.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace anogate {
+
+namespace v7 = ano::v7;
+
+namespace {
+
+constexpr std::size_t v7_command_size = 11;
+constexpr std::uint16_t v7_action = 0x10, v8_protocol_version = 800;
+
+bool erases_firmware(std::span<const std::uint8_t> command) noexcept {
+    return command.size() >= 3 && command[0] == 0x01 && command[1] == 0x20 && command[2] == 0xAA;
+}
+
+bool exists_only_in_v8(std::uint8_t id) noexcept {
+    switch (id) {
+    case 0x31:
+    case 0x35:
+    case 0xB0:
+    case 0xB1:
+    case 0xB2:
+    case 0xC2:
+    case 0xE2:
+    case 0xE3:
+    case 0xF0:
+    case 0xFB: return true;
+    default: return false;
+    }
+}
+
+// `size` bytes, filled with zeros behind the text.
+void put_text(std::string_view text, std::uint8_t* at, std::size_t size) noexcept {
+    const std::size_t n = std::min(text.size(), size);
+    std::copy_n(text.begin(), n, at);
+    std::fill(at + n, at + size, std::uint8_t{0});
+}
+
+}    // namespace
+
+std::uint8_t V7Translation::receiver(std::uint8_t asked, std::uint8_t v7_id) const noexcept {
+    if (settings_.v7_address) return *settings_.v7_address;
+    if (v7_id != 0xE1 && v7_id != 0xE2) return v7::address::broadcast;
+    switch (asked) {
+    case 0xDC: return v7::address::flight_controller;
+    case 0xDD: return v7::address::imu;
+    case 0xDB: return v7::address::mcu;
+    case 0xDE: return v7::address::optical_flow;
+    case 0xE6: return v7::address::data_radio;
+    default: return v7::address::broadcast;
+    }
+}
+
+V7Translation::Origin V7Translation::origin_of(ano::FrameView frame) const noexcept {
+    const std::uint8_t to = frame.destination();
+    return {frame.source(), is_own_id(to) ? to : settings_.address, frame.id(), frame.checks()};
+}
+
+void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& output) {
+    const std::uint8_t id = frame.id();
+    const Data data = frame.data();
+    if (is_of_own_sensor(id)) return drop(&V7Counters::down_own_sensor);
+    if (exists_only_in_v8(id)) return drop(&V7Counters::down_no_counterpart);
+    if (!settings_.down[id == 0xC1 ? 0xC0 : id]) return drop(&V7Counters::down_not_allowed);
+    if (data.empty()) return drop(&V7Counters::down_malformed);
+    const Origin origin = origin_of(frame);
+    switch (id) {
+    case 0x00: return check_down(data, now, output);
+    case 0x32: return position_down(origin.asked, data, output);
+    case 0x34: return ranging_down(origin.asked, data, output);
+    case 0x60:
+    case 0x61: return waypoint_down(origin, data, now, output);
+    case 0xA1: return log_value_down(origin.asked, data, output);
+    case 0xC0: return command_down(origin, data, now, output);
+    case 0xC1: return describe_commands(origin, data, output);
+    case 0xE0: return parameter_command_down(origin, data, now, output);
+    case 0xE1: return parameter_value_down(origin, data, now, output);
+    default: return send_down(origin.asked, id, data, output);
+    }
+}
+
+// The only way to the device: whatever was translated above, these two laws hold.
+void V7Translation::send_down(Data bytes, V7Output& output) {
+    const v7::FrameView frame{bytes};
+    if (is_of_own_sensor(frame.id())) return drop(&V7Counters::down_own_sensor);
+    if (frame.id() == 0xE0 && erases_firmware(frame.data())) return drop(&V7Counters::down_erase);
+    ++counters_.down;
+    output.to_device(frame);
+}
+
+void V7Translation::send_down(std::uint8_t asked, std::uint8_t id, Data data, V7Output& output) {
+    if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
+    send_down(Data{v7_}.first(v7::encode(v7_, receiver(asked, id), id, data)), output);
+}
+
+void V7Translation::position_down(std::uint8_t asked, Data data, V7Output& output) {
+    if (data.size() < 12) return drop(&V7Counters::down_malformed);
+    std::array<std::uint8_t, 12> cm;
+    for (std::size_t at = 0; at < cm.size(); at += 4) {
+        const auto mm = ano::load<std::int32_t>(data.data() + at);
+        ano::store(cm.data() + at, mm == INT32_MIN ? mm : mm / 10);
+    }
+    send_down(asked, 0x32, cm, output);
+}
+
+void V7Translation::log_value_down(std::uint8_t asked, Data data, V7Output& output) {
+    if (data.size() < 4) return drop(&V7Counters::down_malformed);
+    if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
+    const double value = std::round(static_cast<double>(ano::load<float>(data.data())));
+    if (!(value >= INT32_MIN && value <= INT32_MAX)) return drop(&V7Counters::down_unrepresentable);
+    std::array<std::uint8_t, v7::max_len> changed;
+    std::copy(data.begin(), data.end(), changed.begin());
+    ano::store(changed.data(), static_cast<std::int32_t>(value));
+    send_down(asked, 0xA1, Data{changed}.first(data.size()), output);
+}
+
+void V7Translation::ranging_down(std::uint8_t asked, Data data, V7Output& output) {
+    constexpr std::uint8_t scan = 100;
+    const bool is_lx = range_ == V7Range::lx;
+    if (data[0] == scan) {
+        if (data.size() < 5) return drop(&V7Counters::down_malformed);
+        for (std::size_t at = 1; at + 4 <= data.size(); at += 4) {
+            const auto degrees = static_cast<std::uint16_t>((ano::load<std::uint16_t>(data.data() + at) + 50) / 100 % 360);
+            const auto cm = ano::load<std::uint16_t>(data.data() + at + 2);
+            // For `lx` this direction is down.
+            if (is_lx && degrees == 270) drop(&V7Counters::down_unrepresentable);
+            else send_range(asked, 0, degrees, cm, output);
+        }
+        return;
+    }
+    if (data.size() < 5) return drop(&V7Counters::down_malformed);
+    const auto mm = ano::load<std::int32_t>(data.data() + 1);
+    if (data[0] > 6 || mm < 0 || (is_lx && data[0] == 3)) return drop(&V7Counters::down_unrepresentable);
+    struct Direction {
+        std::uint8_t direction;
+        std::uint16_t angle;
+    };
+    constexpr Direction directions[]{{1, 270}, {0, 0}, {0, 180}, {0, 270}, {0, 90}, {1, 90}, {1, 270}};
+    const Direction there = is_lx && (data[0] == 0 || data[0] == 6) ? Direction{0, 270} : directions[data[0]];
+    send_range(asked, there.direction, there.angle, static_cast<std::uint32_t>(mm / 10), output);
+}
+
+void V7Translation::send_range(std::uint8_t asked, std::uint8_t direction, std::uint16_t angle, std::uint32_t cm,
+                               V7Output& output) {
+    std::array<std::uint8_t, 7> data{direction};
+    ano::store(data.data() + 1, angle);
+    ano::store(data.data() + 3, cm);
+    send_down(asked, 0x34, data, output);
+}
+
+void V7Translation::check_down(Data data, ano::TimePoint now, V7Output& output) {
+    if (data.size() < 3) return drop(&V7Counters::down_malformed);
+    const auto of_device = to_device_.take(data[0], {data[1], data[2]}, now);
+    if (!of_device) return drop(&V7Counters::down_unmatched);
+    const std::uint8_t check[]{of_device->id, of_device->checks.sum, of_device->checks.add};
+    send_down(of_device->asked, 0x00, check, output);
+}
+
+// Not one of the requests that wait for each other: an emergency stop is sent at once.
+void V7Translation::command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
+    if (data.size() < 3) return drop(&V7Counters::down_malformed);
+    if (erases_firmware(data)) return drop(&V7Counters::down_erase);
+    if (data.size() > v7_command_size) return drop(&V7Counters::down_too_big);
+    std::array<std::uint8_t, v7_command_size> command{};
+    std::copy(data.begin(), data.end(), command.begin());
+    const std::size_t size = v7::encode(v7_, receiver(origin.asked, 0xE0), 0xE0, command);
+    const v7::FrameView frame{Data{v7_}.first(size)};
+    if (settings_.ack == V7Ack::device) to_host_.add({0xE0, frame.checks(), origin, now, true});
+    send_down(frame.bytes(), output);
+    if (settings_.ack == V7Ack::sent) acknowledge(origin, output);
+}
+
+void V7Translation::waypoint_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
+    constexpr std::size_t waypoint_size = 22;
+    if (origin.id == 0x60) return ask(origin, 0x60, data.first(1), data[0], data[0], now, output);
+    if (data.size() < waypoint_size) return drop(&V7Counters::down_malformed);
+    ask(origin, 0x61, data.first(waypoint_size), data[0], data[0], now, output);
+}
+
+void V7Translation::parameter_command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
+    if (data.size() < 3) return drop(&V7Counters::down_malformed);
+    const auto value = ano::load<std::uint16_t>(data.data() + 1);
+    switch (data[0]) {
+    case 0: return describe_device(origin, now, output);
+    case 1: {
+        std::uint8_t count[]{1, 0, 0};
+        ano::store(count + 1, static_cast<std::uint16_t>(parameters_of(origin.asked).size()));
+        return answer(origin, 0xE0, count, output);
+    }
+    case 2:
+        if (const auto number = number_of(origin, value)) {
+            std::uint8_t bytes[2];
+            ano::store(bytes, *number);
+            ask(origin, 0xE1, bytes, *number, value, now, output);
+        }
+        return;
+    case 3: return describe_parameter(origin, value, output);
+    case v7_action: return parameter_action_down(origin, value, now, output);
+    default: return drop(&V7Counters::down_no_counterpart);
+    }
+}
+
+void V7Translation::parameter_action_down(const Origin& origin, std::uint16_t action, ano::TimePoint now, V7Output& output) {
+    switch (action) {
+    case 0xAA: return command_down(origin, std::array<std::uint8_t, 3>{0x01, 0x00, 0xAC}, now, output);
+    case 0x20: return command_down(origin, std::array<std::uint8_t, 3>{0x01, 0x30, 0x01}, now, output);
+    case 0x30: return command_down(origin, std::array<std::uint8_t, 3>{0x01, 0x30, 0x02}, now, output);
+    // The device stores by itself: parameters after some seconds, a calibration with its last parameter.
+    case 0xAB:
+    case 0x21:
+    case 0x31:
+        if (is_present(now)) acknowledge(origin, output);
+        return;
+    default: return drop(&V7Counters::down_no_counterpart);
+    }
+}
+
+void V7Translation::parameter_value_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
+    if (data.size() < 6) return drop(&V7Counters::down_malformed);
+    const auto index = ano::load<std::uint16_t>(data.data());
+    const auto number = number_of(origin, index);
+    if (!number) return;
+    auto value = ano::load<std::int32_t>(data.data() + 2);
+    const auto rows = parameters_of(origin.asked);
+    if (!rows.empty() && rows[index].as_f32) {
+        const double wire = std::round(static_cast<double>(ano::load<float>(data.data() + 2)) * rows[index].scale);
+        if (!(wire >= INT32_MIN && wire <= INT32_MAX)) return drop(&V7Counters::down_unrepresentable);
+        value = static_cast<std::int32_t>(wire);
+    }
+    std::uint8_t bytes[6];
+    ano::store(bytes, *number);
+    ano::store(bytes + 2, value);
+    ask(origin, 0xE2, bytes, *number, index, now, output);
+}
+
+// The number of the parameter in the device; std::nullopt, and counted: the table has no such row.
+std::optional<std::uint16_t> V7Translation::number_of(const Origin& origin, std::uint16_t index) noexcept {
+    const auto rows = parameters_of(origin.asked);
+    if (rows.empty()) return index;
+    if (index < rows.size()) return rows[index].number;
+    drop(&V7Counters::down_no_counterpart);
+    return std::nullopt;
+}
+
+// --- Answers of the gateway
+
+void V7Translation::answer(const Origin& origin, std::uint8_t id, Data data, V7Output& output) {
+    const auto frame = std::span{v8_}.first(ano::overhead + data.size());
+    ano::encode(frame, origin.asked, origin.host, id, data);
+    ++counters_.answered;
+    output.from_device(ano::FrameView{frame});
+}
+
+void V7Translation::acknowledge(const Origin& origin, V7Output& output) {
+    const std::uint8_t check[]{origin.id, origin.checks.sum, origin.checks.add};
+    answer(origin, 0x00, check, output);
+}
+
+void V7Translation::describe_commands(const Origin& origin, Data data, V7Output& output) {
+    if (data.size() < 3) return drop(&V7Counters::down_malformed);
+    const auto commands = v7_commands();
+    const auto number = ano::load<std::uint16_t>(data.data() + 1);
+    if (data[0] == 0) {
+        std::uint8_t count[]{0, 0, 0};
+        ano::store(count + 1, static_cast<std::uint16_t>(commands.size()));
+        return answer(origin, 0xC1, count, output);
+    }
+    if (data[0] != 1 || number >= commands.size()) return drop(&V7Counters::down_no_counterpart);
+    const V7Command& command = commands[number];
+    std::array<std::uint8_t, 128> info{};
+    ano::store(info.data(), number);
+    std::copy(command.id.begin(), command.id.end(), info.begin() + 2);
+    std::copy(command.types.begin(), command.types.end(), info.begin() + 5);
+    put_text(command.name, info.data() + 13, 20);
+    const std::size_t text = std::min(command.info.size(), info.size() - 33);
+    put_text(command.info, info.data() + 33, text);
+    answer(origin, 0xC2, Data{info}.first(33 + text), output);
+}
+
+void V7Translation::describe_parameter(const Origin& origin, std::uint16_t index, V7Output& output) {
+    constexpr std::uint8_t i32 = 5, f32 = 8;
+    const auto rows = parameters_of(origin.asked);
+    if (index >= rows.size()) return drop(&V7Counters::down_no_counterpart);
+    const V7Parameter& row = rows[index];
+    std::array<std::uint8_t, 80> info{};
+    ano::store(info.data(), index);
+    info[2] = row.as_f32 ? f32 : i32;
+    put_text(row.name, info.data() + 3, 20);
+    std::size_t size = 23;
+    const auto add_text = [&](std::string_view text) {
+        put_text(text, info.data() + size, text.size());
+        size += text.size();
+    };
+    const auto add_number = [&](std::uint32_t number) {
+        std::array<char, 10> digits;
+        std::size_t first = digits.size();
+        do digits[--first] = static_cast<char>('0' + number % 10);
+        while ((number /= 10) > 0);
+        add_text({digits.data() + first, digits.size() - first});
+    };
+    add_text("number ");
+    add_number(row.number);
+    if (row.scale != 1 && !row.as_f32) {
+        add_text(", value x ");
+        add_number(row.scale);
+    }
+    answer(origin, 0xE2, Data{info}.first(size), output);
+}
+
+// Without known versions, the device is asked for them first.
+void V7Translation::describe_device(const Origin& origin, ano::TimePoint now, V7Output& output) {
+    if (has_waiting(origin)) return drop(&V7Counters::merged);
+    const bool all_known = versions_of_ == origin.asked &&
+                           std::all_of(versions_.begin(), versions_.end(), [](const Version& v) { return v.known; });
+    if (all_known && is_present(now)) return send_device_info(origin, output);
+    if (size_ + versions_.size() > queue_.size()) return drop(&V7Counters::down_queue_full);
+    for (std::uint16_t number = 2; number <= 4; ++number) {
+        std::uint8_t bytes[2];
+        ano::store(bytes, number);
+        Request& request = push(origin, 0xE1, bytes);
+        request.subject = number;
+        request.is_own = true;
+    }
+    begin_next(now, output);
+}
+
+void V7Translation::send_device_info(const Origin& origin, V7Output& output) {
+    std::array<std::uint8_t, 9 + 20> info{origin.asked};
+    for (std::size_t i = 0; i < versions_.size(); ++i) ano::store(info.data() + 1 + 2 * i, versions_[i].value);
+    ano::store(info.data() + 7, v8_protocol_version);
+    const std::size_t name = std::min(settings_.name.size(), info.size() - 9);
+    put_text(settings_.name, info.data() + 9, name);
+    answer(origin, 0xE3, Data{info}.first(9 + name), output);
+}
+
+// --- Requests
+
+void V7Translation::ExpectedAcks::add(const Expected& expected) noexcept {
+    all[next] = expected;
+    next = (next + 1) % all.size();
+}
+
+// The oldest one that matches.
+std::optional<V7Translation::Origin> V7Translation::ExpectedAcks::take(std::uint8_t id, ano::Checks checks,
+                                                                       ano::TimePoint now) noexcept {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        Expected& expected = all[(next + i) % all.size()];
+        if (!expected.waits || expected.id != id || expected.checks != checks || now - expected.at >= memory) continue;
+        expected.waits = false;
+        return expected.origin;
+    }
+    return std::nullopt;
+}
+
+bool V7Translation::has_waiting(const Origin& origin) const noexcept {
+    for (std::size_t i = 0; i < size_; ++i) {
+        const Origin& waiting = queue_[(first_ + i) % queue_.size()].origin;
+        if (waiting.host == origin.host && waiting.asked == origin.asked && waiting.id == origin.id &&
+            waiting.checks == origin.checks)
+            return true;
+    }
+    return false;
+}
+
+V7Translation::Request& V7Translation::push(const Origin& origin, std::uint8_t v7_id, Data data) noexcept {
+    Request& request = queued(size_++);
+    request = {};
+    request.origin = origin;
+    request.size = static_cast<std::uint8_t>(v7::encode(request.bytes, receiver(origin.asked, v7_id), v7_id, data));
+    return request;
+}
+
+void V7Translation::ask(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject, std::uint16_t index,
+                        ano::TimePoint now, V7Output& output) {
+    if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
+    if (has_waiting(origin)) return drop(&V7Counters::merged);
+    if (size_ == queue_.size()) return drop(&V7Counters::down_queue_full);
+    Request& request = push(origin, v7_id, data);
+    request.subject = subject;
+    request.index = index;
+    begin_next(now, output);
+}
+
+void V7Translation::begin_next(ano::TimePoint now, V7Output& output) {
+    while (!in_flight_ && size_ > 0) {
+        send_request(now, output);
+        if (asks_for_data(queue_[first_]) || settings_.ack == V7Ack::device) continue;
+        acknowledge(queue_[first_].origin, output);
+        in_flight_ = false;
+        first_ = (first_ + 1) % queue_.size();
+        --size_;
+        times_sent_ = 0;
+    }
+}
+
+void V7Translation::send_request(ano::TimePoint now, V7Output& output) {
+    const Request& request = queue_[first_];
+    in_flight_ = true;
+    ++times_sent_;
+    due_ = now + settings_.repeat_interval;
+    if (!asks_for_data(request) && settings_.ack == V7Ack::device)
+        to_host_.add({request.id(), v7::FrameView{request.frame()}.checks(), request.origin, now, true});
+    send_down(request.frame(), output);
+}
+
+// `value`: of the parameter that it asked for.
+void V7Translation::end_request(ano::TimePoint now, V7Output& output, std::optional<std::int32_t> value) {
+    const Request ended = queue_[first_];
+    in_flight_ = false;
+    times_sent_ = 0;
+    first_ = (first_ + 1) % queue_.size();
+    --size_;
+    if (ended.is_own) {
+        if (ended.subject == 2) versions_ = {};
+        versions_of_ = ended.origin.asked;
+        // A value outside of the range, such as that of an unused number, is no version.
+        if (value)
+            versions_[ended.subject - 2u] = {static_cast<std::uint16_t>(*value >= 0 && *value <= UINT16_MAX ? *value : 0), true};
+        if (ended.subject == 4 && is_present(now)) send_device_info(ended.origin, output);
+    }
+    begin_next(now, output);
+}
+
+void V7Translation::expire(ano::TimePoint now, V7Output& output) {
+    if (!in_flight_ || now < due_) return;
+    const Request& request = queue_[first_];
+    if (asks_for_data(request) && !request.is_own && times_sent_ < settings_.repeats) return send_request(now, output);
+    ++counters_.unanswered;
+    end_request(now, output);
+}
+
+std::optional<ano::TimePoint> V7Translation::deadline() const noexcept { return in_flight_ ? std::optional{due_} : std::nullopt; }
+
+}    // namespace anogate
