@@ -92,6 +92,9 @@ Hint unknown_device(std::uint8_t address);
 /// Adds the last bytes skipped by `parser`, if there are any and no other parser added some before.
 void add_skipped(LinkFigures& link, const ano::FrameParser& parser);
 
+/// Of `control.http`, not of a link: it has lately closed waiting connections to make room for others.
+Hint waiting_connections_closed();
+
 /// The most important hint; empty when there is none.
 Hint find_hint(const LinkFigures& link);
 inline std::string hint(const LinkFigures& link) { return find_hint(link).text; }

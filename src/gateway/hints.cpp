@@ -243,6 +243,10 @@ Hint unknown_device(std::uint8_t address) {
             {{"device", device}}};
 }
 
+Hint waiting_connections_closed() {
+    return {"connections", "some waiting connections were closed: limit who can reach this port"};
+}
+
 void add_skipped(LinkFigures& link, const ano::FrameParser& parser) {
     if (!link.skipped.empty()) return;
     link.skipped.resize(ano::FrameParser::kept_skipped);

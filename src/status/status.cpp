@@ -164,8 +164,9 @@ Json http_json(const NetworkDoor& door) {
     json["wrong_tokens"] = door.wrong_tokens;
     json["guessing_clients"] = door.guessing_clients;
     json["gave_way"] = door.gave_way;
-    json["hint_id"] = door.gave_way_lately ? "connections" : "";
-    json["hint"] = door.gave_way_lately ? "some waiting connections were closed: limit who can reach this port" : "";
+    const Hint hint = door.gave_way_lately ? waiting_connections_closed() : Hint{};
+    json["hint_id"] = hint.id;
+    json["hint"] = hint.text;
     json["codes"] = {{"link", door.link_code}, {"digits", door.digits_code}};
     return json;
 }
